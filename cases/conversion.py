@@ -1,0 +1,122 @@
+"""From a checked case to the objects of the geometry: degrees to radians, flanks to generating surfaces."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from ..core.errors import InputError
+from ..geometry.assembly import Assembly, Misalignment
+from ..geometry.blade import Blade
+from ..geometry.flank_surface import GeneratingSurface, Hand
+from ..geometry.machine import MachineSettings
+from ..geometry.pair import FlankName, GearPair, Member
+from ..geometry.section import BlankSection
+from .model import Blank, Case, FlankSettings, Machine, MemberTable, MisalignmentTable
+
+Side = Literal["concave", "convex"]
+
+
+def section(blank: Blank) -> BlankSection:
+    """Axial section of a blank."""
+    return BlankSection(
+        pitch_angle=math.radians(blank.pitch_angle),
+        face_angle=math.radians(blank.face_angle),
+        root_angle=math.radians(blank.root_angle),
+        pitch_apex=blank.pitch_apex_beyond_crossing_point,
+        face_apex=blank.face_apex_beyond_crossing_point,
+        root_apex=blank.root_apex_beyond_crossing_point,
+        outer_cone_distance=blank.outer_cone_distance,
+        face_width=blank.face_width,
+        clearance=blank.clearance,
+        front_angle=None if blank.front_angle is None else math.radians(blank.front_angle),
+        back_angle=None if blank.back_angle is None else math.radians(blank.back_angle),
+    )
+
+
+def machine_settings(machine: Machine) -> MachineSettings:
+    """Machine settings in mm and rad; modified roll as polynomial coefficients C = 2C / 2, D = 6D / 6, ..."""
+    if machine.radial_distance is None or machine.cradle_angle is None:
+        horizontal, vertical = machine.horizontal_distance or 0.0, machine.vertical_distance or 0.0
+        radial, cradle = math.hypot(horizontal, vertical), math.atan2(vertical, horizontal)
+    else:
+        radial, cradle = machine.radial_distance, math.radians(machine.cradle_angle)
+    roll = [value / math.factorial(order) for order, value in enumerate(machine.modified_roll, start=2)]
+    while roll and roll[-1] == 0.0:
+        roll.pop()
+    return MachineSettings(
+        radial_distance=radial,
+        cradle_angle=cradle,
+        machine_root_angle=math.radians(machine.machine_root_angle),
+        work_offset=machine.work_offset,
+        sliding_base=machine.sliding_base,
+        machine_center_to_crossing_point=machine.machine_center_to_crossing_point,
+        cutter_tilt=math.radians(machine.cutter_tilt),
+        cutter_swivel=math.radians(machine.cutter_swivel),
+        ratio_of_roll=machine.ratio_of_roll,
+        modified_roll=tuple(roll),
+    )
+
+
+def generating_surface(settings: FlankSettings, side: Side, hand: Hand, *, pinion: bool) -> GeneratingSurface:
+    """What cuts one flank: the concave one is cut by an outside blade."""
+    blade = Blade(
+        settings.cutter.blade_point_radius,
+        math.radians(settings.cutter.blade_pressure_angle),
+        "outside" if side == "concave" else "inside",
+    )
+    return GeneratingSurface(blade, machine_settings(settings.machine), hand, -1 if pinion else 1)
+
+
+def _member(table: MemberTable, loaded: Side, hand: Hand, *, pinion: bool) -> Member:
+    other: Side = "convex" if loaded == "concave" else "concave"
+    settings, opposite = getattr(table, loaded), getattr(table, other)
+    return Member(
+        teeth=table.number_of_teeth,
+        section=section(table.blank),
+        loaded=generating_surface(settings, loaded, hand, pinion=pinion),
+        opposite=None if opposite is None else generating_surface(opposite, other, hand, pinion=pinion),
+        mean_thickness=table.mean_normal_circular_thickness,
+    )
+
+
+def misalignment(table: MisalignmentTable) -> Misalignment:
+    """Assembly errors in mm and rad."""
+    return Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+
+
+def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
+    """The gear pair of a case, seen from one pair of flanks.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    flank
+        ``drive``: pinion concave with gear convex; ``coast``: the other two.
+
+    Raises
+    ------
+    InputError
+        If the case does not describe these flanks.
+    """
+    if flank not in ("drive", "coast"):
+        raise InputError(f"flank = {flank!r}: allowed are 'drive' and 'coast'")
+    pinion_side: Side = "concave" if flank == "drive" else "convex"
+    gear_side: Side = "convex" if flank == "drive" else "concave"
+    for name, side, table in (("pinion", pinion_side, case.pinion), ("gear", gear_side, case.gear)):
+        if getattr(table, side) is None:
+            raise InputError(f"the {flank} side needs [{name}.{side}], which the case {case.title!r} does not have")
+    assembly = Assembly(
+        pinion_teeth=case.pinion.number_of_teeth,
+        gear_teeth=case.gear.number_of_teeth,
+        pinion_hand=case.pinion.hand_of_spiral,
+        shaft_angle=math.radians(case.pair.shaft_angle),
+        hypoid_offset=case.pair.hypoid_offset,
+        misalignment=misalignment(case.misalignment),
+    )
+    return GearPair(
+        pinion=_member(case.pinion, pinion_side, assembly.pinion_hand, pinion=True),
+        gear=_member(case.gear, gear_side, assembly.gear_hand, pinion=False),
+        assembly=assembly,
+    )

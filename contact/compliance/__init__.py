@@ -1,0 +1,1 @@
+"""Tooth compliance, in replaceable pieces: shell, root foundation, local line contact."""

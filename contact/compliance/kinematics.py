@@ -1,0 +1,200 @@
+"""Strain-displacement relations of the circular cylindrical shell, written as tables of terms.
+
+With ``z`` the distance from the mid-surface along its outward radius and ``g = 1 + z / r_c``, the exact strains of a
+cylinder (A. W. Leissa, Vibration of Shells, NASA SP-288, 1973; Kolivand 2009, Eq. 3.4) are, in height ``x`` and arc
+length ``y``,
+
+    e_x  = U,x                    g_xy = U,y / g + V,x
+    e_y  = (V,y + W / r_c) / g    g_xz = W,x + U,z
+                                  g_yz = (W,y - V / r_c) / g + V,z
+
+Two assumptions on the displacements are offered.
+
+``five_field``
+    U = u0 + z b_x,  V = g v0 + z b_y,  W = W: the standard first-order shear theory with the mid-surface displacements
+    u0, v0 and the section rotations b_x, b_y. It can carry forces along the tooth as well as across it.
+
+``thesis``
+    U = z (p_x - W,x),  V = z g p_y - z W,y,  W = W: the deflection and two transverse shear strains p_x, p_y, without
+    mid-surface displacements. This is the only field that gives every term of Kolivand 2009, Eq. 3.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+
+FloatArray = NDArray[np.float64]
+ShellForm = Literal["five_field", "thesis"]
+
+# Order of the strains in every strain vector.
+STRAIN_X, STRAIN_Y, SHEAR_XY, SHEAR_XZ, SHEAR_YZ = range(5)
+NUMBER_OF_STRAINS = 5
+
+# Order of the root quantities on which an elastic foundation acts.
+ROOT_DEFLECTION, ROOT_ROTATION, ROOT_HEIGHT_SHIFT, ROOT_TRACE_SHIFT, ROOT_TWIST = range(5)
+NUMBER_OF_ROOT_QUANTITIES = 5
+
+
+@dataclass(frozen=True)
+class StrainTerm:
+    """One term of a strain: coefficient(z, g) times a derivative of one field."""
+
+    strain: int
+    field: int
+    x_derivative: int
+    y_derivative: int
+    coefficient: Callable[[FloatArray, FloatArray], FloatArray]
+
+
+@dataclass(frozen=True)
+class RootTerm:
+    """One root quantity: sign times a height derivative of one field, at the root line."""
+
+    quantity: int
+    field: int
+    x_derivative: int
+    sign: float
+
+
+@dataclass(frozen=True)
+class DisplacementTerm:
+    """Part of a displacement that one field makes: 1 or g for a mid-surface field, z for a rotation.
+
+    ``component`` counts along the height, along the trace, along the outward radius.
+    """
+
+    component: int
+    field: int
+    coefficient: Literal["one", "metric", "offset"]
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """A displacement assumption: its fields, strains, root conditions and mid-surface displacements.
+
+    Attributes
+    ----------
+    field_names : tuple of str
+        The unknown fields, in the order of the degrees of freedom.
+    clamped_powers, sprung_powers : tuple of int
+        Power of the relative height in front of each field when the root is clamped, and when it rests on springs.
+    strain_terms : tuple of StrainTerm
+        All terms of all strains.
+    root_terms : tuple of RootTerm
+        What an elastic foundation acts on.
+    displacement_terms : tuple of DisplacementTerm
+        The displacements on which a load does work.
+    """
+
+    field_names: tuple[str, ...]
+    clamped_powers: tuple[int, ...]
+    sprung_powers: tuple[int, ...]
+    strain_terms: tuple[StrainTerm, ...]
+    root_terms: tuple[RootTerm, ...]
+    displacement_terms: tuple[DisplacementTerm, ...]
+
+    @property
+    def highest_x_derivative(self) -> int:
+        """Highest derivative over the height in any strain."""
+        return max(term.x_derivative for term in self.strain_terms)
+
+    @property
+    def highest_y_derivative(self) -> int:
+        """Highest derivative along the trace in any strain."""
+        return max(term.y_derivative for term in self.strain_terms)
+
+
+def _five_field(curvature: float) -> Kinematics:
+    w, bx, by, u0, v0 = range(5)
+    terms = (
+        StrainTerm(STRAIN_X, u0, 1, 0, lambda z, g: np.ones_like(z)),
+        StrainTerm(STRAIN_X, bx, 1, 0, lambda z, g: z),
+        StrainTerm(STRAIN_Y, v0, 0, 1, lambda z, g: np.ones_like(z)),
+        StrainTerm(STRAIN_Y, by, 0, 1, lambda z, g: z / g),
+        StrainTerm(STRAIN_Y, w, 0, 0, lambda z, g: curvature / g),
+        StrainTerm(SHEAR_XY, u0, 0, 1, lambda z, g: 1.0 / g),
+        StrainTerm(SHEAR_XY, bx, 0, 1, lambda z, g: z / g),
+        StrainTerm(SHEAR_XY, v0, 1, 0, lambda z, g: g),
+        StrainTerm(SHEAR_XY, by, 1, 0, lambda z, g: z),
+        StrainTerm(SHEAR_XZ, w, 1, 0, lambda z, g: np.ones_like(z)),
+        StrainTerm(SHEAR_XZ, bx, 0, 0, lambda z, g: np.ones_like(z)),
+        StrainTerm(SHEAR_YZ, w, 0, 1, lambda z, g: 1.0 / g),
+        StrainTerm(SHEAR_YZ, by, 0, 0, lambda z, g: 1.0 / g),
+    )
+    # b_x > 0 moves the outer side up the tooth, so the section leans towards -W: hence the sign of the rotation.
+    root = (
+        RootTerm(ROOT_DEFLECTION, w, 0, 1.0),
+        RootTerm(ROOT_ROTATION, bx, 0, -1.0),
+        RootTerm(ROOT_HEIGHT_SHIFT, u0, 0, 1.0),
+        RootTerm(ROOT_TRACE_SHIFT, v0, 0, 1.0),
+        RootTerm(ROOT_TWIST, by, 0, 1.0),
+    )
+    return Kinematics(
+        field_names=("W", "beta_x", "beta_theta", "u0", "v0"),
+        clamped_powers=(1, 1, 1, 1, 1),
+        sprung_powers=(0, 0, 0, 0, 0),
+        strain_terms=terms,
+        root_terms=root,
+        displacement_terms=(
+            DisplacementTerm(0, u0, "one"),
+            DisplacementTerm(0, bx, "offset"),
+            DisplacementTerm(1, v0, "metric"),
+            DisplacementTerm(1, by, "offset"),
+            DisplacementTerm(2, w, "one"),
+        ),
+    )
+
+
+def _thesis(curvature: float) -> Kinematics:
+    w, px, py = range(3)
+    terms = (
+        StrainTerm(STRAIN_X, px, 1, 0, lambda z, g: z),
+        StrainTerm(STRAIN_X, w, 2, 0, lambda z, g: -z),
+        StrainTerm(STRAIN_Y, py, 0, 1, lambda z, g: z),
+        StrainTerm(STRAIN_Y, w, 0, 2, lambda z, g: -z / g),
+        StrainTerm(STRAIN_Y, w, 0, 0, lambda z, g: curvature / g),
+        StrainTerm(SHEAR_XY, py, 1, 0, lambda z, g: z * g),
+        StrainTerm(SHEAR_XY, w, 1, 1, lambda z, g: -z * (1.0 + 1.0 / g)),
+        StrainTerm(SHEAR_XY, px, 0, 1, lambda z, g: z / g),
+        StrainTerm(SHEAR_XZ, px, 0, 0, lambda z, g: np.ones_like(z)),
+        StrainTerm(SHEAR_YZ, py, 0, 0, lambda z, g: g),
+    )
+    # The shear strains keep their zero at the root, so that there the slope of W is the rotation of the section.
+    root = (RootTerm(ROOT_DEFLECTION, w, 0, 1.0), RootTerm(ROOT_ROTATION, w, 1, 1.0))
+    return Kinematics(
+        field_names=("W", "psi_x", "psi_theta"),
+        clamped_powers=(2, 1, 1),
+        sprung_powers=(0, 1, 1),
+        strain_terms=terms,
+        root_terms=root,
+        displacement_terms=(DisplacementTerm(2, w, "one"),),
+    )
+
+
+def shell_kinematics(form: ShellForm, curvature: float) -> Kinematics:
+    """Return the displacement assumption of that name.
+
+    Parameters
+    ----------
+    form : {"five_field", "thesis"}
+        Name of the assumption, see the module's description.
+    curvature : float
+        Curvature of the tooth trace, 1 / r_c [1/mm].
+
+    Raises
+    ------
+    InputError
+        If the name is unknown.
+    """
+    if form == "five_field":
+        return _five_field(curvature)
+    if form == "thesis":
+        return _thesis(curvature)
+    raise InputError(f"unknown shell form {form!r}; known: five_field, thesis")

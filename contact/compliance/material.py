@@ -1,0 +1,50 @@
+"""The linear elastic, isotropic material of a gear member."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...core.errors import InputError
+
+
+@dataclass(frozen=True)
+class Material:
+    """A linear elastic, isotropic material.
+
+    Parameters
+    ----------
+    elastic_modulus : float
+        Young's modulus [MPa], positive.
+    poisson_ratio : float
+        Poisson's ratio [-], from 0 up to but not including 0.5.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its range or not finite.
+
+    Notes
+    -----
+    An incompressible material (0.5) is refused because the plane strain and Hertz formulas lose their strict convexity
+    there; no gear is made of one.
+    """
+
+    elastic_modulus: float
+    poisson_ratio: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.elastic_modulus) and self.elastic_modulus > 0.0):
+            raise InputError(f"elastic_modulus must be positive and finite [MPa]; got {self.elastic_modulus!r}")
+        if not 0.0 <= self.poisson_ratio < 0.5:
+            raise InputError(f"poisson_ratio must be at least 0 and below 0.5; got {self.poisson_ratio!r}")
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """Modulus of a body that cannot strain along the contact line, E / (1 - nu^2) [MPa]."""
+        return self.elastic_modulus / (1.0 - self.poisson_ratio**2)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus, E / (2 (1 + nu)) [MPa]."""
+        return self.elastic_modulus / (2.0 * (1.0 + self.poisson_ratio))

@@ -1,0 +1,242 @@
+"""The tooth as a Rayleigh-Ritz shell: factored once, then asked for the compliance between any loads.
+
+The stiffness matrix is scaled to a unit diagonal and factored, K = D^1/2 L L^T D^1/2. Loads become load vectors Phi
+(one row each), whitened loads Y = L^-1 D^-1/2 Phi^T, and the compliance between loads i and j is column i times column
+j of Y: symmetric and positive semidefinite by construction.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrf
+
+from ...core.errors import InputError
+from .foundation import ElasticFoundation
+from .kinematics import FloatArray, Kinematics, ShellForm, shell_kinematics
+from .material import Material
+from .polynomials import PolynomialFamily
+from .stiffness import TrialFunctions, stiffness_matrix
+from .tooth import ToothDimensions
+
+
+@dataclass(frozen=True)
+class Shell:
+    """Bending, shear and membrane compliance of one tooth by the Rayleigh-Ritz method (Kolivand 2009, Eq. 3.1-3.11).
+
+    Building the object assembles and factors the stiffness matrix; it is valid for all mesh positions and loads.
+
+    Parameters
+    ----------
+    dimensions : ToothDimensions
+        The tooth.
+    material : Material
+        Its material.
+    modes : tuple of int
+        Number of trial functions over the height and along the trace, (profile, lengthwise). The dissertation's
+        I_CF = 5 and I_FF = 15 are the default.
+    shear_factor : float
+        Factor on the transverse shear energy [-]; the dissertation has none, that is 1.
+    form : {"five_field", "thesis"}
+        Displacement assumption: the standard first-order shear theory with mid-surface displacements, or the
+        dissertation's deflection with two shear strains (Eq. 3.5), which answers to radial loads only.
+    foundation : ElasticFoundation, optional
+        Springs along the root; None clamps the root as in the dissertation (Eq. 3.9). The ``thesis`` form then needs
+        at least 5 profile modes, as its deflection loses the two powers that clamp it.
+    family : {"legendre", "monomial"}
+        Polynomials of the trial functions. They span the same space; monomials lose all digits beyond about (5, 5).
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, a name is unknown, or the stiffness matrix is not positive definite to working
+        precision (monomials, or far too many modes).
+
+    Notes
+    -----
+    The compliance of a single point with itself grows without limit, as a logarithm, with the number of modes: that is
+    a property of the theory. Average the load and the deflection over a segment or patch, and keep the modes fixed.
+    """
+
+    dimensions: ToothDimensions
+    material: Material
+    modes: tuple[int, int] = (5, 15)
+    shear_factor: float = 1.0
+    form: ShellForm = "five_field"
+    foundation: ElasticFoundation | None = None
+    family: PolynomialFamily = "legendre"
+    functions: TrialFunctions = field(init=False, repr=False, compare=False)
+    _factor: FloatArray = field(init=False, repr=False, compare=False)
+    _scale: FloatArray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        counts: tuple[int, ...] = tuple(self.modes)
+        if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
+            raise InputError(f"modes must be two whole numbers from 1 up, (profile, lengthwise); got {self.modes!r}")
+        if not (math.isfinite(self.shear_factor) and self.shear_factor > 0.0):
+            raise InputError(f"shear_factor must be positive and finite; got {self.shear_factor!r}")
+        if self.family not in ("legendre", "monomial"):
+            raise InputError(f"unknown polynomial family {self.family!r}; known: legendre, monomial")
+        kinematics = self.kinematics
+        functions = TrialFunctions(
+            reference_height=self.dimensions.largest_height,
+            trace_length=self.dimensions.trace_length,
+            height_count=int(counts[0]),
+            length_count=int(counts[1]),
+            root_powers=kinematics.clamped_powers if self.foundation is None else kinematics.sprung_powers,
+            family=self.family,
+        )
+        object.__setattr__(self, "modes", (functions.height_count, functions.length_count))
+        object.__setattr__(self, "functions", functions)
+        scaled, scale = self._scaled_stiffness()
+        factor, failed = dpotrf(scaled, lower=1, clean=1)
+        if failed:
+            raise InputError(
+                f"the stiffness matrix of the shell is not positive definite to working precision with modes "
+                f"{self.modes} and {self.family} polynomials; use fewer modes or Legendre polynomials"
+            )
+        factor.setflags(write=False)
+        scale.setflags(write=False)
+        object.__setattr__(self, "_factor", factor)
+        object.__setattr__(self, "_scale", scale)
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """The displacement assumption named by ``form``; made on demand, so that a shell can be pickled."""
+        return shell_kinematics(self.form, self.dimensions.trace_curvature)
+
+    @property
+    def size(self) -> int:
+        """Number of degrees of freedom."""
+        return self.functions.size
+
+    def stiffness(self) -> FloatArray:
+        """Ritz stiffness matrix, shape (n_dof, n_dof) [N/mm]; assembled anew, for inspection and checks."""
+        return stiffness_matrix(
+            self.dimensions, self.material, self.kinematics, self.functions, self.shear_factor, self.foundation
+        )
+
+    def _scaled_stiffness(self) -> tuple[FloatArray, FloatArray]:
+        stiffness = self.stiffness()
+        scale = 1.0 / np.sqrt(np.diagonal(stiffness))
+        return stiffness * scale[:, None] * scale, scale
+
+    def condition_number(self) -> float:
+        """Condition number of the stiffness matrix after scaling to a unit diagonal [-]."""
+        return float(np.linalg.cond(self._scaled_stiffness()[0]))
+
+    def load_vectors(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        direction: ArrayLike,
+        weights: ArrayLike | None = None,
+        offset: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Work of unit loads on every trial function.
+
+        A load acts at a point of the mid-surface, or at an offset from it. A force on the flank may be given at the
+        foot of its line of action on the mid-surface, where it is statically the same force, or at its true height
+        with the flank's offset.
+
+        Parameters
+        ----------
+        x : array_like
+            Height above the root line [mm]. The trial functions are polynomials: a point below the root or above the
+            tip is allowed and continues them.
+        y : array_like
+            Arc length along the trace from the toe [mm]; broadcast with ``x``. Continuation beyond the ends grows fast
+            (degree lengthwise modes - 1): stay within a fraction of a lengthwise wave.
+        direction : array_like
+            Components of the unit load along the height, along the trace (towards the heel) and along the outward
+            radius of the trace, in the last axis of length 3. The ``thesis`` form uses the radial component only.
+        weights : array_like, optional
+            Quadrature weights. If given, the last axis of the points is summed with them: a load spread over a
+            segment or patch, whose weights add up to one, becomes one load vector.
+        offset : array_like, optional
+            Distance of the load from the mid-surface along the outward radius [mm]; broadcast with ``x``. None is the
+            mid-surface. The ``thesis`` form does not feel it.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (*points, n_dof), without the summed axis if there are weights.
+
+        Raises
+        ------
+        InputError
+            If ``direction`` has no last axis of length 3.
+        """
+        direction = np.asarray(direction, dtype=np.float64)
+        if direction.ndim == 0 or direction.shape[-1] != 3:
+            raise InputError(f"direction must have a last axis of length 3; got shape {direction.shape}")
+        x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+        z = np.asarray(0.0 if offset is None else offset, dtype=np.float64)
+        points = np.broadcast_shapes(x.shape, y.shape, z.shape, direction.shape[:-1])
+        if weights is not None:
+            if not points:
+                raise InputError("weights sum the last axis of the points, but a single point was given")
+            direction = direction * np.asarray(weights, dtype=np.float64)[..., None]
+            points = np.broadcast_shapes(points, direction.shape[:-1])
+        direction = np.broadcast_to(direction, (*points, 3))
+        functions = self.functions
+        along = functions.along_trace(y)[0]
+        over_height = {power: functions.over_height(x, power)[0] for power in set(functions.root_powers)}
+        if weights is not None:
+            along = np.broadcast_to(along, (*points, functions.length_count))
+            points = points[:-1]
+        coefficients = {"one": 1.0, "metric": 1.0 + self.dimensions.trace_curvature * z, "offset": z}
+
+        # Fields that the loads do not feel stay zero.
+        vectors = np.zeros((*points, len(functions.root_powers), functions.height_count, functions.length_count))
+        for term in self.kinematics.displacement_terms:
+            if offset is None and term.coefficient == "offset":
+                continue
+            strength = direction[..., term.component] * coefficients[term.coefficient]
+            loaded = strength[..., None] * over_height[functions.root_powers[term.field]]
+            if weights is None:
+                np.multiply(loaded[..., :, None], along[..., None, :], out=vectors[..., term.field, :, :])
+            else:
+                vectors[..., term.field, :, :] = np.swapaxes(loaded, -1, -2) @ along
+        return vectors.reshape(*points, self.size)
+
+    def whiten(self, load_vectors: ArrayLike) -> FloatArray:
+        """Whitened loads: their inner products are the compliances.
+
+        Parameters
+        ----------
+        load_vectors : array_like
+            Shape (n, n_dof), from :meth:`load_vectors` or any linear combination of its rows.
+
+        Returns
+        -------
+        numpy.ndarray
+            Y of shape (n_dof, n); Y^T Y is the compliance between the loads [mm/N].
+        """
+        vectors = np.asarray(load_vectors, dtype=np.float64)
+        if vectors.ndim != 2 or vectors.shape[1] != self.size:
+            raise InputError(f"load_vectors must have shape (n, {self.size}); got {vectors.shape}")
+        if vectors.shape[0] == 0:
+            return np.zeros((self.size, 0))
+        scaled = vectors * self._scale
+        return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
+
+    def compliance(self, load_vectors: ArrayLike) -> FloatArray:
+        """Compliance matrix between loads (Kolivand 2009, Eq. 3.11).
+
+        Parameters
+        ----------
+        load_vectors : array_like
+            Shape (n, n_dof).
+
+        Returns
+        -------
+        numpy.ndarray
+            Symmetric positive semidefinite, shape (n, n) [mm/N].
+        """
+        whitened = self.whiten(load_vectors)
+        return np.asarray(whitened.T @ whitened)

@@ -1,0 +1,76 @@
+"""The native solver: a cascade of methods, the fast one first, each answer certified before it is believed.
+
+1. Primal-dual active set from the warm start, or from the Winkler estimate.
+2. Primal active set, which cannot cycle.
+3. Interior point, with an exact polish on the active set it finds.
+
+The cascade ends at the first answer whose certificate is at rounding level; otherwise the best one is judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ..scaling import ScaledProblem
+from .answer import ScaledAnswer
+from .interior_point import interior_point
+from .polish import polish
+from .primal_active_set import primal_active_set
+from .primal_dual_active_set import primal_dual_active_set
+
+#: Methods by name, in the order of the cascade.
+METHODS = ("primal_dual_active_set", "primal_active_set", "interior_point")
+
+
+def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[str, Any]) -> Iterator[ScaledAnswer]:
+    """Yield answers of the methods in turn; the caller stops at the first it accepts.
+
+    Parameters
+    ----------
+    problem : ScaledProblem
+    active : (n) bool array
+        Segments thought to touch.
+    settings : dict
+        ``method``: the name of a single method instead of the cascade.
+
+    Raises
+    ------
+    InputError
+        An unknown setting or method.
+    """
+    settings = dict(settings)
+    method = settings.pop("method", "cascade")
+    if settings:
+        raise InputError(f"native has no setting {', '.join(sorted(settings))}: the only one is method")
+    if method != "cascade" and method not in METHODS:
+        raise InputError(f"native has no method {method!r}: choose from cascade, {', '.join(METHODS)}")
+    return _answers(problem, active, METHODS if method == "cascade" else (method,))
+
+
+def _answers(problem: ScaledProblem, active: NDArray[np.bool_], methods: tuple[str, ...]) -> Iterator[ScaledAnswer]:
+    stages: dict[str, Callable[[], Iterator[ScaledAnswer | None]]] = {
+        "primal_dual_active_set": lambda: iter((primal_dual_active_set(problem, active),)),
+        "primal_active_set": lambda: iter((primal_active_set(problem, active) if problem.torque > 0.0 else None,)),
+        "interior_point": lambda: _interior_point_answers(problem),
+    }
+    for method in methods:
+        for answer in stages[method]():
+            if answer is not None:
+                yield answer
+
+
+def _interior_point_answers(problem: ScaledProblem) -> Iterator[ScaledAnswer | None]:
+    result = interior_point(problem)
+    if result is None:
+        return
+    answer, gap = result
+    exact = polish(problem, answer, gap)
+    if exact is not None:
+        yield replace(exact, iterations=answer.iterations + exact.iterations)
+    yield answer

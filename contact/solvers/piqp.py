@@ -1,0 +1,37 @@
+"""Adapter of PIQP, a proximal interior-point solver (Schwan et al. 2023, doi 10.1109/CDC49753.2023.10383915)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ...core.errors import InputError
+from ..scaling import ScaledProblem
+from .answer import ScaledAnswer
+from .backend import read_answer, run_qpsolvers
+from .status import Status
+
+_SUSPICIONS = {
+    "PIQP_PRIMAL_INFEASIBLE": Status.INFEASIBLE,
+    "PIQP_DUAL_INFEASIBLE": Status.UNBOUNDED,
+    "PIQP_MAX_ITER_REACHED": Status.NOT_CONVERGED,
+}
+
+
+def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Solve the scaled problem."""
+    _check(settings)
+    solution = run_qpsolvers("piqp", problem, settings)
+    info = solution.extras["info"]
+    status = str(info.status).rpartition(".")[2]
+    return read_answer(solution, iterations=int(info.iter), message=status, suspicion=_SUSPICIONS.get(status))
+
+
+def _check(settings: Mapping[str, Any]) -> None:
+    """Refuse misspelt settings, which would be ignored in silence."""
+    import piqp
+
+    known = piqp.DenseSolver().settings
+    for name in settings:
+        if name != "backend" and not hasattr(known, name):
+            raise InputError(f"piqp has no setting {name!r}")

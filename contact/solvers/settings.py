@@ -1,0 +1,130 @@
+"""The one table of the solvers: package, kind, settings for high accuracy, and the certificate each must reach unpolished.
+
+All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances mean nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..certificate import APPROXIMATE_TOLERANCE, EXACT_TOLERANCE
+
+#: Seconds after which a backend that can be stopped is stopped.
+TIME_LIMIT = 10.0
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """What is known about one solver.
+
+    Attributes
+    ----------
+    package : str
+        Importable package it needs; empty for the native solver.
+    requirement : str
+        What pip installs to get it.
+    kind : str
+        The method, in a few words.
+    sparse : bool
+        Whether it wants sparse matrices.
+    tolerance : float
+        Certificate an unpolished answer must reach to be accepted.
+    settings : mapping
+        Keywords passed to it; what the caller gives comes on top.
+    """
+
+    package: str
+    requirement: str
+    kind: str
+    sparse: bool = False
+    tolerance: float = EXACT_TOLERANCE
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+_EXTRA = "easeoff[solvers]"
+
+SOLVERS: dict[str, SolverSettings] = {
+    "native": SolverSettings("", "easeoff", "primal-dual active set with certified fallbacks, dense"),
+    "clarabel": SolverSettings(
+        "clarabel",
+        "clarabel",
+        "interior point, sparse",
+        sparse=True,
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={
+            "tol_gap_abs": 1e-11,
+            "tol_gap_rel": 1e-11,
+            "tol_feas": 1e-11,
+            "tol_ktratio": 1e-9,
+            "max_iter": 200,
+            "time_limit": TIME_LIMIT,
+        },
+    ),
+    "osqp": SolverSettings(
+        "osqp",
+        "osqp",
+        "alternating direction method of multipliers, sparse",
+        sparse=True,
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={
+            "eps_abs": 1e-10,
+            "eps_rel": 1e-10,
+            "max_iter": 100_000,
+            "polishing": True,
+            "time_limit": TIME_LIMIT,
+        },
+    ),
+    "daqp": SolverSettings(
+        "daqp",
+        "daqp",
+        "dual active set, dense",
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
+    ),
+    "piqp": SolverSettings(
+        "piqp",
+        "piqp",
+        "proximal interior point, dense",
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "max_iter": 500},
+    ),
+    "proxqp": SolverSettings(
+        "proxsuite",
+        _EXTRA,
+        "proximal augmented Lagrangian, dense",
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
+    ),
+    "highs": SolverSettings(
+        "highspy",
+        _EXTRA,
+        "primal active set, sparse input",
+        sparse=True,
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={
+            "primal_feasibility_tolerance": 1e-10,
+            "dual_feasibility_tolerance": 1e-10,
+            # By default 1e-7 is added to the diagonal, a bias of the same size in the forces.
+            "qp_regularization_value": 0.0,
+            # It has been seen to cycle for ever.
+            "time_limit": TIME_LIMIT,
+        },
+    ),
+    "scs": SolverSettings(
+        "scs",
+        _EXTRA,
+        "splitting cone solver, sparse",
+        sparse=True,
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
+    ),
+    "cvxpy": SolverSettings(
+        "cvxpy",
+        "cvxpy",
+        "modelling language, by default with clarabel",
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
+    ),
+}

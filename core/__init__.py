@@ -1,0 +1,1 @@
+"""What every stage shares: the exceptions and the table of variable attributes."""

@@ -1,0 +1,118 @@
+"""Units and long names of every variable that leaves the package, in one table, and how they are attached."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from .errors import EaseoffError
+
+VARIABLES: Mapping[str, tuple[str, str]] = {
+    # dimensions and coordinates
+    "lengthwise": ("1", "fraction along the face, 0 at the toe, 1 at the heel"),
+    "profile": ("1", "fraction of the flank's height, 0 at the root, 1 at the tip"),
+    "mesh_position": ("1", "fraction of the mesh cycle (one pinion pitch)"),
+    "pinion_rotation": ("rad", "pinion rotation in the drive sense, zero where the middle of its flank is in contact"),
+    "torque": ("N m", "torque at the pinion"),
+    "order": ("1", "harmonic order of the mesh frequency"),
+    "pair": ("1", "tooth pair: 0 the pair followed, negative before it, positive after it"),
+    "segment": ("1", "contact segment, counted over all contact lines"),
+    "line": ("1", "contact line"),
+    "member": ("", "member of the pair"),
+    "xyz": ("", "component in the member's frame: z along its axis from the crossing point to the heel"),
+    # flanks
+    "position": ("mm", "position on the flank in the member's frame"),
+    "normal": ("1", "unit normal of the flank, out of the tooth"),
+    "principal_curvature": ("mm-1", "principal curvature, positive where the tooth is convex"),
+    "principal_direction": ("1", "unit vector of the first principal direction"),
+    "flank_status": ("", "why a node can or cannot be used"),
+    "inside": ("1", "1 where the node is usable, 0 elsewhere"),
+    # ease-off
+    "ease_off": ("um", "ease-off along the normal, positive where there is a gap"),
+    "ease_off_angle": ("rad", "ease-off as a rotation of the gear, positive where there is a gap"),
+    "roll_angle": ("rad", "pinion rotation at which the node is in conjugate contact, zero at the middle of the pinion"),
+    "lever_arm": ("mm", "arm of the normal force about the gear axis"),
+    "separation_curvature": ("rad-1", "second derivative of the gap, as a gear rotation, by the pinion rotation"),
+    "pinion_lengthwise": ("1", "lengthwise fraction of the conjugate point on the pinion"),
+    "pinion_profile": ("1", "profile fraction of the conjugate point on the pinion"),
+    "blade_distance": ("mm", "distance from the blade tip along the blade that cuts here, the smaller of both members"),
+    "status": ("", "why a node or a solution can or cannot be used"),
+    # teeth
+    "shell_height": ("mm", "height above the root line where the line of the contact force meets the tooth's middle"),
+    "shell_arc": ("mm", "distance from the toe along the tooth trace where the force meets the tooth's middle"),
+    "shell_direction": ("1", "direction of the contact force on the tooth: along height, along trace, through thickness"),
+    "depth": ("mm", "distance from the contact point to the tooth's middle along the normal"),
+    "trace_length": ("mm", "length of the tooth along its trace at mid height"),
+    "trace_radius": ("mm", "radius of the tooth trace at mid face"),
+    "tooth_height": ("mm", "tooth height above the root cone"),
+    "plate_thickness": ("mm", "normal thickness of the plate that stands for the tooth"),
+    "shell_axis": ("", "axis of the plate that stands for the tooth"),
+    "tooth_end": ("", "end of the tooth"),
+    "plate_edge": ("", "edge of the plate"),
+    "principal": ("1", "number of the principal curvature"),
+    "end": ("1", "end of the contact line"),
+    "thickness": ("mm", "normal thickness of the tooth"),
+    # unloaded
+    "transmission_error": ("urad", "transmission error as a rotation of the gear, positive where the gear lags"),
+    "transmission_error_envelope": ("urad", "transmission error of the pair that carries"),
+    "carrying_pair": ("1", "tooth pair that carries"),
+    "path_lengthwise": ("1", "lengthwise fraction of the path of contact on the gear"),
+    "path_profile": ("1", "profile fraction of the path of contact on the gear"),
+    "line_lengthwise": ("1", "lengthwise fraction of the two ends of the contact line on the gear"),
+    "line_profile": ("1", "profile fraction of the two ends of the contact line on the gear"),
+    "line_length": ("mm", "length of the contact line within the chosen separation"),
+    "peak_to_peak": ("urad", "peak to peak of the transmission error over a mesh cycle"),
+    "mean_level": ("urad", "mean of the transmission error over a mesh cycle"),
+    "harmonic": ("urad", "amplitude of a harmonic of the transmission error"),
+    "rms": ("urad", "root of the sum of the squared amplitudes of the first three harmonics"),
+    # loaded
+    "force": ("N", "normal force on a segment"),
+    "pressure": ("MPa", "greatest contact pressure of a segment"),
+    "gap": ("um", "gap left at a segment along the normal"),
+    "separation": ("mm", "normal gap before loading at the nominal rotation"),
+    "length": ("mm", "length of a segment"),
+    "equivalent_radius": ("mm", "radius of relative curvature across the contact line"),
+    "half_width": ("mm", "half width of the contact band"),
+    "tooth": ("1", "tooth pair the segment belongs to"),
+    "load_share": ("1", "share of the gear torque carried by a tooth pair"),
+    "equilibrium": ("1", "certificate: torque error over the torque"),
+    "negative_force": ("1", "certificate: largest negative force over the mean force"),
+    "negative_gap": ("1", "certificate: largest penetration over the mean deflection"),
+    "complementarity": ("1", "certificate: largest product of force and gap, scaled"),
+    "duality_gap": ("1", "certificate: relative duality gap"),
+    "iterations": ("1", "iterations of the solver"),
+    "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+}
+
+
+def labelled(dataset: xr.Dataset) -> xr.Dataset:
+    """Attach ``units`` and ``long_name`` to every variable and coordinate of a dataset.
+
+    Attributes a variable already has are kept.
+
+    Raises
+    ------
+    EaseoffError
+        If a variable is not in the table: every variable that leaves the package is described.
+    """
+    result = dataset.copy()
+    for name in result.variables:
+        if str(name) not in VARIABLES:
+            raise EaseoffError(f"variable {name!r} has no entry in the table of attributes")
+        units, long_name = VARIABLES[str(name)]
+        attributes: dict[str, Any] = {"long_name": long_name}
+        if units:
+            attributes["units"] = units
+        result[name].attrs = {**attributes, **result[name].attrs}
+    return result
+
+
+def flag_attributes(meanings: Mapping[int, str]) -> dict[str, Any]:
+    """CF attributes of an integer status variable."""
+    return {
+        "flag_values": np.array(list(meanings), dtype=np.int8),
+        "flag_meanings": " ".join(name.lower() for name in meanings.values()),
+    }

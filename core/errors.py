@@ -1,0 +1,19 @@
+"""The exceptions of the package: one tree, so that a caller can catch all of them at once."""
+
+from __future__ import annotations
+
+
+class EaseoffError(Exception):
+    """Anything this package raises on purpose."""
+
+
+class InputError(EaseoffError, ValueError):
+    """A value given by the user that cannot be used; the message names it and says what is allowed."""
+
+
+class GeometryError(EaseoffError):
+    """Settings that describe no tooth: no flank in the blank, no conjugate position, no overlap."""
+
+
+class MissingSolverError(EaseoffError, ImportError):
+    """A solver was asked for whose package is not installed; the message says which extra installs it."""

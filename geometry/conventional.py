@@ -1,0 +1,118 @@
+"""Conventional unloaded tooth contact analysis: an independent check of the ease-off method.
+
+At a given pinion rotation the two flanks touch where positions and normals agree: five equations for the two
+parameters of each flank and the gear rotation (Kolivand 2009, Eq. 2.14; Litvin).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .conjugate import ConjugateMotion
+from .flank_surface import GeneratingSurface
+from .newton import complex_step
+from .vectors import column, rotate
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class PointContact:
+    """Contact points at the given pinion rotations (n); columns that did not converge are NaN.
+
+    Parameters
+    ----------
+    pinion_rotation
+        Rotation of the pinion in the drive sense [rad].
+    closing_angle
+        Gear rotation against the drive sense, beyond the ideal ratio, at which the flanks touch [rad]: the ease-off
+        method's transmission error plus its ``first_contact_rad``.
+    gear_parameters, pinion_parameters
+        Surface parameters (2, n).
+    gear_position, pinion_position
+        Contact point (3, n) in each member's own frame [mm].
+    converged
+        Where the equations are solved.
+    """
+
+    pinion_rotation: Array
+    closing_angle: Array
+    gear_parameters: Array
+    pinion_parameters: Array
+    gear_position: Array
+    pinion_position: Array
+    converged: NDArray[np.bool_]
+
+
+def point_contact(
+    motion: ConjugateMotion,
+    gear_surface: GeneratingSurface,
+    pinion_rotation: Array,
+    gear_start: Array,
+    pinion_start: Array,
+    closing_start: Array,
+    *,
+    iterations: int = 30,
+) -> PointContact:
+    """Solve the five equations of contact at every pinion rotation.
+
+    Parameters
+    ----------
+    motion
+        Axes, senses and pinion surface.
+    gear_surface
+        The gear flank.
+    pinion_rotation
+        Pinion rotations (n) in the drive sense, counted as in ``motion`` [rad].
+    gear_start, pinion_start, closing_start
+        First guess of the surface parameters (2, n) each, and of the closing angle (n).
+    iterations
+        Newton iterations.
+
+    Returns
+    -------
+    PointContact
+        Contact points, NaN where not converged.
+    """
+    assembly = motion.assembly
+    start = np.concatenate([gear_start, pinion_start, closing_start[None]])
+    unknowns = start.copy()
+
+    def mismatch(values: Array) -> Array:
+        p, n_p = motion.action_point(values[2:4], pinion_rotation)
+        g, n_g, _ = gear_surface.evaluate(values[:2])
+        turn = pinion_rotation / assembly.ratio - values[4]
+        g = rotate(motion.gear_axis, turn, g) + column(assembly.gear_origin, g)
+        n_g = rotate(motion.gear_axis, turn, n_g)
+        return np.concatenate([p - g, n_p + n_g])
+
+    limit = np.concatenate([gear_surface.max_step, motion.surface.max_step, [0.05]])[:, None]
+    converged = np.zeros(pinion_rotation.shape, dtype=bool)
+    with np.errstate(all="ignore"):
+        for _ in range(iterations):
+            columns = []
+            for index in range(5):
+                value, derivative = complex_step(mismatch, unknowns, index)
+                columns.append(derivative)
+            # Two of the three normal equations are independent; least squares keeps the symmetry between them.
+            jacobian = np.stack(columns, axis=-1).transpose(1, 0, 2)
+            finite = np.all(np.isfinite(jacobian), axis=(1, 2))
+            jacobian[~finite] = 0.0
+            residual = np.where(finite, value, 0.0)
+            step = -(np.linalg.pinv(jacobian) @ residual.T[..., None])[..., 0].T
+            converged = finite & (np.max(np.abs(value), axis=0) < 1e-10)
+            step = step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
+            unknowns = unknowns + step
+            if np.all(converged | ~finite):
+                break
+        gear_position, _, _ = gear_surface.evaluate(unknowns[:2])
+        pinion_position, _, _ = motion.surface.evaluate(unknowns[2:4])
+    blank = np.where(converged, 1.0, np.nan)
+    return PointContact(
+        pinion_rotation, unknowns[4] * blank, unknowns[:2] * blank, unknowns[2:4] * blank,
+        gear_position * blank, pinion_position * blank, converged,
+    )

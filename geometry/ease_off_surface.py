@@ -1,0 +1,175 @@
+"""Ease-off and surface of roll angle of a pair, on the grid of the gear flank.
+
+For every gear node the pinion point is sought whose conjugate gear point has the node's axial and radial coordinates;
+the two then differ by a rotation about the gear axis alone. That rotation is the ease-off as an angle, the pinion
+rotation that makes the conjugate point is the roll angle (Kolivand 2009, sections 2.5 and 4.2). No first-order
+shortcut is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import GeometryError
+from .assembly import Assembly
+from .conjugate import ConjugateMotion
+from .flank_surface import Flank, GeneratingSurface, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
+from .newton import complex_step, solve
+from .section import BlankSection
+from .vectors import cross, dot
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class EaseOff:
+    """Ease-off of a pair at the nodes of the gear flank; all arrays (n) unless said.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion it was computed with.
+    pinion_parameters
+        Parameters (2, n) of the pinion point conjugate to each node.
+    roll_angle
+        Pinion rotation at which the node is in conjugate contact [rad], zero at the mean point of the pinion.
+    angle
+        Ease-off as a gear rotation [rad], growing with the gap: how far the gear turns against the drive sense from its
+        stored position until the node meets the conjugate surface. Only differences matter.
+    lever_arm
+        Arm of the normal force about the gear axis [mm].
+    separation_curvature
+        Second derivative of the gap (a gear angle) by the pinion rotation at a fixed gear point [1/rad].
+    pinion_lengthwise, pinion_profile
+        Fractions of the conjugate point on the pinion flank.
+    blade_distance
+        Distance along the blade from its tip [mm], the smaller one of gear and pinion; negative where no blade cuts.
+    status
+        ``NodeStatus`` of the node and of its conjugate point.
+    """
+
+    motion: ConjugateMotion
+    pinion_parameters: Array
+    roll_angle: Array
+    angle: Array
+    lever_arm: Array
+    separation_curvature: Array
+    pinion_lengthwise: Array
+    pinion_profile: Array
+    blade_distance: Array
+    status: NDArray[np.int8]
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Where gear node and conjugate pinion point both lie on their flanks (n)."""
+        return self.status == NodeStatus.INSIDE
+
+
+def conjugate_motion(surface: GeneratingSurface, section: BlankSection, assembly: Assembly) -> ConjugateMotion:
+    """Conjugate motion of a pinion flank: sense of drive rotation, and root branch from the pinion's mean point.
+
+    Raises
+    ------
+    GeometryError
+        If the mean point has no conjugate position.
+    """
+    mean = mean_parameters(surface, section)
+    position, normal, _ = surface.evaluate(mean)
+    # The pinion pushes along its outward normal; that is the sense in which this flank drives.
+    sense = float(np.sign(position[0] * normal[1] - position[1] * normal[0])[0])
+    motion = ConjugateMotion(surface, assembly, sense)
+    plus, minus = motion.roots(*motion.pinion_point(mean))
+    if not np.isfinite(plus[0]):
+        raise GeometryError("the middle of the pinion flank never meets a conjugate gear: check shaft_angle, "
+                            "hypoid_offset and the hands of the members")
+    branch = 1.0 if abs(plus[0]) <= abs(minus[0]) else -1.0
+    return replace(motion, branch=branch, center=float(plus[0] if branch > 0 else minus[0]))
+
+
+def _separation_curvature(motion: ConjugateMotion, parameters: Array, rotation: Array) -> Array:
+    """Second derivative of the gap by the pinion rotation, at fixed axial and radial coordinates on the gear."""
+
+    def approach_and_place(p: Array) -> Array:
+        position, normal = motion.action_point(p[:2], p[2])
+        relative = position - motion.assembly.gear_origin.reshape(3, 1)
+        radial = np.sqrt(relative[0] ** 2 + relative[1] ** 2)
+        return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
+
+    arguments = np.concatenate([parameters, rotation[None]])
+    d = [complex_step(approach_and_place, arguments, index)[1] for index in range(3)]
+    determinant = d[0][1] * d[1][2] - d[1][1] * d[0][2]
+    # How the pinion parameters follow the rotation while the place on the gear stays fixed.
+    first = -(d[2][1] * d[1][2] - d[1][1] * d[2][2]) / determinant
+    second = -(d[0][1] * d[2][2] - d[2][1] * d[0][2]) / determinant
+    return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second))
+
+
+def compute(gear: Flank, pinion_surface: GeneratingSurface, pinion_section: BlankSection, assembly: Assembly) -> EaseOff:
+    """Ease-off and roll angle of a pair at the nodes of the gear flank.
+
+    Parameters
+    ----------
+    gear
+        Gear flank on its nodes (n).
+    pinion_surface, pinion_section
+        The pinion flank and blank.
+    assembly
+        The pair, with its misalignment.
+
+    Returns
+    -------
+    EaseOff
+        Nodes without a conjugate point carry NaN and a status.
+
+    Raises
+    ------
+    GeometryError
+        If no node of the gear has a conjugate point on the pinion.
+    """
+    motion = conjugate_motion(pinion_surface, pinion_section, assembly)
+    target = np.stack([gear.position[2], np.hypot(gear.position[0], gear.position[1])])
+    usable = np.all(np.isfinite(target), axis=0)
+
+    def place(parameters: Array) -> Array:
+        point, _ = motion.conjugate_gear(parameters)
+        return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
+
+    mean = mean_parameters(pinion_surface, pinion_section)
+    lattice, orientation = seed_lattice(pinion_surface, pinion_section, mean)
+    with np.errstate(all="ignore"):
+        start = nearest_seeds(place(lattice), lattice, np.where(usable, target, 0.0))
+    found = solve(place, start, np.where(usable, target, 0.0), pinion_surface.max_step)
+    with np.errstate(all="ignore"):
+        point, roll_angle = motion.conjugate_gear(found.parameters)
+        position, _, distance = pinion_surface.evaluate(found.parameters)
+        side = pinion_surface.orientation(found.parameters) * float(orientation)
+        # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
+        turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
+        angle = -motion.pinion_sense * (np.mod(turned + np.pi, 2 * np.pi) - np.pi)
+        curvature = _separation_curvature(motion, found.parameters, roll_angle)
+    lengthwise, profile = pinion_section.fractions(position[2], np.hypot(position[0], position[1]))
+
+    on_pinion = (lengthwise >= 0.0) & (lengthwise <= 1.0) & (profile >= 0.0) & (profile <= 1.0)
+    status = np.where(on_pinion, gear.status, NodeStatus.OUTSIDE_BLANK).astype(np.int8)
+    status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
+    status[~(side > 0.0)] = NodeStatus.UNDERCUT
+    status[~(found.converged & usable & np.isfinite(angle))] = NodeStatus.NO_SOLUTION
+    inside = status == NodeStatus.INSIDE
+    if not np.any(inside):
+        raise GeometryError("no part of the gear flank meets the pinion flank: check the blanks, the hands, "
+                            "hypoid_offset and shaft_angle")
+    missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
+    arm = np.abs(dot(_about_axis(gear.position), gear.normal))
+    blank = [np.where(missing, np.nan, v) for v in
+             (roll_angle - motion.center, angle, arm, curvature, lengthwise, profile,
+              np.minimum(distance, gear.blade_distance))]
+    return EaseOff(motion, found.parameters, *blank, status=status)
+
+
+def _about_axis(position: Array) -> Array:
+    """Velocity (3, n) of points for a unit rotation about the z axis."""
+    return cross(np.broadcast_to(np.array([0.0, 0.0, 1.0]).reshape(3, 1), position.shape), position)

@@ -1,0 +1,164 @@
+"""The cradle machine: from the cutter frame to the frame of the member being cut (Kolivand 2009, Eq. 2.7).
+
+Everything here describes a *right-hand* member; a left-hand one is its mirror image (see ``flank_surface``).
+
+Machine frame: z along the cradle axis, towards the blank; x along the root line when sliding base, machine centre to
+crossing point and work offset are zero. Member frame: z along the member's own axis, from the crossing point to the
+heel; the tooth lies near the x axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class MachineSettings:
+    """Basic settings of a hypoid generator, in the standard Gleason meaning.
+
+    Parameters
+    ----------
+    radial_distance
+        Cutter centre from the cradle axis [mm].
+    cradle_angle
+        Basic cradle angle, from the root line to the cutter centre [rad].
+    machine_root_angle
+        Angle between the work axis and the cradle plane [rad].
+    work_offset
+        Work (blank) offset [mm]; positive up for a left-hand member.
+    sliding_base
+        Position of the sliding base [mm].
+    machine_center_to_crossing_point
+        Machine centre to crossing point (machine centre to back), along the work axis [mm].
+    cutter_tilt, cutter_swivel
+        Tilt of the cutter axis, and direction of the tilt [rad].
+    ratio_of_roll
+        Rotation of the work per rotation of the cradle; ``None`` for a Formate (non-generated) member.
+    modified_roll
+        Coefficients (C, D, E, ...) of work rotation = ratio (p - C p^2 - D p^3 - ...), p the cradle increment;
+        C in rad^-1, D in rad^-2 and so on.
+    """
+
+    radial_distance: float
+    cradle_angle: float
+    machine_root_angle: float
+    work_offset: float = 0.0
+    sliding_base: float = 0.0
+    machine_center_to_crossing_point: float = 0.0
+    cutter_tilt: float = 0.0
+    cutter_swivel: float = 0.0
+    ratio_of_roll: float | None = None
+    modified_roll: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            values = () if value is None else np.atleast_1d(value)
+            if not np.all(np.isfinite(values)):
+                raise InputError(f"{field.name} = {value}: must be a finite number")
+        if self.ratio_of_roll is None and self.modified_roll:
+            raise InputError("modified_roll is given but ratio_of_roll is not: a Formate member has no generating roll")
+
+    @property
+    def generated(self) -> bool:
+        """Whether the member is generated (rolled); if not, it is Formate."""
+        return self.ratio_of_roll is not None
+
+
+IncrementSense = Literal[-1, 1]
+"""Sense of the cradle increment seen from a right-hand member: +1 for a gear, -1 for a pinion.
+
+A pair is cut with one sense of the cradle, so that its two members, of opposite hand, differ here. It matters for the
+even orders of the modified roll only.
+"""
+
+
+def _rotate_z(angle: Any, vector: Array) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.stack([cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1], vector[2]])
+
+
+def _rotate_x(angle: float, vector: Array) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.stack([vector[0], cosine * vector[1] - sine * vector[2], sine * vector[1] + cosine * vector[2]])
+
+
+def cutter_to_machine(settings: MachineSettings, cradle_rotation: Any, vector: Array) -> Array:
+    """Turn a direction (3, n) from the cutter frame into the machine frame."""
+    tilted = _rotate_z(-settings.cutter_swivel, _rotate_x(settings.cutter_tilt, vector))
+    return _rotate_z(settings.cradle_angle + cradle_rotation, tilted)
+
+
+def cutter_center(settings: MachineSettings, cradle_rotation: Array) -> Array:
+    """Centre of the blade tip plane (3, n) [mm] in the machine frame."""
+    angle = settings.cradle_angle + cradle_rotation
+    zero = np.zeros_like(angle)
+    return np.stack([settings.radial_distance * np.cos(angle), settings.radial_distance * np.sin(angle), zero])
+
+
+def work_axis(settings: MachineSettings) -> tuple[Array, Array]:
+    """Unit vector (3) of the work axis and the crossing point (3) [mm] on it, in the machine frame."""
+    cosine, sine = np.cos(settings.machine_root_angle), np.sin(settings.machine_root_angle)
+    direction = np.array([cosine, 0.0, sine])
+    translation = np.array([0.0, settings.work_offset, settings.sliding_base])
+    return direction, settings.machine_center_to_crossing_point * direction + translation
+
+
+def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: IncrementSense) -> tuple[Any, Any]:
+    """Rotation of the work, and its derivative by the cradle rotation.
+
+    Parameters
+    ----------
+    settings
+        Machine settings.
+    cradle_rotation
+        Rotation of the cradle about the machine z axis [rad].
+    sense
+        Sense of the cradle increment, see ``IncrementSense``.
+
+    Returns
+    -------
+    tuple
+        Rotation [rad] and ratio, both shaped as ``cradle_rotation`` (Kolivand 2009, Eq. 2.4a, with modified roll).
+    """
+    ratio = settings.ratio_of_roll or 0.0
+    increment = sense * cradle_rotation
+    rotation = increment
+    derivative = np.ones_like(increment)
+    for index, coefficient in enumerate(settings.modified_roll):
+        power = index + 2
+        rotation = rotation - coefficient * increment**power
+        derivative = derivative - power * coefficient * increment ** (power - 1)
+    return sense * ratio * rotation, ratio * derivative
+
+
+def machine_to_member(settings: MachineSettings, rotation: Any, vector: Array, *, point: bool) -> Array:
+    """Turn a position or a direction (3, n) from the machine frame into the frame of the member being cut.
+
+    Parameters
+    ----------
+    settings
+        Machine settings.
+    rotation
+        Rotation of the work [rad], see ``work_rotation``.
+    vector
+        Position [mm] or direction in the machine frame.
+    point
+        Whether the vector is a position, so that the translations apply.
+    """
+    cosine, sine = np.cos(settings.machine_root_angle), np.sin(settings.machine_root_angle)
+    if point:
+        _, origin = work_axis(settings)
+        vector = vector - origin.reshape((3,) + (1,) * (vector.ndim - 1))
+    member = np.stack(
+        [sine * vector[0] - cosine * vector[2], vector[1], cosine * vector[0] + sine * vector[2]]
+    )
+    return _rotate_z(-rotation, member)

@@ -1,0 +1,112 @@
+"""Newton's method for two equations in two unknowns, on all nodes at once, with derivatives by complex step.
+
+The functions of this package that carry a flank are analytic, so an imaginary step of 1e-30 gives derivatives exact to
+rounding (Squire & Trapp 1998, doi:10.1137/S003614459631241X); no step size has to be chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+STEP = 1e-30
+
+
+def complex_step(function: Callable[[Array], Array], parameters: Array, index: int) -> tuple[Array, Array]:
+    """Value and derivative of ``function`` by one of its parameters.
+
+    Parameters
+    ----------
+    function
+        Analytic function of an array (m, n); the n columns are independent of one another.
+    parameters
+        Where to differentiate (m, n).
+    index
+        Row of the parameter to differentiate by.
+
+    Returns
+    -------
+    tuple
+        Value and derivative, both shaped as the function's result.
+    """
+    stepped = parameters.astype(complex)
+    stepped[index] += 1j * STEP
+    result = function(stepped)
+    return result.real, result.imag / STEP
+
+
+@dataclass(frozen=True)
+class NewtonResult:
+    """Outcome of ``solve``: parameters (2, n), jacobian (2, 2, n) and where it converged (n)."""
+
+    parameters: Array
+    jacobian: Array
+    converged: NDArray[np.bool_]
+
+
+def solve(
+    function: Callable[[Array], Array],
+    start: Array,
+    target: Array,
+    max_step: Array,
+    *,
+    tolerance: float = 1e-11,
+    iterations: int = 40,
+) -> NewtonResult:
+    """Solve ``function(parameters) = target`` column by column.
+
+    Parameters
+    ----------
+    function
+        Analytic map from (2, n) to (2, n).
+    start
+        First guess (2, n).
+    target
+        Right-hand side (2, n).
+    max_step
+        Largest change of each parameter in one iteration (2).
+    tolerance
+        Converged where the residual is below this times the size of the targets and the last step was small.
+    iterations
+        Iteration limit.
+
+    Returns
+    -------
+    NewtonResult
+        NaN parameters never appear; look at ``converged``.
+    """
+    parameters = np.array(start, dtype=float)
+    count = parameters.shape[1]
+    jacobian = np.full((2, 2, count), np.nan)
+    converged = np.zeros(count, dtype=bool)
+    active = np.arange(count)
+    size = tolerance * max(1.0, float(np.max(np.abs(target), initial=0.0)))
+    limit = np.asarray(max_step)[:, None]
+    with np.errstate(all="ignore"):
+        for _ in range(iterations):
+            here = parameters[:, active]
+            value, first = complex_step(function, here, 0)
+            _, second = complex_step(function, here, 1)
+            residual = target[:, active] - value
+            determinant = first[0] * second[1] - first[1] * second[0]
+            step = np.stack(
+                [residual[0] * second[1] - residual[1] * second[0], first[0] * residual[1] - first[1] * residual[0]]
+            )
+            step = step / determinant
+            usable = np.all(np.isfinite(step), axis=0)
+            scale = np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
+            step = np.where(usable, step / scale, 0.0)
+            jacobian[:, 0, active], jacobian[:, 1, active] = first, second
+            parameters[:, active] += step
+            # The residual was measured before the step; a converged node has taken one more step than it needed.
+            done = usable & (np.max(np.abs(residual), axis=0) < size)
+            converged[active[done]] = True
+            active = active[usable & ~done]
+            if active.size == 0:
+                break
+    return NewtonResult(parameters, jacobian, converged)

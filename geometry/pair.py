@@ -1,0 +1,227 @@
+"""A gear pair, and the three results of its geometry: flanks, ease-off and teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+from .assembly import Assembly, Misalignment
+from .datasets import ease_off_dataset, flanks_dataset, teeth_dataset
+from .ease_off_surface import EaseOff, compute
+from .flank_surface import Flank, GeneratingSurface, solve_flank
+from .section import BlankSection
+from .tooth import ToothBody, opposite_surface, tooth_body
+
+Array = NDArray[Any]
+FlankName = Literal["drive", "coast"]
+
+
+@dataclass(frozen=True)
+class Member:
+    """One member of a pair, seen from the flank that carries the load.
+
+    Parameters
+    ----------
+    teeth
+        Number of teeth.
+    section
+        Axial section of the blank.
+    loaded
+        What generates the loaded flank.
+    opposite
+        What generates the other flank; ``None`` if it is not known, then the other blade in the same machine is assumed.
+    mean_thickness
+        Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
+    """
+
+    teeth: int
+    section: BlankSection
+    loaded: GeneratingSurface
+    opposite: GeneratingSurface | None = None
+    mean_thickness: float | None = None
+
+    @property
+    def one_set_up(self) -> bool:
+        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot."""
+        return self.opposite is not None and self.opposite.settings == self.loaded.settings
+
+    def flank(self, lengthwise: Array, profile: Array) -> Flank:
+        """The loaded flank on a grid of fractions (nt) and (nh); nodes in lengthwise-major order."""
+        t, h = np.meshgrid(lengthwise, profile, indexing="ij")
+        axial, radial = self.section.points(t.ravel(), h.ravel())
+        return solve_flank(self.loaded, self.section, axial, radial)
+
+    def middle(self) -> Flank:
+        """The loaded flank at its middle, one node."""
+        return self.flank(np.array([0.5]), np.array([0.5]))
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """A pinion and a gear in mesh.
+
+    Parameters
+    ----------
+    pinion, gear
+        The members, seen from the flanks in contact.
+    assembly
+        Axes and misalignment.
+    """
+
+    pinion: Member
+    gear: Member
+    assembly: Assembly
+
+    def misaligned(self, misalignment: Misalignment) -> GearPair:
+        """The same pair with other assembly errors."""
+        return replace(self, assembly=self.assembly.misaligned(misalignment))
+
+
+def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
+    """Even fractions along the face and up the profile.
+
+    Raises
+    ------
+    InputError
+        If there are too few nodes for a smooth surface.
+    """
+    if min(nodes) < 5:
+        raise InputError(f"grid = {nodes}: at least 5 nodes are needed in each direction")
+    return np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1])
+
+
+def flanks(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
+    """Flanks of both members on their own grids.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    nodes
+        Grid nodes lengthwise and along the profile.
+
+    Returns
+    -------
+    xr.Dataset
+        Positions, normals, curvatures and status over (member, lengthwise, profile).
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of its blank.
+    """
+    t, h = grid(nodes)
+    return flanks_dataset(t, h, pair.pinion.flank(t, h), pair.gear.flank(t, h))
+
+
+def ease_off_surface(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> EaseOff:
+    """Ease-off and roll angle at the nodes of the gear's grid, as arrays; see ``ease_off``."""
+    t, h = grid(nodes)
+    return compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+
+
+def ease_off(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
+    """Ease-off and surface of roll angle on the gear's grid (Kolivand 2009, chapter 2).
+
+    Parameters
+    ----------
+    pair
+        The gear pair, with its misalignment.
+    nodes
+        Grid nodes lengthwise and along the profile.
+
+    Returns
+    -------
+    xr.Dataset
+        Variables over (lengthwise, profile).
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of its blank, or the flanks do not meet.
+    """
+    t, h = grid(nodes)
+    return ease_off_dataset(t, h, ease_off_surface(pair, nodes))
+
+
+def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
+    """Teeth of pinion and gear between their flanks.
+
+    The gear's thickness is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch. The
+    pinion's is the one given, or else it fills the gear's slot without backlash.
+
+    Raises
+    ------
+    GeometryError
+        If the flanks of a member leave no tooth.
+    """
+    gear, pinion = pair.gear, pair.pinion
+    half_pitch = np.pi / gear.teeth
+    gear_angle = None if gear.one_set_up else half_pitch
+    gear_body = _body(gear, _given(gear) or gear_angle)
+    share = float(2.0 * _at_middle(gear_body.half_angle)) / (2.0 * np.pi / gear.teeth)
+    pinion_body = _body(pinion, _given(pinion) or (1.0 - share) * 2.0 * np.pi / pinion.teeth)
+    return pinion_body, gear_body
+
+
+def _at_middle(series: Array) -> float:
+    return float(np.polynomial.legendre.legval2d(0.0, 0.0, series))
+
+
+def _body(member: Member, mean_angle: float | None) -> ToothBody:
+    opposite = member.opposite or opposite_surface(member.loaded)
+    return tooth_body(member.section, member.loaded, opposite, member.teeth, mean_angle=mean_angle)
+
+
+def _given(member: Member) -> float | None:
+    """Angular thickness [rad] from the given normal thickness, or ``None``."""
+    if member.mean_thickness is None:
+        return None
+    middle = member.middle()
+    position, normal = middle.position[:, 0], middle.normal[:, 0]
+    radius = float(np.hypot(position[0], position[1]))
+    # Circumferential arc to normal arc: the flank's normal without its part along the pressure angle.
+    circumferential = (position[0] * normal[1] - position[1] * normal[0]) / radius
+    up = np.array([-np.sin(member.section.pitch_angle), np.cos(member.section.pitch_angle)])
+    outward = np.array([position[0] / radius * up[1], position[1] / radius * up[1], up[0]])
+    in_pitch_plane = np.sqrt(1.0 - float(normal @ outward) ** 2)
+    return float(member.mean_thickness / (radius * abs(circumferential) / in_pitch_plane))
+
+
+def teeth(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
+    """Where contact forces meet both teeth, on the gear's grid, and the teeth's dimensions.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    nodes
+        Grid nodes lengthwise and along the profile.
+
+    Returns
+    -------
+    xr.Dataset
+        Variables over (member, lengthwise, profile) for the contact, and the plate dimensions of each member.
+    """
+    t, h = grid(nodes)
+    gear_flank = pair.gear.flank(t, h)
+    surface = compute(gear_flank, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return teeth_of(pair, t, h, gear_flank, surface)
+
+
+def teeth_of(pair: GearPair, lengthwise: Array, profile: Array, gear_flank: Flank, surface: EaseOff) -> xr.Dataset:
+    """As ``teeth``, from a gear flank and an ease-off already computed."""
+    pinion_body, gear_body = bodies(pair)
+    position, normal, _ = pair.pinion.loaded.evaluate(surface.pinion_parameters)
+    missing = ~np.isfinite(surface.roll_angle)
+    position, normal = np.where(missing, np.nan, position), np.where(missing, np.nan, normal)
+    coordinates = (
+        pinion_body.shell_coordinates(position, normal),
+        gear_body.shell_coordinates(gear_flank.position, gear_flank.normal),
+    )
+    return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)

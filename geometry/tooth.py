@@ -1,0 +1,228 @@
+"""The tooth behind a flank: its thickness, its middle surface, and where a contact force meets that surface.
+
+A contact force acts along the flank normal. Sliding it along its own line to the middle of the tooth changes nothing, and
+there, at the foot of the normal, it loads the tooth as a plate: this module gives the foot's coordinates, the direction
+of the force in the plate's axes and the distance to the foot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from ..core.errors import GeometryError
+from .flank_surface import Flank, GeneratingSurface, solve_flank
+from .section import BlankSection
+from .vectors import dot, rotate
+
+Array = NDArray[Any]
+
+Z_AXIS = np.array([0.0, 0.0, 1.0])
+NODES = (13, 9)  # where both flanks of a tooth are compared, lengthwise and profile
+ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those nodes
+
+
+@dataclass(frozen=True)
+class ShellCoordinates:
+    """Where contact forces meet the middle of a tooth; n forces.
+
+    Parameters
+    ----------
+    height
+        Height of the foot above the root cone (n) [mm].
+    arc
+        Distance of the foot from the toe along the tooth trace (n) [mm].
+    depth
+        Distance from the flank to the foot along the normal (n) [mm].
+    direction
+        Unit vector of the force on the tooth (3, n): along the height, along the trace, away from the trace's centre.
+    """
+
+    height: Array
+    arc: Array
+    depth: Array
+    direction: Array
+
+
+@dataclass(frozen=True)
+class ToothBody:
+    """One tooth of a member between its two flanks.
+
+    Parameters
+    ----------
+    section
+        Axial section of the blank.
+    half_angle
+        Coefficients of half the angular thickness [rad] as a Legendre series in the two fractions.
+    middle_normal
+        Coefficients of the unit normal of the middle surface, towards the loaded flank (3 series).
+    turn
+        Sense of rotation about the member's axis from the loaded flank into the tooth, +1 or -1.
+    trace_arc
+        Coefficients of the arc length along the trace at mid height [mm] as a Legendre series in the lengthwise fraction.
+    trace_radius
+        Radius of normal curvature of the middle surface along the trace at mid face [mm].
+    convex
+        Whether the loaded flank is on the side away from the trace's centre.
+    height
+        Tooth height above the root cone at toe and heel (2) [mm].
+    thickness
+        Normal thickness at (toe/heel, root cone/tip) (2, 2) [mm] of the plate with evenly varying thickness that fits best.
+    """
+
+    section: BlankSection
+    half_angle: Array
+    middle_normal: Array
+    turn: float
+    trace_arc: Array
+    trace_radius: float
+    convex: bool
+    height: Array
+    thickness: Array
+
+    @property
+    def trace_length(self) -> float:
+        """Length of the tooth along its trace at mid height [mm]."""
+        ends = legendre.legval(np.array([-1.0, 1.0]), self.trace_arc)
+        return float(ends[1] - ends[0])
+
+    def shell_coordinates(self, position: Array, normal: Array) -> ShellCoordinates:
+        """Foot, direction and depth of contact forces.
+
+        Parameters
+        ----------
+        position, normal
+            Points (3, n) [mm] and outward normals (3, n) of the loaded flank, in the member's frame.
+        """
+        t, h = self.section.fractions(position[2], np.hypot(position[0], position[1]))
+        half = self.turn * legendre.legval2d(2 * t - 1, 2 * h - 1, self.half_angle)
+        middle = rotate(Z_AXIS, half, position)
+        axis = np.stack([legendre.legval2d(2 * t - 1, 2 * h - 1, c) for c in self.middle_normal])
+        # The series describes the normal at azimuth zero of the point, so that it varies slowly.
+        axis = rotate(Z_AXIS, np.arctan2(middle[1], middle[0]), axis / np.sqrt(dot(axis, axis)))
+        depth = dot(position - middle, axis) / dot(normal, axis)
+        foot = position - depth * normal
+        radial = np.hypot(foot[0], foot[1])
+        along, _ = self.section.fractions(foot[2], radial)
+        outward = axis if self.convex else -axis
+        up = np.array([-np.sin(self.section.root_angle), np.cos(self.section.root_angle)])
+        height_axis = np.stack([up[1] * foot[0] / radial, up[1] * foot[1] / radial, np.full_like(radial, up[0])])
+        height_axis = height_axis - dot(height_axis, outward) * outward
+        height_axis = height_axis / np.sqrt(dot(height_axis, height_axis))
+        heelward = np.cross(height_axis, outward, axis=0)
+        heelward = heelward * np.sign(heelward[2])
+        direction = -np.stack([dot(normal, height_axis), dot(normal, heelward), dot(normal, outward)])
+        arc = legendre.legval(2 * along - 1, self.trace_arc) - legendre.legval(-1.0, self.trace_arc)
+        return ShellCoordinates(self.section.height_above_root(foot[2], radial), arc, depth, direction)
+
+
+def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
+    """The other flank a cutter would cut in the same machine: the other blade at the same pressure angle."""
+    side = surface.blade.side_sign
+    blade = replace(surface.blade, side="inside" if side > 0 else "outside")
+    return replace(surface, blade=blade)
+
+
+def tooth_body(
+    section: BlankSection,
+    loaded: GeneratingSurface,
+    opposite: GeneratingSurface,
+    teeth: int,
+    *,
+    mean_angle: float | None = None,
+) -> ToothBody:
+    """Tooth between two generated flanks.
+
+    Parameters
+    ----------
+    section
+        Axial section of the blank.
+    loaded, opposite
+        What generates the loaded flank and the other one.
+    teeth
+        Number of teeth of the member.
+    mean_angle
+        Angular thickness of the tooth in the middle of the flank [rad]. ``None`` where both flanks are cut in one machine
+        set-up, so that their distance follows from the cutter.
+
+    Raises
+    ------
+    GeometryError
+        If the two flanks leave no tooth between them.
+    """
+    t, h = np.meshgrid(np.linspace(0, 1, NODES[0]), np.linspace(0, 1, NODES[1]), indexing="ij")
+    axial, radial = section.points(t.ravel(), h.ravel())
+    flanks = [solve_flank(surface, section, axial, radial) for surface in (loaded, opposite)]
+    usable = np.all([np.all(np.isfinite(f.position), axis=0) for f in flanks], axis=0)
+    if usable.sum() < 0.5 * usable.size:
+        raise GeometryError("the two flanks of a member overlap on less than half of the blank: no tooth between them")
+    # The outward normal of the loaded flank points against the azimuth that leads into the tooth.
+    front, back = flanks
+    turn = -float(np.sign(np.nanmedian(front.position[0] * front.normal[1] - front.position[1] * front.normal[0])))
+    angle = np.where(usable, turn * (_azimuth(back) - _azimuth(front)), np.nan)
+    middle_angle = _middle(angle)
+    if mean_angle is None:
+        # Both flanks bound one slot; the tooth is what the slot leaves of the pitch.
+        mean_angle = float(np.mod(middle_angle, 2.0 * np.pi / teeth))
+    angle = angle - middle_angle + mean_angle
+    nodes = np.stack([t.ravel(), h.ravel()])[:, usable]
+    series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, ORDERS)
+
+    def fit(values: Array) -> Array:
+        return np.linalg.lstsq(series, values[usable], rcond=None)[0].reshape(ORDERS[0] + 1, ORDERS[1] + 1)
+
+    # Normals of both flanks turned to azimuth zero, where they vary slowly.
+    normal = rotate(Z_AXIS, -_azimuth(front), front.normal) - rotate(Z_AXIS, -_azimuth(back), back.normal)
+    normal = normal / np.sqrt(dot(normal, normal))
+    # Chord between the flanks, measured across the middle surface.
+    thickness = 2.0 * radial * np.sin(0.5 * angle) * np.abs(normal[1])
+    if np.nanmin(thickness) <= 0.0:
+        raise GeometryError(
+            f"the tooth would be {np.nanmin(thickness):.3f} mm thick at its thinnest: check the thickness, the point "
+            "radii and the blade angles of both flanks"
+        )
+    middle_azimuth = fit(_azimuth(front) + 0.5 * turn * angle)
+    middle_normal = np.stack([fit(component) for component in normal])
+    arc, radius, convex = _trace(section, middle_azimuth, middle_normal)
+    heights, plate = _plate(section, nodes, axial[usable], radial[usable], thickness[usable])
+    return ToothBody(section, fit(0.5 * angle), middle_normal, turn, arc, radius, convex, heights, plate)
+
+
+def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array, float, bool]:
+    """Arc length series, radius at mid face, and on which side of the middle surface the trace's centre lies."""
+    x = np.polynomial.chebyshev.chebpts2(33)
+    axial, radial = section.points(0.5 * (x + 1), np.full_like(x, 0.5))
+    swing = legendre.legval2d(x, np.zeros_like(x), azimuth)
+    curve = legendre.legfit(x, np.stack([radial * np.cos(swing), radial * np.sin(swing), axial], axis=1), 8)
+    first, second = legendre.legder(curve), legendre.legder(curve, 2)
+    speed = np.linalg.norm(legendre.legval(x, first), axis=0)
+    arc = legendre.legint(legendre.legfit(x, speed, 8))
+    middle = np.array([legendre.legval2d(0.0, 0.0, c) for c in normal])
+    turned = rotate(Z_AXIS, np.asarray(legendre.legval2d(0.0, 0.0, azimuth)), middle)
+    curvature = float(legendre.legval(0.0, second) @ turned) / float(np.sum(legendre.legval(0.0, first) ** 2))
+    return arc, 1.0 / max(abs(curvature), 1e-9), curvature < 0.0
+
+
+def _plate(
+    section: BlankSection, nodes: Array, axial: Array, radial: Array, thickness: Array
+) -> tuple[Array, Array]:
+    """Height at toe and heel, and the evenly varying thickness (toe/heel, root/tip) that fits best."""
+    corners = section.corners
+    heights = section.height_above_root(corners[:, 1, 0], corners[:, 1, 1])
+    along = nodes[0]
+    up = section.height_above_root(axial, radial) / (heights[0] * (1 - along) + heights[1] * along)
+    matrix = np.stack([(1 - along) * (1 - up), (1 - along) * up, along * (1 - up), along * up], axis=1)
+    return heights, np.linalg.lstsq(matrix, thickness, rcond=None)[0].reshape(2, 2)
+
+
+def _azimuth(flank: Flank) -> Array:
+    return np.arctan2(flank.position[1], flank.position[0])
+
+
+def _middle(values: Array) -> float:
+    """The value at the middle node."""
+    return float(values.reshape(NODES)[NODES[0] // 2, NODES[1] // 2])
