@@ -185,8 +185,11 @@ class ContactProblem:
         return self.deflection(force) + self.separation_at_first_contact - elastic_rotation * self.lever_arm
 
     def with_torque(self, torque: float) -> ContactProblem:
-        """Return the same segments under another torque [N mm]."""
-        return ContactProblem(self.separation, self.lever_arm, torque, self.compliance)
+        """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
+        other = object.__new__(ContactProblem)
+        vars(other).update({name: value for name, value in vars(self).items() if name != "scaling"})
+        object.__setattr__(other, "torque", _torque(torque))
+        return other
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the scaled problem for any solver behind qpsolvers.

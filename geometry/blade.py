@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..core.errors import InputError
-
-Array = NDArray[Any]  # real, or complex while a complex step differentiates
 
 BladeSide = Literal["outside", "inside"]
 
@@ -56,30 +53,12 @@ class Blade:
         """+1 for an outside blade, -1 for an inside blade."""
         return 1.0 if self.side == "outside" else -1.0
 
-    def tip(self, cutter_angle: Array) -> Array:
-        """Blade tip in the cutter frame.
+    @property
+    def edge(self) -> tuple[float, float]:
+        """Radial and axial component of the unit vector along the edge, tip to shank (Kolivand 2009, Eq. 2.5)."""
+        return self.side_sign * float(np.sin(self.pressure_angle)), -float(np.cos(self.pressure_angle))
 
-        Parameters
-        ----------
-        cutter_angle
-            Rotation of the cutter (n) [rad].
-
-        Returns
-        -------
-        Array
-            Position (3, n) [mm].
-        """
-        zero = np.zeros_like(cutter_angle)
-        return np.stack([self.point_radius * np.cos(cutter_angle), self.point_radius * np.sin(cutter_angle), zero])
-
-    def edge(self, cutter_angle: Array) -> Array:
-        """Unit vector (3, n) along the edge, from the tip to the shank (Kolivand 2009, Eq. 2.5)."""
-        radial = self.side_sign * np.sin(self.pressure_angle)
-        axial = np.full_like(cutter_angle, -np.cos(self.pressure_angle))
-        return np.stack([radial * np.cos(cutter_angle), radial * np.sin(cutter_angle), axial])
-
-    def normal(self, cutter_angle: Array) -> Array:
-        """Unit normal (3, n) of the generating cone, pointing out of the tooth that is cut, into the slot."""
-        radial = -self.side_sign * np.cos(self.pressure_angle)
-        axial = np.full_like(cutter_angle, -np.sin(self.pressure_angle))
-        return np.stack([radial * np.cos(cutter_angle), radial * np.sin(cutter_angle), axial])
+    @property
+    def normal(self) -> tuple[float, float]:
+        """Radial and axial component of the cone's unit normal, out of the tooth that is cut, into the slot."""
+        return -self.side_sign * float(np.cos(self.pressure_angle)), -float(np.sin(self.pressure_angle))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .flank_surface import GeneratingSurface
-from .vectors import column, cross, dot, rotate
+from .vectors import column, cos_sin, cross, dot, rotate
 
 Array = NDArray[Any]
 
@@ -71,7 +71,7 @@ class ConjugateMotion:
             # fixed . Rot(a_p, q) vector = alpha cos q + beta sin q + gamma
             along = dot(column(a_p, vector), vector)
             gamma = np.dot(fixed, a_p) * along
-            turned = cross(np.broadcast_to(column(a_p, vector), vector.shape), vector)
+            turned = cross(column(a_p, vector), vector)
             return dot(column(fixed, vector), vector) - gamma, dot(column(fixed, vector), turned), gamma
 
         alpha, beta, gamma = split(a_g, moment)
@@ -96,7 +96,7 @@ class ConjugateMotion:
         plus, minus = self.roots(position, normal)
         q = plus if self.branch > 0 else minus
         a, b, c = self._coefficients(position, normal)
-        cosine, sine = np.cos(q), np.sin(q)
+        cosine, sine = cos_sin(q)
         return np.asarray(q - (a * cosine + b * sine - c) / (b * cosine - a * sine))
 
     def action_point(self, parameters: Array, rotation: Array) -> tuple[Array, Array]:
@@ -126,13 +126,9 @@ class ConjugateMotion:
 
         The relative normal velocity over the gear's lever arm: zero at conjugate points (Eq. 2.19).
         """
-        pinion_arm = cross(
-            np.broadcast_to(column(self.pinion_axis, position), position.shape),
-            position - column(self.assembly.pinion_origin, position),
-        )
-        gear_arm = cross(
-            np.broadcast_to(column(self.gear_axis, position), position.shape),
-            position - column(self.assembly.gear_origin, position),
-        )
+        from_pinion = position - column(self.assembly.pinion_origin, position)
+        from_gear = position - column(self.assembly.gear_origin, position)
+        pinion_arm = cross(column(self.pinion_axis, position), from_pinion)
+        gear_arm = cross(column(self.gear_axis, position), from_gear)
         lever = dot(gear_arm, normal)
         return np.asarray(dot(pinion_arm, normal) / lever - 1.0 / self.assembly.ratio)

@@ -20,7 +20,6 @@ from .conjugate import ConjugateMotion
 from .flank_surface import Flank, GeneratingSurface, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
 from .newton import complex_step, solve
 from .section import BlankSection
-from .vectors import cross, dot
 
 Array = NDArray[Any]
 
@@ -163,13 +162,8 @@ def compute(gear: Flank, pinion_surface: GeneratingSurface, pinion_section: Blan
         raise GeometryError("no part of the gear flank meets the pinion flank: check the blanks, the hands, "
                             "hypoid_offset and shaft_angle")
     missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
-    arm = np.abs(dot(_about_axis(gear.position), gear.normal))
+    arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
     blank = [np.where(missing, np.nan, v) for v in
              (roll_angle - motion.center, angle, arm, curvature, lengthwise, profile,
               np.minimum(distance, gear.blade_distance))]
     return EaseOff(motion, found.parameters, *blank, status=status)
-
-
-def _about_axis(position: Array) -> Array:
-    """Velocity (3, n) of points for a unit rotation about the z axis."""
-    return cross(np.broadcast_to(np.array([0.0, 0.0, 1.0]).reshape(3, 1), position.shape), position)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -20,15 +21,14 @@ from .blade import Blade
 from .machine import (
     IncrementSense,
     MachineSettings,
-    cutter_center,
-    cutter_to_machine,
+    cutter_frame,
     machine_to_member,
     work_axis,
     work_rotation,
 )
 from .newton import complex_step, solve
 from .section import BlankSection
-from .vectors import column, cross, dot
+from .vectors import column, cos_sin, cross, dot, rotate_z
 
 Array = NDArray[Any]
 Hand = Literal["left", "right"]
@@ -65,32 +65,36 @@ class GeneratingSurface:
     hand: Hand
     sense: IncrementSense
 
-    def edge_distance(self, cutter_angle: Array, cradle_rotation: Array) -> Array:
+    @cached_property
+    def _frame(self) -> Array:
+        return cutter_frame(self.settings)
+
+    def _blade_in_cradle(self, cutter_angle: Array) -> tuple[Array, Array, Array]:
+        """Cone normal, blade direction and blade tip (3, n) in the frame that turns with the cradle."""
+        cosine, sine = cos_sin(cutter_angle)
+        x_axis, y_axis, axis = (column(self._frame[:, i], cosine[None]) for i in range(3))
+        radial = x_axis * cosine + y_axis * sine
+        (normal_r, normal_z), (edge_r, edge_z) = self.blade.normal, self.blade.edge
+        center = column(np.array([self.settings.radial_distance, 0.0, 0.0]), cosine[None])
+        tip = center + self.blade.point_radius * radial
+        return normal_r * radial + normal_z * axis, edge_r * radial + edge_z * axis, tip
+
+    def _edge_distance(self, blade: tuple[Array, Array, Array], cradle_rotation: Array) -> Array:
         """Distance along the blade [mm] where the generated flank touches it, from the equation of meshing.
 
         The cone normal is constant along the edge and the relative velocity is linear in the distance, so the
         condition normal . velocity = 0 is linear too (its other solution is always the apex of the cone).
         """
-        axis, crossing_point = work_axis(self.settings)
-        normal, edge, tip = self._in_machine(cutter_angle, cradle_rotation)
+        normal, edge, tip = blade
+        direction, crossing_point = work_axis(self.settings)
         _, ratio = work_rotation(self.settings, cradle_rotation, self.sense)
-        cradle_axis = np.array([0.0, 0.0, 1.0])
-
-        def relative_velocity(vector: Array, from_work: Array) -> Array:
-            about_cradle = cross(np.broadcast_to(column(cradle_axis, vector), vector.shape), vector)
-            about_work = cross(np.broadcast_to(column(axis, from_work), from_work.shape), from_work)
-            return np.asarray(about_cradle - ratio * about_work)
-
-        at_tip = relative_velocity(tip, tip - column(crossing_point, tip))
-        along_edge = relative_velocity(edge, edge)
-        return np.asarray(-dot(normal, at_tip) / dot(normal, along_edge))
-
-    def _in_machine(self, cutter_angle: Array, cradle_rotation: Array) -> tuple[Array, Array, Array]:
-        """Cone normal, blade direction and blade tip (3, n) in the machine frame."""
-        normal = cutter_to_machine(self.settings, cradle_rotation, self.blade.normal(cutter_angle))
-        edge = cutter_to_machine(self.settings, cradle_rotation, self.blade.edge(cutter_angle))
-        tip = cutter_to_machine(self.settings, cradle_rotation, self.blade.tip(cutter_angle))
-        return normal, edge, tip + cutter_center(self.settings, cradle_rotation)
+        # The work axis seen from the cradle; the relative velocity is that of the cradle less that of the work.
+        back = -(self.settings.cradle_angle + cradle_rotation)
+        axis, origin = rotate_z(back, tuple(direction)), rotate_z(back, tuple(crossing_point))
+        spin = -ratio * axis
+        spin[2] += 1.0
+        shift = ratio * cross(axis, origin)
+        return np.asarray(-dot(normal, cross(spin, tip) + shift) / dot(normal, cross(spin, edge)))
 
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
         """Flank at given parameters; analytic, so that it can be differentiated by complex step.
@@ -106,17 +110,18 @@ class GeneratingSurface:
             Position (3, n) [mm] and outward unit normal (3, n) in the member frame, distance along the blade (n) [mm].
         """
         cutter_angle, second = parameters
+        blade = self._blade_in_cradle(cutter_angle)
         if self.settings.generated:
-            cradle_rotation, distance = second, self.edge_distance(cutter_angle, second)
+            cradle_rotation, distance = second, self._edge_distance(blade, second)
         else:
             cradle_rotation, distance = np.zeros_like(second), second
-        normal, edge, tip = self._in_machine(cutter_angle, cradle_rotation)
+        normal, edge, tip = blade
+        cradle = self.settings.cradle_angle + cradle_rotation
         rotation, _ = work_rotation(self.settings, cradle_rotation, self.sense)
-        position = machine_to_member(self.settings, rotation, tip + distance * edge, point=True)
-        normal = machine_to_member(self.settings, rotation, normal, point=False)
+        position = machine_to_member(self.settings, rotation, rotate_z(cradle, tip + distance * edge), point=True)
+        normal = machine_to_member(self.settings, rotation, rotate_z(cradle, normal), point=False)
         if self.hand == "left":
-            mirror = np.array([[1.0], [-1.0], [1.0]])
-            position, normal = position * mirror, normal * mirror
+            position[1], normal[1] = -position[1], -normal[1]
         return position, normal, distance
 
     def axial_and_radial(self, parameters: Array) -> Array:
@@ -188,6 +193,7 @@ class Flank:
         )
 
 
+@lru_cache(maxsize=64)
 def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     """Parameters (2, 1) of the flank's mean point, searched over every position of the cutter.
 
@@ -198,8 +204,8 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     """
     target = section.points(np.array([0.5]), np.array([0.5]))
     depth = float(np.linalg.norm(section.corners[0, 1] - section.corners[0, 0]))
-    cutter_angle = np.linspace(-np.pi, np.pi, 181)
-    second = np.linspace(-1.0, 1.0, 81) if surface.settings.generated else np.linspace(0.0, 3.0 * depth, 9)
+    cutter_angle = np.linspace(-np.pi, np.pi, 91)
+    second = np.linspace(-1.0, 1.0, 31) if surface.settings.generated else np.linspace(0.0, 3.0 * depth, 9)
     lattice = np.stack(np.meshgrid(cutter_angle, second, indexing="ij")).reshape(2, -1)
     with np.errstate(all="ignore"):
         position, _, distance = surface.evaluate(lattice)
@@ -208,7 +214,7 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     on_blade = (distance > -1.5 * depth) & (distance < 4.0 * depth)
     near = on_blade & (position[0] > np.abs(position[1]) * 0.5) & np.isfinite(mismatch)
     candidates = np.flatnonzero(near)
-    candidates = candidates[np.argsort(mismatch[candidates])[:40]]
+    candidates = candidates[np.argsort(mismatch[candidates])[:12]]
     if candidates.size:
         found = solve(
             surface.axial_and_radial, lattice[:, candidates], np.repeat(target, candidates.size, 1), surface.max_step
@@ -218,7 +224,9 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
         good &= position[0] > np.abs(position[1]) * 0.5
         if np.any(good):
             best = found.parameters[:, good]
-            return np.asarray(best[:, [np.argmin(np.abs(best[1]))]])
+            best = best[:, [np.argmin(np.abs(best[1]))]]
+            best.setflags(write=False)  # remembered for the next caller
+            return np.asarray(best)
     raise GeometryError(
         "these machine settings cut no tooth in this blank: the cutter does not pass through the middle of the face "
         f"(axial {target[0, 0]:.3f} mm, radial {target[1, 0]:.3f} mm); check radial_distance, cradle_angle, "
@@ -252,7 +260,7 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array)
     inverse = np.linalg.inv(np.stack([first[:, 0], second[:, 0]], axis=1))
     span = 2.0 * reach * np.linalg.norm(inverse, axis=1)
     span = np.minimum(span, surface.max_step * np.array([4.0, 6.0]))
-    axes = [np.linspace(-s, s, 41) + m for s, m in zip(span, mean[:, 0], strict=True)]
+    axes = [np.linspace(-s, s, 25) + m for s, m in zip(span, mean[:, 0], strict=True)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(2, -1)
     with np.errstate(all="ignore"):
         keep = np.sign(surface.orientation(lattice)) == orientation

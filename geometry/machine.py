@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
+from .vectors import column, rotate_z
 
 Array = NDArray[Any]
 
@@ -81,27 +82,15 @@ even orders of the modified roll only.
 """
 
 
-def _rotate_z(angle: Any, vector: Array) -> Array:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.stack([cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1], vector[2]])
+def cutter_frame(settings: MachineSettings) -> Array:
+    """Axes of the cutter frame as columns (3, 3), in the frame that turns with the cradle, x towards the cutter centre.
 
-
-def _rotate_x(angle: float, vector: Array) -> Array:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.stack([vector[0], cosine * vector[1] - sine * vector[2], sine * vector[1] + cosine * vector[2]])
-
-
-def cutter_to_machine(settings: MachineSettings, cradle_rotation: Any, vector: Array) -> Array:
-    """Turn a direction (3, n) from the cutter frame into the machine frame."""
-    tilted = _rotate_z(-settings.cutter_swivel, _rotate_x(settings.cutter_tilt, vector))
-    return _rotate_z(settings.cradle_angle + cradle_rotation, tilted)
-
-
-def cutter_center(settings: MachineSettings, cradle_rotation: Array) -> Array:
-    """Centre of the blade tip plane (3, n) [mm] in the machine frame."""
-    angle = settings.cradle_angle + cradle_rotation
-    zero = np.zeros_like(angle)
-    return np.stack([settings.radial_distance * np.cos(angle), settings.radial_distance * np.sin(angle), zero])
+    Tilt and swivel alone: without them it is the identity.
+    """
+    swivel, tilt = -settings.cutter_swivel, settings.cutter_tilt
+    about_z = np.array([[np.cos(swivel), -np.sin(swivel), 0], [np.sin(swivel), np.cos(swivel), 0], [0, 0, 1]])
+    about_x = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
+    return np.asarray(about_z @ about_x)
 
 
 def work_axis(settings: MachineSettings) -> tuple[Array, Array]:
@@ -140,7 +129,7 @@ def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: Increm
     return sense * ratio * rotation, ratio * derivative
 
 
-def machine_to_member(settings: MachineSettings, rotation: Any, vector: Array, *, point: bool) -> Array:
+def machine_to_member(settings: MachineSettings, rotation: Array, vector: Array, *, point: bool) -> Array:
     """Turn a position or a direction (3, n) from the machine frame into the frame of the member being cut.
 
     Parameters
@@ -157,8 +146,6 @@ def machine_to_member(settings: MachineSettings, rotation: Any, vector: Array, *
     cosine, sine = np.cos(settings.machine_root_angle), np.sin(settings.machine_root_angle)
     if point:
         _, origin = work_axis(settings)
-        vector = vector - origin.reshape((3,) + (1,) * (vector.ndim - 1))
-    member = np.stack(
-        [sine * vector[0] - cosine * vector[2], vector[1], cosine * vector[0] + sine * vector[2]]
-    )
-    return _rotate_z(-rotation, member)
+        vector = vector - column(origin, vector)
+    member = (sine * vector[0] - cosine * vector[2], vector[1], cosine * vector[0] + sine * vector[2])
+    return rotate_z(-rotation, member)

@@ -25,10 +25,26 @@ def column(vector: Array, like: Array) -> Array:
     return np.asarray(vector).reshape((3,) + (1,) * (like.ndim - 1))
 
 
+def cos_sin(angle: Array) -> tuple[Array, Array]:
+    """Cosine and sine of angles (...) that are real, or carry a complex step.
+
+    For a step of 1e-30 the first-order term is exact, and far cheaper than the complex functions.
+    """
+    if not np.iscomplexobj(angle):
+        return np.cos(angle), np.sin(angle)
+    cosine, sine = np.cos(angle.real), np.sin(angle.real)
+    return cosine - 1j * (sine * angle.imag), sine + 1j * (cosine * angle.imag)
+
+
+def rotate_z(angle: Array, vector: Array | tuple[Array, Array, Array]) -> Array:
+    """Rotate vectors (3, ...) about the z axis by angles (...) [rad]."""
+    cosine, sine = cos_sin(angle)
+    x, y, z = vector
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y, z + np.zeros_like(cosine)])
+
+
 def rotate(axis: Array, angle: Array, vector: Array) -> Array:
     """Rotate vectors (3, ...) about a unit axis (3) by angles (...) [rad] (Rodrigues)."""
     unit = column(axis, vector)
-    along = dot(unit, vector)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.asarray(vector * cosine + cross(np.broadcast_to(unit, vector.shape), vector) * sine
-                      + unit * (along * (1.0 - cosine)))
+    cosine, sine = cos_sin(angle)
+    return np.asarray(vector * cosine + cross(unit, vector) * sine + unit * (dot(unit, vector) * (1.0 - cosine)))

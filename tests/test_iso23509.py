@@ -402,8 +402,8 @@ def test_both_data_types_describe_the_same_teeth() -> None:
 def test_symbol_table_reaches_every_field() -> None:
     """Every number of a result has a symbol, every symbol a field, and only angles turn into degrees."""
     dimensions = dimensions_of("F3")
-    shared = {path for path in ISO_SYMBOLS.values() if "." not in path}
-    assert shared == set(BlankDimensions.__dataclass_fields__) - {"pinion", "gear"}
+    common = {path for path in ISO_SYMBOLS.values() if "." not in path}
+    assert common == set(BlankDimensions.__dataclass_fields__) - {"pinion", "gear"}
     members = {path for path in ISO_SYMBOLS.values() if "." in path}
     assert members == {f"{owner}.{field}" for owner in ("pinion", "gear") for field in vars(dimensions.gear)}
     assert set(ISO_INPUT_SYMBOLS.values()) <= set(BlankDesign.__dataclass_fields__)

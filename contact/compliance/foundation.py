@@ -14,7 +14,8 @@ whose half-space kernel ln(r) / (pi G) is the plane strain kernel 2 (1 - nu^2) l
 
     shift along the trace:  c / (1 - nu)        twist about the height:  a / (1 - nu)
 
-They hardly matter for loads across the tooth.
+Under a concentrated load across the tooth a rigid twist would lower the peak deflection by 4 %, a rigid shift by 0.2 %;
+under a uniform load neither matters.
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ class ElasticFoundation:
     ----------
     source : {"weber", "odonnell"}
         ``weber``: a = 5.2, b = 1, c = 1.4, k = (1 - nu) / 2.4 (C. Weber 1949; the axial share as in Weber and
-        Banaschek 1953, 0.29 for steel). Against finite elements of a body that is deep below the tooth it is within 1 %
+        Banaschek 1953, 0.29 for steel). Against finite elements of a body that is deep below the tooth it is within 2 %
         at the loaded tip.
         ``odonnell``: a = 16.67 / pi, b = 2 (1 - 2 nu) / (1 - nu), c = 1.534, k = 1 / (2.4 (1 + nu)) (W. J. O'Donnell
         1960, 1963, as used by R. W. Cornell 1981).

@@ -9,7 +9,13 @@ from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
 from .backend import read_answer, run_qpsolvers
 
+#: Proximal iterations, for matrices that are numerically singular, where the plain method finds nothing.
+_PROXIMAL = {"eps_prox": 1e-4, "eta_prox": 1e-13}
+
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
-    """Solve the scaled problem."""
-    return read_answer(run_qpsolvers("daqp", problem, settings))
+    """Solve the scaled problem; once more with proximal iterations if that fails."""
+    solution = run_qpsolvers("daqp", problem, settings)
+    if not solution.found and "eps_prox" not in settings:
+        return read_answer(run_qpsolvers("daqp", problem, {**settings, **_PROXIMAL}), message="proximal iterations")
+    return read_answer(solution)
