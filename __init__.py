@@ -1,1 +1,35 @@
-"""Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact."""
+"""Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
+
+The names a script needs are here and loaded on first use; the stages are the sub-packages ``geometry`` and ``contact``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .cases import Case, read_case
+    from .study.analysis import analyze
+    from .study.result import read_result, write_result
+
+__all__ = ["Case", "analyze", "read_case", "read_result", "write_result"]
+
+_HOMES = {
+    "Case": ".cases",
+    "read_case": ".cases",
+    "analyze": ".study.analysis",
+    "read_result": ".study.result",
+    "write_result": ".study.result",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        from importlib import import_module
+
+        return getattr(import_module(_HOMES[name], __name__), name)
+    if name in ("cases", "contact", "geometry", "study"):
+        from importlib import import_module
+
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,10 +1,12 @@
-"""From a checked case to the objects of the geometry: degrees to radians, flanks to generating surfaces."""
+"""From a checked case to the objects of geometry and contact: degrees to radians, flanks to generating surfaces."""
 
 from __future__ import annotations
 
 import math
 from typing import Literal
 
+from ..contact.bending import ElasticModel
+from ..contact.compliance import ElasticFoundation, Material
 from ..core.errors import InputError
 from ..geometry.assembly import Assembly, Misalignment
 from ..geometry.blade import Blade
@@ -83,6 +85,18 @@ def _member(table: MemberTable, loaded: Side, hand: Hand, *, pinion: bool) -> Me
 def misalignment(table: MisalignmentTable) -> Misalignment:
     """Assembly errors in mm and rad."""
     return Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+
+
+def elastic_model(case: Case) -> ElasticModel:
+    """How the teeth of a case give way."""
+    table = case.compliance
+    pinion, gear = (
+        Material(member.material.elastic_modulus, member.material.poisson_ratio) for member in (case.pinion, case.gear)
+    )
+    foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
+    return ElasticModel(
+        pinion, gear, table.shell_form, (table.profile_modes, table.lengthwise_modes), table.shear_factor, foundation
+    )
 
 
 def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:

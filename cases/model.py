@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, model_validator
 
 
 class Table(BaseModel):
@@ -238,6 +238,12 @@ class Case(Table):
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
     target: TargetTable | None = None
+    _text: str = PrivateAttr(default="")
+
+    @property
+    def text(self) -> str:
+        """The case file as it was read; empty for a case built in Python."""
+        return self._text
 
     @model_validator(mode="after")
     def _has_a_pair_of_flanks(self) -> Self:

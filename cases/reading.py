@@ -69,9 +69,11 @@ def parse_case(text: str, origin: str = "case") -> Case:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not a TOML file: {error}") from error
     try:
-        return Case.model_validate(data)
+        case = Case.model_validate(data)
     except ValidationError as error:
         raise InputError(f"{origin} has {_count(error)}:\n" + "\n".join(_lines(error))) from error
+    case._text = text
+    return case
 
 
 def _count(error: ValidationError) -> str:

@@ -8,6 +8,7 @@ correction is of second order in the ease-off's slope and makes the method agree
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,19 +25,24 @@ DENSE = 65  # points along a curve while it is traced and clipped
 SHORTEST = 1e-3  # curves shorter than this part of the face are dropped
 
 
-def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset) -> FlankFields:
+def contact_fields(
+    flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None
+) -> FlankFields:
     """Splines of everything the contact needs on the gear flank.
 
     Parameters
     ----------
     flanks, ease_off
         Results of the geometry stage, on one grid.
+    extra
+        Further fields (lengthwise, profile, ...) by name.
     """
     names = ["roll_angle", "ease_off_angle", "lever_arm", "separation_curvature", "pinion_lengthwise",
              "pinion_profile", "blade_distance"]
     fields = {name: ease_off[name].transpose("lengthwise", "profile").values for name in names}
     gear = flanks["position"].sel(member="gear").transpose("lengthwise", "profile", "xyz")
     fields["position"] = gear.values
+    fields |= extra or {}
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, fields)
 
 

@@ -1,7 +1,7 @@
 """The contact problem of one mesh position: who touches, with what load, at what rotation.
 
-The segments of all potential contact lines form one vector. Given their separation S, lever arm r and compliance C, find the
-normal forces F and the rotation theta of the gear such that
+The segments of all potential contact lines form one vector. Given their separation S, lever arm r and compliance C,
+find the normal forces F and the rotation theta of the gear such that
 
     Y = C F + S - r theta >= 0,    F >= 0,    F'Y = 0,    r'F = T
 
@@ -23,28 +23,23 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
+from .problem_dataset import problem_data, problem_to_dataset
 from .scaling import Scaling
+from .validation import (
+    compliance_array,
+    finite_array,
+    nonnegative_torque,
+    read_only,
+    segment_array,
+    structured_compliance,
+    symmetric_compliance,
+)
 
 if TYPE_CHECKING:
     import qpsolvers
 
-FORMAT = "easeoff contact problem"
-FORMAT_VERSION = 1
-
-#: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
-ASYMMETRY_TOLERANCE = 1e-10
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
 NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
-
-#: Units and meaning of every variable of a stored problem.
-ATTRIBUTES: dict[str, dict[str, str]] = {
-    "separation": {"units": "mm", "long_name": "normal gap of the unloaded segments at zero rotation"},
-    "lever_arm": {"units": "mm", "long_name": "lever arm of the contact normal about the gear axis"},
-    "torque": {"units": "N mm", "long_name": "torque about the gear axis"},
-    "compliance": {"units": "mm/N", "long_name": "normal deflection of a segment by a unit force on another"},
-    "compliance_diagonal": {"units": "mm/N", "long_name": "diagonal part d of the compliance diag(d) + V V^T"},
-    "compliance_factor": {"units": "(mm/N)^0.5", "long_name": "factor V of the compliance diag(d) + V V^T"},
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +60,8 @@ class ContactProblem:
     Raises
     ------
     InputError
-        A wrong shape, a number that is not finite, a negative torque, no positive lever arm, an asymmetric compliance or
-        a negative diagonal.
+        A wrong shape, a number that is not finite, a negative torque, no positive lever arm, an asymmetric compliance
+        or a negative diagonal.
 
     Notes
     -----
@@ -86,22 +81,21 @@ class ContactProblem:
     compliance: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.float64]]
 
     def __post_init__(self) -> None:
-        separation = _finite_array(self.separation, "separation", 1)
-        lever_arm = _finite_array(self.lever_arm, "lever_arm", 1)
+        separation = finite_array(self.separation, "separation", 1)
         if separation.size == 0:
             raise InputError("separation is empty: a contact problem has at least one segment")
-        if lever_arm.size != separation.size:
-            raise InputError(f"lever_arm has {lever_arm.size} segments but separation has {separation.size}")
-        if not (lever_arm > 0.0).any():
+        lever_arm = segment_array(self.lever_arm, "lever_arm", separation.size)
+        if lever_arm.max() <= 0.0:
             raise InputError("lever_arm has no positive entry: no segment can carry the torque")
-        torque = _torque(self.torque)
-        if isinstance(self.compliance, tuple | list) and len(self.compliance) == 2 and np.ndim(self.compliance[0]) == 1:
-            compliance: Any = _structured_compliance(self.compliance[0], self.compliance[1], separation.size)
-        else:
-            compliance = _symmetric_compliance(self.compliance, separation.size)
-        for name, value in (("separation", separation), ("lever_arm", lever_arm), ("compliance", compliance)):
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "torque", torque)
+        given: Any = self.compliance
+        is_pair = (
+            isinstance(given, tuple | list) and len(given) == 2 and np.ndim(given[0]) == 1 and np.ndim(given[1]) == 2
+        )
+        check = structured_compliance if is_pair else symmetric_compliance
+        object.__setattr__(self, "separation", separation)
+        object.__setattr__(self, "lever_arm", lever_arm)
+        object.__setattr__(self, "torque", nonnegative_torque(self.torque))
+        object.__setattr__(self, "compliance", check(given, separation.size))
 
     @property
     def size(self) -> int:
@@ -121,16 +115,15 @@ class ContactProblem:
         diagonal, factor = self.compliance
         dense = factor @ factor.T
         dense[np.diag_indices_from(dense)] += diagonal
-        dense.setflags(write=False)
-        return dense
+        return read_only(dense)
 
     @cached_property
     def compliance_diagonal(self) -> NDArray[np.float64]:
         """Diagonal of C [mm/N], (n)."""
         if isinstance(self.compliance, tuple):
             diagonal, factor = self.compliance
-            return diagonal + np.einsum("ij,ij->i", factor, factor)
-        return self.compliance.diagonal()
+            return read_only(diagonal + np.einsum("ij,ij->i", factor, factor))
+        return read_only(self.compliance.diagonal().copy())
 
     @property
     def first_contact_rotation(self) -> float:
@@ -150,8 +143,7 @@ class ContactProblem:
         shifted = self.separation - rotation[first] * self.lever_arm
         shifted[positive] = np.maximum(shifted[positive], 0.0)
         shifted[positive[first]] = 0.0
-        shifted.setflags(write=False)
-        return float(rotation[first]), shifted
+        return float(rotation[first]), read_only(shifted)
 
     @cached_property
     def is_positive_semidefinite(self) -> bool:
@@ -169,7 +161,8 @@ class ContactProblem:
     @cached_property
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # absurd data become a status, not a warning
+        # Absurd data shall become a status, not a warning.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return Scaling.of(self)
 
     def deflection(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -186,9 +179,42 @@ class ContactProblem:
 
     def with_torque(self, torque: float) -> ContactProblem:
         """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
+        return self._changed(("scaling",), torque=nonnegative_torque(torque))
+
+    def with_added_compliance(
+        self, local: NDArray[np.float64], separation: NDArray[np.float64] | None = None
+    ) -> ContactProblem:
+        """Return the problem with a local compliance added to the diagonal.
+
+        Parameters
+        ----------
+        local : (n) array
+            Compliance of each segment by itself [mm/N], not negative.
+        separation : (n) array, optional
+            Another separation [mm].
+
+        Raises
+        ------
+        InputError
+            A wrong shape, a number that is not finite, a negative compliance.
+        """
+        local = compliance_array(local, "local compliance", self.size)
+        if isinstance(self.compliance, tuple):
+            compliance: Any = (read_only(self.compliance[0] + local), self.compliance[1])
+        else:
+            compliance = self.compliance.copy()
+            compliance[np.diag_indices(self.size)] += local
+            read_only(compliance)
+        stale = ("scaling", "dense_compliance", "compliance_diagonal", "is_positive_semidefinite")
+        if separation is None:
+            return self._changed(stale, compliance=compliance)
+        separation = segment_array(separation, "separation", self.size)
+        return self._changed((*stale, "_first_contact"), compliance=compliance, separation=separation)
+
+    def _changed(self, stale: tuple[str, ...], **fields: Any) -> ContactProblem:
+        """Return a copy with other fields, already checked, without the derived values that they make stale."""
         other = object.__new__(ContactProblem)
-        vars(other).update({name: value for name, value in vars(self).items() if name != "scaling"})
-        object.__setattr__(other, "torque", _torque(torque))
+        vars(other).update({name: value for name, value in vars(self).items() if name not in stale} | fields)
         return other
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
@@ -203,7 +229,8 @@ class ContactProblem:
         -------
         qpsolvers.Problem
             Lower bounds zero and one equality, all numbers of order one. With a solution ``x`` and ``y``,
-            ``problem.scaling.unscale(x, -y[0])`` gives forces and rotation: qpsolvers adds +y (A x - b), hence the sign.
+            ``problem.scaling.unscale(x, -y[0])`` gives forces and rotation: qpsolvers adds +y (A x - b), hence the
+            sign.
         """
         return self.scaling.scale(self).as_qp(sparse=sparse)
 
@@ -217,20 +244,7 @@ class ContactProblem:
 
     def to_dataset(self) -> xr.Dataset:
         """Return the problem as a Dataset with units, without loss: `from_dataset` gives the identical problem back."""
-        variables: dict[str, tuple[tuple[str, ...], Any]] = {
-            "separation": (("segment",), self.separation),
-            "lever_arm": (("segment",), self.lever_arm),
-            "torque": ((), self.torque),
-        }
-        if isinstance(self.compliance, tuple):
-            variables["compliance_diagonal"] = (("segment",), self.compliance[0])
-            variables["compliance_factor"] = (("segment", "mode"), self.compliance[1])
-        else:
-            variables["compliance"] = (("segment", "segment_other"), self.compliance)
-        return xr.Dataset(
-            {name: (dims, np.array(value), ATTRIBUTES[name]) for name, (dims, value) in variables.items()},
-            attrs={"format": FORMAT, "format_version": FORMAT_VERSION},
-        )
+        return problem_to_dataset(self)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> ContactProblem:
@@ -241,72 +255,9 @@ class ContactProblem:
         InputError
             The Dataset lacks a variable, or its data are no contact problem.
         """
-        structured = "compliance" not in dataset and "compliance_factor" in dataset
-        compliance_names = ("compliance_diagonal", "compliance_factor") if structured else ("compliance",)
-        missing = [n for n in ("separation", "lever_arm", "torque", *compliance_names) if n not in dataset]
-        if missing:
-            raise InputError(f"no contact problem in this Dataset: it lacks {', '.join(missing)}")
-        parts = [dataset[name].to_numpy() for name in compliance_names]
-        return cls(
-            dataset["separation"].to_numpy(),
-            dataset["lever_arm"].to_numpy(),
-            dataset["torque"].to_numpy()[()],
-            (parts[0], parts[1]) if structured else parts[0],
-        )
+        return cls(*problem_data(dataset))
 
 
 def _arrays(problem: ContactProblem) -> tuple[NDArray[np.float64], ...]:
     parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
     return (problem.separation, problem.lever_arm, *parts)
-
-
-def _finite_array(value: Any, name: str, ndim: int) -> NDArray[np.float64]:
-    """Return a read-only float64 copy of `value`, or say what is wrong with it."""
-    try:
-        array = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} is not an array of numbers: {error}") from error
-    if array.ndim != ndim:
-        raise InputError(f"{name} has {array.ndim} dimensions, expected {ndim}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} has {np.count_nonzero(~np.isfinite(array))} entries that are not finite")
-    array.setflags(write=False)
-    return array
-
-
-def _torque(value: Any) -> float:
-    torque = float(_finite_array(value, "torque", 0))
-    if torque < 0.0:
-        raise InputError(f"torque is {torque:g} N mm: it must not be negative (reverse the lever arms for the other flank)")
-    return torque
-
-
-def _structured_compliance(diagonal: Any, factor: Any, size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    diagonal = _finite_array(diagonal, "compliance diagonal", 1)
-    factor = _finite_array(factor, "compliance factor", 2)
-    if diagonal.size != size or factor.shape[0] != size:
-        raise InputError(
-            f"compliance has a diagonal of {diagonal.size} and a factor of {factor.shape[0]} rows for {size} segments"
-        )
-    if (diagonal < 0.0).any():
-        raise InputError(f"compliance diagonal has a negative entry ({diagonal.min():g} mm/N)")
-    return diagonal, factor
-
-
-def _symmetric_compliance(value: Any, size: int) -> NDArray[np.float64]:
-    compliance = _finite_array(value, "compliance", 2)
-    if compliance.shape != (size, size):
-        raise InputError(f"compliance has the shape {compliance.shape}, expected ({size}, {size})")
-    if (compliance.diagonal() < 0.0).any():
-        raise InputError(f"compliance has a negative diagonal entry ({compliance.diagonal().min():g} mm/N)")
-    if np.array_equal(compliance, compliance.T):
-        return compliance
-    asymmetry = float(np.abs(compliance - compliance.T).max()) / float(np.abs(compliance).max())
-    if asymmetry > ASYMMETRY_TOLERANCE:
-        raise InputError(
-            f"compliance is not symmetric (relative difference {asymmetry:.1e}): by reciprocity it must be, and solvers "
-            "would read one triangle or the other"
-        )
-    compliance = 0.5 * (compliance + compliance.T)
-    compliance.setflags(write=False)
-    return compliance

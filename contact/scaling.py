@@ -1,30 +1,31 @@
 """Load-based scaling of the contact problem: every number of order one, whatever the torque and the units.
 
-Optimisation codes stop on absolute tolerances. In N, mm and N mm these are meaningless: several well-known solvers then report
-success with loads wrong by half. The scaling here does four things.
+Optimisation codes stop on absolute tolerances. In N, mm and N mm these are meaningless: several well-known solvers
+then report success with loads wrong by half. The scaling here does four things.
 
-1. *Shift.* The rotation is counted from the first contact of the rigid bodies, so that large separations cancel before they meet
-   small deflections.
-2. *Load scale.* Forces are divided by the mean load of the segments in contact, their number taken from a Winkler bed (springs
-   without coupling); gaps by the deflection this load gives the mean diagonal compliance; lever arms by their mean.
+1. *Shift.* The rotation is counted from the first contact of the rigid bodies, so that large separations cancel
+   before they meet small deflections.
+2. *Load scale.* Forces are divided by the mean load of the segments in contact, their number taken from a Winkler bed
+   (springs without coupling); gaps by the deflection this load gives the mean diagonal compliance; lever arms by their
+   mean.
 3. *Powers of two.* All scales are rounded to powers of two: scaling and unscaling then lose no bit.
-4. *Clip.* Separations of segments that cannot touch are lowered to a bound beyond which they provably cannot touch, because
+4. *Clip.* Separations of segments that provably cannot touch are lowered to the bound beyond which that holds, because
    relative tolerances are measured against the largest number in sight.
 
-The bound. Let S >= 0 after the shift and J(F) = 1/2 F'CF + S'F. For any feasible force G the minimiser F has J(F) <= J(G), hence
-F'CF <= 2 J(G) and theta T = F'CF + S'F <= 2 J(G). By Cauchy-Schwarz |(CF)_i| <= sqrt(C_ii F'CF). So
+The bound. Let S >= 0 after the shift and J(F) = 1/2 F'CF + S'F. For any feasible force G the minimiser F has J(F) <=
+J(G), hence F'CF <= 2 J(G) and theta T = F'CF + S'F <= 2 J(G). By Cauchy-Schwarz |(CF)_i| <= sqrt(C_ii F'CF). So
 
     Y_i >= S_i - sqrt(2 C_ii J(G)) - max(r_i, 0) 2 J(G) / T,
 
-and a segment whose S_i exceeds the last two terms stays open. The same holds after S_i has been lowered to a value above them:
-the clipped problem has the same solution. G is the Winkler estimate.
+and a segment whose S_i exceeds the last two terms stays open. The same holds after S_i has been lowered to a value
+above them: the clipped problem has the same solution. G is the Winkler estimate.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,8 @@ class ScaledProblem:
         """Return the qpsolvers problem, with csc matrices if `sparse`."""
         import qpsolvers  # imports every installed solver: half a second, paid only here
 
-        matrix, row = self.compliance, self.lever_arm[np.newaxis, :]
+        matrix: Any = self.compliance
+        row: Any = self.lever_arm[np.newaxis, :]
         if sparse:
             from scipy.sparse import csc_matrix
 
@@ -90,8 +92,8 @@ class Scaling:
     estimated_active : (n) bool array
         Segments in contact on the Winkler bed: a starting set for active-set methods.
     separation_limit : (n) array
-        Separation from first contact [mm] above which a segment provably stays open; infinite where there is no such proof
-        (segments with a negative separation from first contact, zero torque).
+        Separation from first contact [mm] above which a segment provably stays open; infinite where there is no such
+        proof (segments with a negative separation from first contact, zero torque).
     certainly_open : (n) bool array
         Segments beyond that limit.
     """
@@ -200,7 +202,7 @@ def _winkler_force(
     positive: NDArray[np.bool_],
     torque: float,
 ) -> NDArray[np.float64]:
-    """Forces on a bed of uncoupled springs that balance the torque [N], (n): exact, from the sorted contact rotations."""
+    """Forces on a bed of uncoupled springs that balance the torque [N], (n): exact, by sorting the first contacts."""
     index = np.flatnonzero(positive)
     arm = lever_arm[index]
     contact_rotation = separation[index] / arm

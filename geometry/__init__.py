@@ -1,1 +1,34 @@
 """Tooth flanks, blanks, ease-off and surface of roll angle: geometry alone, no loads."""
+
+from .assembly import Assembly, Misalignment
+from .blade import Blade
+from .blank import BlankDesign, BlankDimensions, blank_dimensions
+from .conjugate_pinion import conjugate_pinion
+from .flank_surface import GeneratingSurface, NodeStatus
+from .machine import MachineSettings
+from .pair import GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
+from .section import BlankSection
+from .synthesis import EaseOffTarget, Synthesis, fit_pinion
+
+__all__ = [
+    "Assembly",
+    "Blade",
+    "BlankDesign",
+    "BlankDimensions",
+    "BlankSection",
+    "EaseOffTarget",
+    "GearPair",
+    "GeneratingSurface",
+    "MachineSettings",
+    "Member",
+    "Misalignment",
+    "NodeStatus",
+    "PairGeometry",
+    "Synthesis",
+    "blank_dimensions",
+    "conjugate_pinion",
+    "ease_off",
+    "fit_pinion",
+    "flank",
+    "pair_geometry",
+]

@@ -24,42 +24,44 @@ def _on_grid(values: Array, shape: tuple[int, int]) -> Array:
     return np.moveaxis(grid, (-2, -1), (0, 1))
 
 
-def flanks_dataset(lengthwise: Array, profile: Array, pinion: Flank, gear: Flank) -> xr.Dataset:
-    """Both members' flanks on their own grids.
+def flank_dataset(lengthwise: Array, profile: Array, flank: Flank) -> xr.Dataset:
+    """One flank on its own grid.
 
     Parameters
     ----------
     lengthwise, profile
         Grid coordinates (nt), (nh).
-    pinion, gear
-        Flanks with nt * nh nodes each.
+    flank
+        Flank with nt * nh nodes, in lengthwise-major order.
 
     Returns
     -------
     xr.Dataset
-        Variables over (member, lengthwise, profile).
+        Variables over (lengthwise, profile).
     """
     shape = (lengthwise.size, profile.size)
-    members = (pinion, gear)
-    curvatures = [principal_curvatures(flank) for flank in members]
-    grid = ("member", "lengthwise", "profile")
-
-    def stacked(values: list[Array]) -> Array:
-        return np.stack([_on_grid(v, shape) for v in values])
-
+    curvatures = principal_curvatures(flank)
+    grid = ("lengthwise", "profile")
     return labelled(
         xr.Dataset(
             {
-                "position": ((*grid, "xyz"), stacked([f.position for f in members])),
-                "normal": ((*grid, "xyz"), stacked([f.normal for f in members])),
-                "principal_curvature": ((*grid, "principal"), stacked([c.curvature for c in curvatures])),
-                "principal_direction": ((*grid, "xyz"), stacked([c.direction for c in curvatures])),
-                "flank_status": (grid, stacked([f.status for f in members]), STATUS),
-                "inside": (grid, stacked([f.inside.astype(np.int8) for f in members])),
+                "position": ((*grid, "xyz"), _on_grid(flank.position, shape)),
+                "normal": ((*grid, "xyz"), _on_grid(flank.normal, shape)),
+                "principal_curvature": ((*grid, "principal"), _on_grid(curvatures.curvature, shape)),
+                "principal_direction": ((*grid, "xyz"), _on_grid(curvatures.direction, shape)),
+                "flank_status": (grid, flank.status.reshape(shape), STATUS),
+                "inside": (grid, flank.inside.astype(np.int8).reshape(shape)),
             },
-            coords={"member": ["pinion", "gear"], "lengthwise": lengthwise, "profile": profile, "xyz": list("xyz")},
+            coords={"lengthwise": lengthwise, "profile": profile, "xyz": list("xyz"), "principal": [1, 2]},
         )
     )
+
+
+def flanks_dataset(lengthwise: Array, profile: Array, pinion: Flank, gear: Flank) -> xr.Dataset:
+    """Both members' flanks on their own grids, over (member, lengthwise, profile); see ``flank_dataset``."""
+    members = [flank_dataset(lengthwise, profile, flank) for flank in (pinion, gear)]
+    both = xr.concat(members, xr.DataArray(["pinion", "gear"], dims="member", name="member"), combine_attrs="override")
+    return labelled(both)
 
 
 def first_contact(angle: Array, inside: Array) -> float:

@@ -68,8 +68,19 @@ class EaseOff:
         return self.status == NodeStatus.INSIDE
 
 
-def conjugate_motion(surface: GeneratingSurface, section: BlankSection, assembly: Assembly) -> ConjugateMotion:
+def conjugate_motion(
+    surface: GeneratingSurface, section: BlankSection, assembly: Assembly, gear_middle: Array
+) -> ConjugateMotion:
     """Conjugate motion of a pinion flank: sense of drive rotation, and root branch from the pinion's mean point.
+
+    Parameters
+    ----------
+    surface, section
+        The pinion flank and blank.
+    assembly
+        The pair.
+    gear_middle
+        Axial and radial coordinate (2) [mm] of the middle of the gear flank: the root that meets it is the right one.
 
     Raises
     ------
@@ -81,12 +92,16 @@ def conjugate_motion(surface: GeneratingSurface, section: BlankSection, assembly
     # The pinion pushes along its outward normal; that is the sense in which this flank drives.
     sense = float(np.sign(position[0] * normal[1] - position[1] * normal[0])[0])
     motion = ConjugateMotion(surface, assembly, sense)
-    plus, minus = motion.roots(*motion.pinion_point(mean))
-    if not np.isfinite(plus[0]):
+    roots = motion.roots(*motion.pinion_point(mean))
+    if not np.isfinite(roots[0][0]):
         raise GeometryError("the middle of the pinion flank never meets a conjugate gear: check shaft_angle, "
                             "hypoid_offset and the hands of the members")
-    branch = 1.0 if abs(plus[0]) <= abs(minus[0]) else -1.0
-    return replace(motion, branch=branch, center=float(plus[0] if branch > 0 else minus[0]))
+    misses = []
+    for root in roots:
+        point = motion.in_gear(motion.action_point(mean, root)[0], root)[:, 0]
+        misses.append(np.hypot(point[2] - gear_middle[0], np.hypot(point[0], point[1]) - gear_middle[1]))
+    choice = int(np.argmin(misses))
+    return replace(motion, branch=(1.0, -1.0)[choice], center=float(roots[choice][0]))
 
 
 def _separation_curvature(motion: ConjugateMotion, parameters: Array, rotation: Array) -> Array:
@@ -129,9 +144,11 @@ def compute(gear: Flank, pinion_surface: GeneratingSurface, pinion_section: Blan
     GeometryError
         If no node of the gear has a conjugate point on the pinion.
     """
-    motion = conjugate_motion(pinion_surface, pinion_section, assembly)
     target = np.stack([gear.position[2], np.hypot(gear.position[0], gear.position[1])])
     usable = np.all(np.isfinite(target), axis=0)
+    if not np.any(usable):
+        raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
+    motion = conjugate_motion(pinion_surface, pinion_section, assembly, target[:, usable].mean(axis=1))
 
     def place(parameters: Array) -> Array:
         point, _ = motion.conjugate_gear(parameters)

@@ -204,29 +204,29 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     """
     target = section.points(np.array([0.5]), np.array([0.5]))
     depth = float(np.linalg.norm(section.corners[0, 1] - section.corners[0, 0]))
+    # The blade's tip runs along the root cone: that tells how far up the blade the middle of the flank is cut, and with
+    # it which of the cutter's several crossings with the blank is the tooth.
+    expected = float(section.height_above_root(*target)[0]) / np.cos(surface.blade.pressure_angle)
     cutter_angle = np.linspace(-np.pi, np.pi, 91)
     second = np.linspace(-1.0, 1.0, 31) if surface.settings.generated else np.linspace(0.0, 3.0 * depth, 9)
     lattice = np.stack(np.meshgrid(cutter_angle, second, indexing="ij")).reshape(2, -1)
     with np.errstate(all="ignore"):
         position, _, distance = surface.evaluate(lattice)
         mismatch = np.hypot(position[2] - target[0], np.hypot(position[0], position[1]) - target[1])
-    # The cutter circle may cross the blank twice; the tooth is the crossing near the x axis.
-    on_blade = (distance > -1.5 * depth) & (distance < 4.0 * depth)
-    near = on_blade & (position[0] > np.abs(position[1]) * 0.5) & np.isfinite(mismatch)
-    candidates = np.flatnonzero(near)
-    candidates = candidates[np.argsort(mismatch[candidates])[:12]]
+        mismatch = mismatch + np.abs(distance - expected)
+    candidates = np.flatnonzero(np.isfinite(mismatch))
+    candidates = candidates[np.argsort(mismatch[candidates])[:24]]
     if candidates.size:
         found = solve(
             surface.axial_and_radial, lattice[:, candidates], np.repeat(target, candidates.size, 1), surface.max_step
         )
-        position, _, distance = surface.evaluate(found.parameters)
-        good = found.converged & (distance > -1.5 * depth) & (distance < 4.0 * depth)
-        good &= position[0] > np.abs(position[1]) * 0.5
-        if np.any(good):
-            best = found.parameters[:, good]
-            best = best[:, [np.argmin(np.abs(best[1]))]]
-            best.setflags(write=False)  # remembered for the next caller
-            return np.asarray(best)
+        _, _, distance = surface.evaluate(found.parameters)
+        error = np.where(found.converged, np.abs(distance - expected), np.inf)
+        best = int(np.argmin(error))
+        if error[best] < 1.5 * depth:
+            parameters = found.parameters[:, [best]]
+            parameters.setflags(write=False)  # remembered for the next caller
+            return np.asarray(parameters)
     raise GeometryError(
         "these machine settings cut no tooth in this blank: the cutter does not pass through the middle of the face "
         f"(axial {target[0, 0]:.3f} mm, radial {target[1, 0]:.3f} mm); check radial_distance, cradle_angle, "

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from .assembly import Assembly, Misalignment
-from .datasets import ease_off_dataset, flanks_dataset, teeth_dataset
+from .datasets import ease_off_dataset, flank_dataset, flanks_dataset, teeth_dataset
 from .ease_off_surface import EaseOff, compute
 from .flank_surface import Flank, GeneratingSurface, solve_flank
 from .section import BlankSection
@@ -19,6 +19,7 @@ from .tooth import ToothBody, opposite_surface, tooth_body
 
 Array = NDArray[Any]
 FlankName = Literal["drive", "coast"]
+DEFAULT_NODES = (31, 21)
 
 
 @dataclass(frozen=True)
@@ -95,38 +96,27 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
     return np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1])
 
 
-def flanks(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
-    """Flanks of both members on their own grids.
+@dataclass(frozen=True)
+class PairGeometry:
+    """The three results of a pair's geometry, on one grid of the gear flank.
 
     Parameters
     ----------
-    pair
-        The gear pair.
-    nodes
-        Grid nodes lengthwise and along the profile.
-
-    Returns
-    -------
-    xr.Dataset
-        Positions, normals, curvatures and status over (member, lengthwise, profile).
-
-    Raises
-    ------
-    GeometryError
-        If a cutter meets no tooth of its blank.
+    flanks
+        Both flanks, each on its own blank.
+    ease_off
+        Ease-off and surface of roll angle.
+    teeth
+        Both teeth as plates, and where contact forces meet them.
     """
-    t, h = grid(nodes)
-    return flanks_dataset(t, h, pair.pinion.flank(t, h), pair.gear.flank(t, h))
+
+    flanks: xr.Dataset
+    ease_off: xr.Dataset
+    teeth: xr.Dataset
 
 
-def ease_off_surface(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> EaseOff:
-    """Ease-off and roll angle at the nodes of the gear's grid, as arrays; see ``ease_off``."""
-    t, h = grid(nodes)
-    return compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
-
-
-def ease_off(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
-    """Ease-off and surface of roll angle on the gear's grid (Kolivand 2009, chapter 2).
+def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> PairGeometry:
+    """Everything the contact needs to know of a pair, computed once.
 
     Parameters
     ----------
@@ -135,18 +125,53 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
     nodes
         Grid nodes lengthwise and along the profile.
 
-    Returns
-    -------
-    xr.Dataset
-        Variables over (lengthwise, profile).
-
     Raises
     ------
+    InputError
+        If the grid is too coarse.
     GeometryError
-        If a cutter meets no tooth of its blank, or the flanks do not meet.
+        If a cutter meets no tooth of its blank, the flanks do not meet, or they leave no tooth between them.
     """
     t, h = grid(nodes)
-    return ease_off_dataset(t, h, ease_off_surface(pair, nodes))
+    gear = pair.gear.flank(t, h)
+    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return PairGeometry(
+        flanks_dataset(t, h, pair.pinion.flank(t, h), gear),
+        ease_off_dataset(t, h, surface),
+        _teeth(pair, t, h, gear, surface),
+    )
+
+
+def flank(member: Member, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Dataset:
+    """The loaded flank of one member on its own blank: positions, normals, curvatures over (lengthwise, profile).
+
+    Raises as ``pair_geometry``.
+    """
+    t, h = grid(nodes)
+    return flank_dataset(t, h, member.flank(t, h))
+
+
+def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Dataset:
+    """Ease-off and surface of roll angle over (lengthwise, profile) of the gear (Kolivand 2009, chapter 2).
+
+    Raises as ``pair_geometry``.
+    """
+    t, h = grid(nodes)
+    gear = pair.gear.flank(t, h)
+    return ease_off_dataset(t, h, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+
+
+def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surface: EaseOff) -> xr.Dataset:
+    """Where contact forces meet both teeth, on the gear's grid."""
+    pinion_body, gear_body = bodies(pair)
+    position, normal, _ = pair.pinion.loaded.evaluate(surface.pinion_parameters)
+    missing = ~np.isfinite(surface.roll_angle)
+    position, normal = np.where(missing, np.nan, position), np.where(missing, np.nan, normal)
+    coordinates = (
+        pinion_body.shell_coordinates(position, normal),
+        gear_body.shell_coordinates(gear.position, gear.normal),
+    )
+    return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)
 
 
 def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
@@ -191,37 +216,3 @@ def _given(member: Member) -> float | None:
     outward = np.array([position[0] / radius * up[1], position[1] / radius * up[1], up[0]])
     in_pitch_plane = np.sqrt(1.0 - float(normal @ outward) ** 2)
     return float(member.mean_thickness / (radius * abs(circumferential) / in_pitch_plane))
-
-
-def teeth(pair: GearPair, nodes: tuple[int, int] = (41, 25)) -> xr.Dataset:
-    """Where contact forces meet both teeth, on the gear's grid, and the teeth's dimensions.
-
-    Parameters
-    ----------
-    pair
-        The gear pair.
-    nodes
-        Grid nodes lengthwise and along the profile.
-
-    Returns
-    -------
-    xr.Dataset
-        Variables over (member, lengthwise, profile) for the contact, and the plate dimensions of each member.
-    """
-    t, h = grid(nodes)
-    gear_flank = pair.gear.flank(t, h)
-    surface = compute(gear_flank, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    return teeth_of(pair, t, h, gear_flank, surface)
-
-
-def teeth_of(pair: GearPair, lengthwise: Array, profile: Array, gear_flank: Flank, surface: EaseOff) -> xr.Dataset:
-    """As ``teeth``, from a gear flank and an ease-off already computed."""
-    pinion_body, gear_body = bodies(pair)
-    position, normal, _ = pair.pinion.loaded.evaluate(surface.pinion_parameters)
-    missing = ~np.isfinite(surface.roll_angle)
-    position, normal = np.where(missing, np.nan, position), np.where(missing, np.nan, normal)
-    coordinates = (
-        pinion_body.shell_coordinates(position, normal),
-        gear_body.shell_coordinates(gear_flank.position, gear_flank.normal),
-    )
-    return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)

@@ -101,9 +101,7 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
         return None
     rotation = (problem.torque + float(arm @ solved[:, 1])) / pivot
     force = rotation * unit - solved[:, 1]
-    point = ActiveSetPoint(
-        index, force, rotation, problem.separation, problem, rows, factor, arm, unit, pivot, shifted
-    )
+    point = ActiveSetPoint(index, force, rotation, problem.separation, problem, rows, factor, arm, unit, pivot, shifted)
     point._update_gap()
     if shifted:
         point.refine()

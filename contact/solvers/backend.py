@@ -44,8 +44,8 @@ def read_answer(
 ) -> ScaledAnswer:
     """Take forces and rotation from a `qpsolvers.Solution`.
 
-    qpsolvers writes P x + q + A'y + z_box = 0, so the rotation is -y. A rotation that is missing is recovered from the forces:
-    on the loaded segments the gap is zero, hence theta T = F'CF + S'F.
+    qpsolvers writes P x + q + A'y + z_box = 0, so the rotation is -y. A rotation that is missing is recovered from
+    the forces: on the loaded segments the gap is zero, hence theta T = F'CF + S'F.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Adapter of DAQP, a dense dual active-set solver (Arnstrom, Bemporad and Axehill 2022, doi 10.1109/TAC.2022.3176430)."""
+"""Adapter of DAQP, a dense dual active-set solver (Arnstrom et al. 2022, doi 10.1109/TAC.2022.3176430)."""
 
 from __future__ import annotations
 

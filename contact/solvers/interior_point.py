@@ -1,6 +1,7 @@
 """Primal-dual interior point with Mehrotra's predictor and corrector: the last resort of the native solver.
 
-Its iteration count hardly depends on the data, and the matrix it factors, C + diag(Y/F), is positive definite even where C is singular.
+Its iteration count hardly depends on the data, and the matrix it factors, C + diag(Y/F), is positive definite even
+where C is singular.
 """
 
 from __future__ import annotations
@@ -18,13 +19,16 @@ BOUNDARY_FRACTION = 0.995
 STOP = 1e-15
 
 
-def interior_point(problem: ScaledProblem, *, max_iterations: int = 80) -> tuple[ScaledAnswer, NDArray[np.float64]] | None:
+def interior_point(
+    problem: ScaledProblem, *, max_iterations: int = 80
+) -> tuple[ScaledAnswer, NDArray[np.float64]] | None:
     """Solve the scaled problem.
 
     Returns
     -------
     (ScaledAnswer, (n) array) or None
-        The best point met and its bound multipliers (the gaps), which tell the active set apart; None after a breakdown.
+        The best point met and its bound multipliers (the gaps), which tell the active set apart; None after a
+        breakdown.
     """
     matrix, arm, separation, torque = problem.compliance, problem.lever_arm, problem.separation, problem.torque
     size = arm.size

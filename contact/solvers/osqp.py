@@ -1,4 +1,4 @@
-"""Adapter of OSQP, the alternating direction method of multipliers (Stellato et al. 2020, doi 10.1007/s12532-020-00179-2)."""
+"""Adapter of OSQP, an alternating direction method (Stellato et al. 2020, doi 10.1007/s12532-020-00179-2)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Exact answer from an approximate one: solve on the active set that it shows.
 
-Interior-point and first-order methods leave forces with six to nine digits, but they nearly always tell the touching segments from the
-open ones. One linear system on that set, and a few exchanges if a sign comes out wrong, then give all digits.
+Interior-point and first-order methods leave forces with six to nine digits, but they nearly always tell the touching
+segments from the open ones. One linear system on that set, and a few exchanges if a sign comes out wrong, then give
+all digits.
 """
 
 from __future__ import annotations

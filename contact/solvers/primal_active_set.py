@@ -1,8 +1,9 @@
 """Primal active set: always feasible, the energy falls at every step, so it cannot cycle.
 
-The forces stay nonnegative and in equilibrium. On the loaded segments the energy is minimised; if a force would turn negative, the step
-stops there and that segment is released. At a minimum, the segment that penetrates most is loaded. The pattern is that of Lawson and
-Hanson (1974, chapter 23) for nonnegative least squares. Slower than moving many segments at once, and needed only where that fails.
+The forces stay nonnegative and in equilibrium. On the loaded segments the energy is minimised; if a force would turn
+negative, the step stops there and that segment is released. At a minimum, the segment that penetrates most is loaded.
+The pattern is that of Lawson and Hanson (1974, chapter 23) for nonnegative least squares. Slower than moving many
+segments at once, and needed only where that fails.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Primal-dual active set, also called block principal pivoting: the hot path of the native solver.
 
-Guess which segments touch, solve the linear system, then move every segment with a wrong sign at once: out of the set where the
-force is negative, into it where the gap is. This is Newton's method on the complementarity conditions and ends, mostly after two to
-five solves, when no sign is wrong; the answer is then exact up to rounding. It can cycle where C is nearly singular. After a few steps
-without progress single segments move, always the last one of the wrong sign (Murty 1974; Kostreva 1978; Judice and Pires 1994).
+Guess which segments touch, solve the linear system, then move every segment with a wrong sign at once: out of the set
+where the force is negative, into it where the gap is. This is Newton's method on the complementarity conditions and
+ends, mostly after two to five solves, when no sign is wrong; the answer is then exact up to rounding. It can cycle
+where C is nearly singular. After a few steps without progress single segments move, always the last one of the wrong
+sign (Murty 1974; Kostreva 1978; Judice and Pires 1994).
 """
 
 from __future__ import annotations

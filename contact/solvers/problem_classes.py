@@ -1,7 +1,7 @@
-"""Random contact problems in fifteen classes, from the everyday to the degenerate: what a new solver should be tried on.
+"""Random contact problems in sixteen classes, from the everyday to the degenerate: what to try a new solver on.
 
-Each class is a function of a random generator; every problem has a solution. The classes were chosen to hurt: ties, duplicates, loads and
-separations over many decades, compliances that are numerically singular.
+Each class is a function of a random generator; every problem has a solution. The classes were chosen to hurt: ties,
+duplicates, loads and separations over many decades, compliances that are numerically singular.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def problems(name: str, count: int, seed: int = 0) -> Iterator[ContactProblem]:
         yield PROBLEM_CLASSES[name](generator)
 
 
-def _parts(rng: np.random.Generator, size: int | None = None, *, signed: bool = False) -> tuple[Array, Array, float, Array, Array]:
+def _parts(rng: np.random.Generator, *, signed: bool = False) -> tuple[Array, Array, float, Array, Array]:
     """Return S, r, T, d, V of a problem of 1 to 40 segments with smooth coupling and gaps of some microns."""
-    n = int(rng.integers(1, 41)) if size is None else size
+    n = int(rng.integers(1, 41))
     position = np.sort(rng.uniform(-1.0, 1.0, n))
     modes = int(rng.integers(1, 9))
     factor = np.sqrt(LOCAL) * rng.uniform(0.3, 1.5, modes) * position[:, None] ** np.arange(modes)
@@ -95,7 +95,8 @@ def _lattice(rng: np.random.Generator) -> ContactProblem:
     n, modes = int(rng.integers(1, 41)), int(rng.integers(1, 5))
     factor = rng.integers(0, 3, (n, modes)).astype(float)
     separation = rng.integers(0, 4, n).astype(float)
-    return ContactProblem(separation, rng.integers(1, 4, n).astype(float), float(rng.integers(1, 21)), (np.ones(n), factor))
+    arm, torque = rng.integers(1, 4, n).astype(float), float(rng.integers(1, 21))
+    return ContactProblem(separation, arm, torque, (np.ones(n), factor))
 
 
 def _mixed_arms(rng: np.random.Generator) -> ContactProblem:

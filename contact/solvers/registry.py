@@ -5,19 +5,21 @@ from __future__ import annotations
 import difflib
 import importlib
 import importlib.util
-import math
+from dataclasses import replace
+from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError, MissingSolverError
-from ..certificate import EXACT_TOLERANCE, Certificate, certify
+from ..certificate import EXACT_TOLERANCE
 from ..problem import ContactProblem
 from ..scaling import ScaledProblem
 from . import native
 from .answer import ScaledAnswer
 from .backend import NoAnswerError
+from .judge import judge
 from .polish import polish as polish_answer
 from .settings import SOLVERS
 from .status import ContactSolution, Status, no_solution
@@ -71,15 +73,16 @@ def solve(
         Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
         `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
     initial_active : (n) bool array or array of indices, optional
-        Segments thought to touch, from a neighbouring problem; a warm start of the native solver, ignored by the others.
+        Segments thought to touch, from a neighbouring problem; a warm start of the native solver, ignored by the
+        others.
     **settings
         Passed to the backend on top of the settings of the table; for the native solver, ``method``.
 
     Returns
     -------
     ContactSolution
-        With NaN forces unless its status is `Status.CERTIFIED`. What a backend says of itself is not believed: the certificate
-        decides, in both directions.
+        With NaN forces unless its status is `Status.CERTIFIED`. What a backend says of itself is not believed: the
+        certificate decides, in both directions.
 
     Raises
     ------
@@ -106,10 +109,13 @@ def solve(
             message="the compliance has a negative eigenvalue: forces would do work for nothing",
         )
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
-        # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open instead.)
-        return _judge(problem, name, np.zeros(problem.size), 0.0, 0, EXACT_TOLERANCE, "no torque: first contact")
+        # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
+        nothing = np.zeros(problem.size)
+        return judge(
+            problem, name, nothing, 0.0, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact"
+        )
     scaled = problem.scaling.scale(problem)
-    if not (np.isfinite(scaled.compliance).all() and np.isfinite(scaled.separation).all() and math.isfinite(scaled.torque)):
+    if not (np.isfinite(scaled.separation).all() and np.isfinite(scaled.compliance).all() and isfinite(scaled.torque)):
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
     if name == "native":
         try:
@@ -124,10 +130,8 @@ def _solve_native(
 ) -> ContactSolution:
     start = problem.scaling.estimated_active if active is None else active
     best: ContactSolution | None = None
-    iterations = 0
     for answer in native.answers(scaled, start, settings):
-        iterations += max(answer.iterations, 0)
-        solution = _judge_scaled(problem, "native", answer, EXACT_TOLERANCE, iterations=iterations)
+        solution = _judge_scaled(problem, "native", answer, EXACT_TOLERANCE)
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
         if best.certificate.worst <= ROUNDING_LEVEL:
@@ -165,70 +169,28 @@ def _solve_backend(
     if polish:
         exact = polish_answer(scaled, answer)
         if exact is not None:
-            solution = _judge_scaled(
-                problem, name, exact, EXACT_TOLERANCE, iterations=answer.iterations, polished=True, message=answer.message
-            )
+            # The iterations and the message stay those of the backend, whose work this is.
+            exact = replace(answer, force=exact.force, rotation=exact.rotation)
+            solution = _judge_scaled(problem, name, exact, EXACT_TOLERANCE, polished=True)
             if solution.certified:
                 return solution
-    return _judge_scaled(problem, name, answer, entry.tolerance, iterations=answer.iterations, message=answer.message)
+    return _judge_scaled(problem, name, answer, entry.tolerance)
 
 
 def _judge_scaled(
-    problem: ContactProblem,
-    name: str,
-    answer: ScaledAnswer,
-    tolerance: float,
-    *,
-    iterations: int,
-    polished: bool = False,
-    message: str = "",
+    problem: ContactProblem, name: str, answer: ScaledAnswer, tolerance: float, *, polished: bool = False
 ) -> ContactSolution:
     """Unscale an answer and certify it on the original problem."""
-    force = problem.scaling.unscale_force(answer.force)
-    elastic_rotation = problem.scaling.unscale_elastic_rotation(answer.rotation)
-    return _judge(
-        problem, name, force, elastic_rotation, iterations, tolerance, message, polished, answer.suspicion
-    )
-
-
-def _judge(
-    problem: ContactProblem,
-    name: str,
-    force: NDArray[np.float64],
-    elastic_rotation: float,
-    iterations: int,
-    tolerance: float,
-    message: str,
-    polished: bool = False,
-    suspicion: Status | None = None,
-) -> ContactSolution:
-    rotation = problem.first_contact_rotation + elastic_rotation
-    certificate: Certificate = certify(problem, force, rotation, elastic_rotation)
-    if not certificate.passes(tolerance):
-        return no_solution(
-            problem.size,
-            suspicion or Status.NOT_CERTIFIED,
-            name,
-            message=message,
-            iterations=iterations,
-            certificate=certificate,
-            tolerance=tolerance,
-        )
-    gap = problem.deflection(force)
-    gap += problem.separation_at_first_contact
-    gap -= elastic_rotation * problem.lever_arm
-    return ContactSolution(
-        force=force,
-        rotation=rotation,
-        gap=gap,
-        status=Status.CERTIFIED,
-        solver=name,
-        iterations=iterations,
-        certificate=certificate,
-        elastic_rotation=elastic_rotation,
-        polished=polished,
+    return judge(
+        problem,
+        name,
+        problem.scaling.unscale_force(answer.force),
+        problem.scaling.unscale_elastic_rotation(answer.rotation),
         tolerance=tolerance,
-        message=message,
+        iterations=answer.iterations,
+        polished=polished,
+        message=answer.message,
+        suspicion=answer.suspicion,
     )
 
 
@@ -240,7 +202,7 @@ def _is_unbounded(problem: ScaledProblem) -> bool:
 
     rows = np.vstack([problem.compliance, problem.lever_arm[np.newaxis, :]])
     result = linprog(problem.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
-    return result.status == 0 and result.fun < -1e-6 * float(np.abs(problem.separation).max())
+    return result.status == 0 and float(result.fun or 0.0) < -1e-6 * float(np.abs(problem.separation).max())
 
 
 def _is_installed(name: str) -> bool:
@@ -260,7 +222,7 @@ def _as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
         return array
     if array.ndim != 1 or (array.size and not np.issubdtype(array.dtype, np.integer)):
         raise InputError("initial_active is neither a mask of the segments nor a list of their indices")
-    if array.size and not (0 <= array.min() and array.max() < size):
+    if array.size and (array.min() < 0 or array.max() >= size):
         raise InputError(f"initial_active names segments outside 0..{size - 1}")
     mask = np.zeros(size, dtype=np.bool_)
     mask[array.astype(np.intp)] = True

@@ -1,6 +1,7 @@
-"""The one table of the solvers: package, kind, settings for high accuracy, and the certificate each must reach unpolished.
+"""The one table of the solvers: package, kind, settings for high accuracy, and the certificate each must reach.
 
-All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances mean nothing.
+All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances
+mean nothing.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "osqp",
         "alternating direction method of multipliers, sparse",
         sparse=True,
-        tolerance=APPROXIMATE_TOLERANCE,
+        tolerance=1e-7,
         settings={
             "eps_abs": 1e-10,
             "eps_rel": 1e-10,
@@ -80,7 +81,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "daqp",
         "daqp",
         "dual active set, dense",
-        tolerance=APPROXIMATE_TOLERANCE,
+        tolerance=1e-6,
         settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
     ),
     "piqp": SolverSettings(
@@ -94,7 +95,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "proxsuite",
         _EXTRA,
         "proximal augmented Lagrangian, dense",
-        tolerance=APPROXIMATE_TOLERANCE,
+        tolerance=1e-7,
         settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
     ),
     "highs": SolverSettings(
@@ -102,7 +103,7 @@ SOLVERS: dict[str, SolverSettings] = {
         _EXTRA,
         "primal active set, sparse input",
         sparse=True,
-        tolerance=APPROXIMATE_TOLERANCE,
+        tolerance=EXACT_TOLERANCE,
         settings={
             "primal_feasibility_tolerance": 1e-10,
             "dual_feasibility_tolerance": 1e-10,
@@ -117,7 +118,7 @@ SOLVERS: dict[str, SolverSettings] = {
         _EXTRA,
         "splitting cone solver, sparse",
         sparse=True,
-        tolerance=APPROXIMATE_TOLERANCE,
+        tolerance=1e-7,
         settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
     ),
     "cvxpy": SolverSettings(

@@ -27,7 +27,7 @@ class Status(IntEnum):
 
     @classmethod
     def flag_attributes(cls) -> dict[str, Any]:
-        """Attributes `flag_values` and `flag_meanings` of a stored status variable, as the CF conventions define them."""
+        """Return the attributes `flag_values` and `flag_meanings` of a stored status variable (CF conventions)."""
         return {
             "flag_values": np.array([int(status) for status in cls], dtype=np.int8),
             "flag_meanings": " ".join(status.name.lower() for status in cls),

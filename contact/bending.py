@@ -1,0 +1,109 @@
+"""Bending compliance of a tooth pair: both teeth as shells on elastic roots, loaded along the contact normals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from .compliance import ElasticFoundation, Material, Shell, ToothDimensions
+from .compliance.kinematics import ShellForm
+from .fields import FlankFields
+
+Array = NDArray[Any]
+MEMBERS = ("pinion", "gear")
+
+
+@dataclass(frozen=True)
+class ElasticModel:
+    """How the teeth give way.
+
+    Parameters
+    ----------
+    pinion, gear
+        Materials.
+    form, modes, shear_factor
+        See ``compliance.Shell``.
+    foundation
+        Springs along the root; ``None`` clamps it.
+    """
+
+    pinion: Material = Material(206000.0, 0.3)
+    gear: Material = Material(206000.0, 0.3)
+    form: ShellForm = "five_field"
+    modes: tuple[int, int] = (5, 15)
+    shear_factor: float = 1.0
+    foundation: ElasticFoundation | None = ElasticFoundation()
+
+
+def tooth_dimensions(teeth: xr.Dataset, member: str) -> ToothDimensions:
+    """Dimensions of the plate that stands for one member's tooth, from the geometry's ``teeth``."""
+    one = teeth.sel(member=member)
+    height, thickness = one["tooth_height"], one["plate_thickness"]
+    return ToothDimensions(
+        trace_length=float(one["trace_length"]),
+        trace_radius=float(one["trace_radius"]),
+        height_toe=float(height.sel(tooth_end="toe")),
+        height_heel=float(height.sel(tooth_end="heel")),
+        root_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="root")),
+        root_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="root")),
+        tip_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="tip")),
+        tip_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="tip")),
+    )
+
+
+def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
+    """Shells of pinion and gear."""
+    materials = (model.pinion, model.gear)
+    pinion, gear = (
+        Shell(tooth_dimensions(teeth, member), material, model.modes, model.shear_factor, model.form, model.foundation)
+        for member, material in zip(MEMBERS, materials, strict=True)
+    )
+    return pinion, gear
+
+
+def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
+    """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``whitened_loads`` needs, by name."""
+    fields = {}
+    for member in MEMBERS:
+        one = teeth.sel(member=member)
+        for name in ("shell_height", "shell_arc", "depth"):
+            fields[f"{name}_{member}"] = one[name].transpose("lengthwise", "profile").values
+        direction = one["shell_direction"].transpose("lengthwise", "profile", "shell_axis")
+        fields[f"shell_direction_{member}"] = direction.values
+    return fields
+
+
+def whitened_loads(
+    pair_of_shells: tuple[Shell, Shell], fields: FlankFields, points: Array, weights: Array
+) -> NDArray[np.float64]:
+    """Both members' whitened unit loads on segments; their inner products are bending compliances.
+
+    Parameters
+    ----------
+    pair_of_shells
+        Shells of pinion and gear.
+    fields
+        Splines that include ``tooth_fields``.
+    points
+        Quadrature points (2, n, g) of n segments, as fractions on the gear.
+    weights
+        Quadrature weights (g), adding up to one: load and deflection are both averaged over a segment.
+
+    Returns
+    -------
+    Array
+        Y (k, n) such that the compliance of segments on one tooth pair is Y^T Y [mm/N] (Kolivand 2009, Eq. 3.11).
+    """
+    stacked = []
+    for member, shell in zip(MEMBERS, pair_of_shells, strict=True):
+        names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
+        height, arc, direction = fields.evaluate(names, points).values()
+        # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
+        arc = np.clip(arc, 0.0, shell.dimensions.trace_length)
+        vectors = shell.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
+        stacked.append(shell.whiten(vectors))
+    return np.concatenate(stacked, axis=0)

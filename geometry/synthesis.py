@@ -1,0 +1,180 @@
+"""Pinion settings from a target ease-off: least squares on the machine settings, from the exactly conjugate pinion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from ..core.errors import GeometryError, InputError
+from .ease_off_surface import compute
+from .flank_surface import Flank, GeneratingSurface
+from .pair import GearPair, grid
+
+Array = NDArray[Any]
+
+# What each setting is moved by to change the flank about equally: mm, rad, or per radian.
+SCALES = {
+    "point_radius": 1.0,
+    "pressure_angle": 0.01,
+    "radial_distance": 1.0,
+    "cradle_angle": 0.01,
+    "machine_root_angle": 0.01,
+    "work_offset": 1.0,
+    "sliding_base": 1.0,
+    "machine_center_to_crossing_point": 1.0,
+    "cutter_tilt": 0.01,
+    "cutter_swivel": 0.02,
+    "ratio_of_roll": 0.02,
+    "modified_roll_2c": 0.02,
+    "modified_roll_6d": 0.2,
+}
+FREE = ("point_radius", "pressure_angle", "radial_distance", "cradle_angle", "cutter_tilt", "cutter_swivel",
+        "ratio_of_roll", "modified_roll_2c", "modified_roll_6d")
+
+
+@dataclass(frozen=True)
+class EaseOffTarget:
+    """Wanted ease-off on the gear flank, up to a constant [mm]; with t, h from -1 to 1 lengthwise and up the profile:
+
+    ``lengthwise_crowning t^2 + profile_crowning h^2 - bias t h + spiral_angle_error t + pressure_angle_error h``.
+
+    Parameters
+    ----------
+    lengthwise_crowning
+        At toe and heel, mid height.
+    profile_crowning
+        At root and tip, mid face.
+    bias
+        Twist; positive adds gap at toe-tip and heel-root.
+    spiral_angle_error
+        Half of what the heel has more than the toe.
+    pressure_angle_error
+        Half of what the tip has more than the root.
+    """
+
+    lengthwise_crowning: float = 0.0
+    profile_crowning: float = 0.0
+    bias: float = 0.0
+    spiral_angle_error: float = 0.0
+    pressure_angle_error: float = 0.0
+
+    def __call__(self, lengthwise: Array, profile: Array) -> Array:
+        """Target (n) [mm] at fractions (n)."""
+        t, h = 2.0 * lengthwise - 1.0, 2.0 * profile - 1.0
+        second = self.lengthwise_crowning * t**2 + self.profile_crowning * h**2 - self.bias * t * h
+        return np.asarray(second + self.spiral_angle_error * t + self.pressure_angle_error * h)
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """A pinion flank fitted to a target.
+
+    Parameters
+    ----------
+    surface
+        The pinion flank.
+    moved
+        What became of each free setting: (start, end), mm, rad or per radian.
+    residual
+        Ease-off less target at the fit's nodes (n) [mm], its mean removed.
+    """
+
+    surface: GeneratingSurface
+    moved: dict[str, tuple[float, float]]
+    residual: Array
+
+
+def get_setting(surface: GeneratingSurface, name: str) -> float:
+    """One setting of a generating surface by name (see ``SCALES``)."""
+    if name in ("point_radius", "pressure_angle"):
+        return float(getattr(surface.blade, name))
+    if name.startswith("modified_roll_"):
+        order = {"modified_roll_2c": 2, "modified_roll_6d": 3}[name]
+        roll = surface.settings.modified_roll
+        return float(roll[order - 2] * (2 if order == 2 else 6)) if len(roll) > order - 2 else 0.0
+    return float(getattr(surface.settings, name))
+
+
+def with_settings(surface: GeneratingSurface, values: dict[str, float]) -> GeneratingSurface:
+    """The same surface with some settings changed by name (see ``SCALES``)."""
+    blade = {k: v for k, v in values.items() if k in ("point_radius", "pressure_angle")}
+    roll = [get_setting(surface, name) for name in ("modified_roll_2c", "modified_roll_6d")]
+    roll = [values.get("modified_roll_2c", roll[0]) / 2.0, values.get("modified_roll_6d", roll[1]) / 6.0]
+    roll += surface.settings.modified_roll[2:]
+    machine = {k: v for k, v in values.items() if k not in blade and not k.startswith("modified_roll_")}
+    settings = replace(surface.settings, **machine, modified_roll=tuple(roll))
+    return replace(surface, blade=replace(surface.blade, **blade), settings=settings)
+
+
+def _ease_off_at(pair: GearPair, gear: Flank, surface: GeneratingSurface) -> Array:
+    """Normal ease-off (n) [mm] at the gear's nodes, up to a rotation of the gear; NaN where there is none."""
+    result = compute(gear, surface, pair.pinion.section, pair.assembly)
+    return np.asarray(result.angle * result.lever_arm)
+
+
+def fit_pinion(
+    pair: GearPair,
+    target: EaseOffTarget,
+    *,
+    free: Sequence[str] = FREE,
+    nodes: tuple[int, int] = (9, 7),
+) -> Synthesis:
+    """Fit the pinion's settings to a target ease-off.
+
+    Parameters
+    ----------
+    pair
+        The pair as assembled, with the pinion flank to start from, usually the conjugate one.
+    target
+        The wanted ease-off on the gear flank.
+    free
+        Settings that may move, of ``SCALES``.
+    nodes
+        Gear nodes of the fit, lengthwise and along the profile.
+
+    Returns
+    -------
+    Synthesis
+        The settings that leave the smallest sum of squares.
+
+    Raises
+    ------
+    InputError
+        If a free setting has another name.
+    GeometryError
+        If the flanks do not meet on enough of the gear flank.
+    """
+    unknown = [name for name in free if name not in SCALES]
+    if unknown:
+        raise InputError(f"free setting {unknown[0]!r}: allowed are {', '.join(SCALES)}")
+    t, h = grid(nodes)
+    gear = pair.gear.flank(t, h)
+    start = pair.pinion.loaded
+    origin = np.array([get_setting(start, name) for name in free])
+    scale = np.array([SCALES[name] for name in free])
+    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    lever = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
+    usable = np.isfinite(_ease_off_at(pair, gear, start))
+    if usable.sum() < 2 * len(free):
+        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+
+    def residual(steps: Array) -> Array:
+        surface = with_settings(start, dict(zip(free, origin + scale * steps, strict=True)))
+        error = _ease_off_at(pair, gear, surface)[usable] - wanted[usable]
+        if not np.all(np.isfinite(error)):
+            raise GeometryError("the pinion's settings left the range in which the flanks meet: choose a smaller target "
+                                "or fewer free settings")
+        # The zero of the ease-off is free: a rotation of the gear is no change of form.
+        arm = lever[usable]
+        return np.asarray(1e3 * (error - arm * float(arm @ error) / float(arm @ arm)))
+
+    found = least_squares(residual, np.zeros(len(free)), method="trf", x_scale=1.0, diff_step=1e-4,
+                          xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=60)
+    values = dict(zip(free, (float(v) for v in origin + scale * found.x), strict=True))
+    moved = {name: (float(o), values[name]) for name, o in zip(free, origin, strict=True)}
+    return Synthesis(with_settings(start, values), moved, 1e-3 * residual(found.x))

@@ -1,0 +1,161 @@
+"""The whole analysis of a case: geometry, unloaded contact, loaded contact, as one tree."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ..cases.conversion import elastic_model, gear_pair
+from ..cases.model import Case
+from ..contact.loaded import LoadedCase, loaded_contact, loaded_fields
+from ..contact.solvers import require_solver
+from ..contact.unloaded import unloaded_contact
+from ..geometry.assembly import Misalignment
+from ..geometry.pair import FlankName, GearPair, pair_geometry
+
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """An analysis with what does not go into the file.
+
+    Parameters
+    ----------
+    tree
+        The labelled results.
+    cases
+        Every solved case with its contact problem.
+    """
+
+    tree: xr.DataTree
+    cases: list[LoadedCase]
+
+
+def prepared_pair(case: Case, flank: FlankName, misalignment: Misalignment | None) -> GearPair:
+    """The gear pair of a case, with its own misalignment or another."""
+    pair = gear_pair(case, flank)
+    return pair if misalignment is None else pair.misaligned(misalignment)
+
+
+def analyze_in_full(
+    case: Case,
+    *,
+    flank: FlankName = "drive",
+    torques: Sequence[float] | None = None,
+    misalignment: Misalignment | None = None,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+    **options: Any,
+) -> Analysis:
+    """As ``analyze``, and keeps the contact problems."""
+    require_solver(solver)
+    pair = prepared_pair(case, flank, misalignment)
+    settings = case.contact
+    geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
+    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    pitch = pair.assembly.pinion_pitch
+    unloaded = unloaded_contact(
+        fields, pitch, mesh_positions=settings.mesh_positions, separation=settings.separation
+    )
+    loaded, cases = loaded_contact(
+        fields,
+        geometry.teeth,
+        pinion_pitch=pitch,
+        ratio=pair.assembly.ratio,
+        torques=np.array(settings.torques if torques is None else torques, dtype=float),
+        model=elastic_model(case),
+        mesh_positions=settings.mesh_positions,
+        segments_per_line=settings.segments_per_line,
+        solver=solver,
+        progress=progress,
+        **options,
+    )
+    groups = {
+        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver)),
+        "/flanks": geometry.flanks,
+        "/ease_off": geometry.ease_off,
+        "/teeth": geometry.teeth,
+        "/unloaded": unloaded,
+        "/loaded": loaded,
+    }
+    return Analysis(xr.DataTree.from_dict(groups), cases)
+
+
+def analyze(
+    case: Case,
+    *,
+    flank: FlankName = "drive",
+    torques: Sequence[float] | None = None,
+    misalignment: Misalignment | None = None,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+    **options: Any,
+) -> xr.DataTree:
+    """Analyse a case from machine settings to certified loaded contact.
+
+    Parameters
+    ----------
+    case
+        A checked case, see ``read_case``.
+    flank
+        ``drive``: pinion concave with gear convex; ``coast``: the other two.
+    torques
+        Torques at the pinion [N m]; the case's own if left out.
+    misalignment
+        Assembly errors; the case's own if left out.
+    solver
+        Name of a contact solver, see ``contact.available_solvers``.
+    progress
+        Called after every solved torque and mesh position.
+    **options
+        Passed to the solver.
+
+    Returns
+    -------
+    xr.DataTree
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; where it came from in the attributes.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range or the case has no such flanks.
+    GeometryError
+        If the settings describe no tooth in the blank, or flanks that do not meet.
+    MissingSolverError
+        If the solver's package is not installed.
+    """
+    return analyze_in_full(
+        case, flank=flank, torques=torques, misalignment=misalignment, solver=solver, progress=progress, **options
+    ).tree
+
+
+def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str, Any]:
+    """Where a result came from, as netCDF attributes."""
+    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    own = version("easeoff")
+    errors = pair.assembly.misalignment
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title,
+        "history": f"{now} easeoff {own} analyze",
+        "easeoff_version": own,
+        "schema_version": SCHEMA_VERSION,
+        "case": case.text or case.model_dump_json(),
+        "solver": solver,
+        "flank": flank,
+        "pinion_teeth": pair.assembly.pinion_teeth,
+        "gear_teeth": pair.assembly.gear_teeth,
+        "pinion_hand": pair.assembly.pinion_hand,
+        "misalignment_offset_mm": errors.offset,
+        "misalignment_pinion_axial_mm": errors.pinion_axial,
+        "misalignment_gear_axial_mm": errors.gear_axial,
+        "misalignment_shaft_angle_rad": errors.shaft_angle,
+        "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
+    }

@@ -1,0 +1,193 @@
+"""The command line. Exit code 0: done; 1: an analysis has uncertified results; 2: a mistake in what was asked for."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..core.errors import EaseoffError, InputError
+
+# Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
+if TYPE_CHECKING:
+    from ..geometry.assembly import Misalignment
+    from .analysis import Analysis
+
+EXIT_UNCERTIFIED = 1
+EXIT_MISTAKE = 2
+MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
+
+
+class _Group(click.Group):
+    """Turns the package's own exceptions into one message and exit code 2."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except EaseoffError as error:
+            failure = click.ClickException(str(error))
+            failure.exit_code = EXIT_MISTAKE
+            raise failure from error
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="easeoff")
+def main() -> None:
+    """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
+
+
+def _torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
+    if text is None:
+        return None
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: give numbers in N m separated by commas, such as 50,250,500") from error
+    for value in values:
+        if not 0.0 < value < 1e7:
+            raise click.BadParameter(f"{value:g}: every torque must be greater than 0 and below 1e7 N m")
+    return values
+
+
+def _misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | None:
+    if text is None:
+        return None
+    import math
+
+    from ..geometry.assembly import Misalignment
+
+    values = dict.fromkeys(MISALIGNMENT_KEYS, 0.0)
+    for part in text.split(","):
+        key, _, number = part.partition("=")
+        try:
+            value = float(number)
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as E=0.15,P=-0.12") from error
+        if key not in values:
+            raise click.BadParameter(f"{key!r}: known are {', '.join(MISALIGNMENT_KEYS)} (mm, Sigma in degrees)")
+        if not abs(value) < 10.0:
+            raise click.BadParameter(f"{part!r}: must lie between -10 and 10 (mm, Sigma in degrees)")
+        values[key] = value
+    return Misalignment(values["E"], values["P"], values["G"], math.radians(values["Sigma"]))
+
+
+def _analysis_options(command: Any) -> Any:
+    for option in reversed((
+        click.argument("case"),
+        click.option("--flank", type=click.Choice(["drive", "coast"]), default="drive", show_default=True,
+                     help="Which flanks mesh: drive is pinion concave with gear convex."),
+        click.option("--torque", "torques", callback=_torques, metavar="T1,T2,...",
+                     help="Torques at the pinion in N m; the case's own if left out."),
+        click.option("--misalignment", callback=_misalignment, metavar="E=..,P=..,G=..,Sigma=..",
+                     help="Assembly errors in mm (Sigma in degrees); the case's own if left out."),
+        click.option("--solver", default="auto", show_default=True, help="Contact solver."),
+    )):
+        command = option(command)
+    return command
+
+
+def _run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str) -> Analysis:
+    """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal."""
+    from tqdm import tqdm
+
+    from ..cases import read_case
+    from .analysis import analyze_in_full
+
+    checked = read_case(case)
+    total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
+    with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
+        return analyze_in_full(
+            checked, flank=flank, torques=torques, misalignment=misalignment, solver=solver,
+            progress=lambda: bar.update(1) and None,
+        )
+
+
+@main.command()
+@_analysis_options
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
+@click.option("--plots", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures.")
+def run(
+    case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path, plots: Path | None
+) -> None:
+    """Analyse CASE, a shipped name or a file, and write the result."""
+    from .result import check_writable, write_result
+    from .show import uncertified
+
+    check_writable(output)
+    if plots is not None:
+        check_writable(plots / "picture.png")
+    analysis = _run(case, flank, torques, misalignment, solver)
+    write_result(analysis.tree, output)
+    click.echo(f"wrote {output}")
+    if plots is not None:
+        from .plot import write_pictures
+
+        for picture in write_pictures(analysis.tree, plots):
+            click.echo(f"wrote {picture}")
+    failures = uncertified(analysis.tree)
+    if failures:
+        click.echo("\n".join(failures), err=True)
+        sys.exit(EXIT_UNCERTIFIED)
+
+
+@main.command()
+@click.argument("result", type=click.Path(path_type=Path))
+def show(result: Path) -> None:
+    """Print the numbers an engineer asks for first."""
+    from .result import read_result
+    from .show import summary
+
+    click.echo(summary(read_result(result)))
+
+
+@main.command()
+@click.argument("result", type=click.Path(path_type=Path))
+@click.argument("folder", type=click.Path(path_type=Path))
+def plot(result: Path, folder: Path) -> None:
+    """Draw the pictures of RESULT into FOLDER."""
+    from .plot import write_pictures
+    from .result import check_writable, read_result
+
+    tree = read_result(result)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file: give a folder for the pictures")
+    check_writable(folder / "picture.png")
+    for picture in write_pictures(tree, folder):
+        click.echo(f"wrote {picture}")
+
+
+@main.command()
+def cases() -> None:
+    """List the shipped cases."""
+    from ..cases import shipped_cases
+
+    shipped = shipped_cases()
+    width = max(len(name) for name in shipped)
+    for name, title in shipped.items():
+        click.echo(f"{name:<{width}}  {title}")
+
+
+@main.command()
+@_analysis_options
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
+def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path) -> None:
+    """Write the contact problems of every torque and mesh position of CASE, for other solvers."""
+    from ..contact.exchange import write_problems
+    from .result import check_writable
+
+    check_writable(output)
+    analysis = _run(case, flank, torques, misalignment, solver)
+    solved = analysis.cases
+    torque = analysis.tree["loaded"]["torque"].values
+    position = analysis.tree["loaded"]["mesh_position"].values
+    write_problems(
+        [item.problem for item in solved],
+        output,
+        {
+            "pinion_torque": torque[[item.torque for item in solved]],
+            "mesh_position": position[[item.mesh_position for item in solved]],
+        },
+    )
+    click.echo(f"wrote {output}: {len(solved)} contact problems")

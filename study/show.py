@@ -1,0 +1,82 @@
+"""A result as a short report: what was analysed, the unloaded and the loaded contact, and whether it is certified."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from tabulate import tabulate
+
+from ..contact.solvers import Status
+
+
+def _certificate(loaded: xr.Dataset) -> Any:
+    """Worst residual of every torque and mesh position."""
+    names = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
+    return np.max(np.stack([loaded[name].values for name in names]), axis=0)
+
+
+def uncertified(tree: xr.DataTree) -> list[str]:
+    """One line for each torque whose mesh cycle is not certified throughout."""
+    loaded = tree["loaded"].to_dataset()
+    lines = []
+    for torque, status in zip(loaded["torque"].values, loaded["status"].values, strict=True):
+        bad = status != Status.CERTIFIED
+        if np.any(bad):
+            reasons = sorted({Status(int(s)).name.lower() for s in status[bad]})
+            lines.append(f"{torque:g} N m: {bad.sum()} of {status.size} mesh positions have no certified solution "
+                         f"({', '.join(reasons)}); their values are NaN")
+    return lines
+
+
+def summary(tree: xr.DataTree) -> str:
+    """Report of an analysis, as text.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    """
+    attrs = tree.attrs
+    ease_off, unloaded = tree["ease_off"].to_dataset(), tree["unloaded"].to_dataset()
+    loaded = tree["loaded"].to_dataset()
+    inside = ease_off["inside"].values == 1
+    gap = ease_off["ease_off"].values[inside]
+    harmonics = np.atleast_1d(unloaded.attrs["harmonics_urad"])
+    sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
+    errors = [("E", attrs["misalignment_offset_mm"], "mm"), ("P", attrs["misalignment_pinion_axial_mm"], "mm"),
+              ("G", attrs["misalignment_gear_axial_mm"], "mm"), ("Sigma", sigma, "deg")]
+    head = [
+        ("pair", f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion, "
+                 f"{attrs['flank']} flanks"),
+        ("misalignment", ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"),
+        ("common flank", f"{100 * inside.mean():.0f} % of the gear flank"),
+        ("ease-off", f"up to {gap.max():.1f} um on the common flank"),
+        ("unloaded transmission error",
+         f"{unloaded.attrs['peak_to_peak_urad']:.2f} urad peak to peak, harmonics "
+         + " / ".join(f"{a:.2f}" for a in harmonics)),
+    ]
+    # Roundoff-sized residuals are all the same to a reader.
+    worst = _certificate(loaded)
+    rows = [
+        (f"{torque:g}", loaded["mean_level"].values[i], loaded["peak_to_peak"].values[i],
+         *loaded["harmonic"].values[i, :3], loaded["max_pressure"].values[i], f"{np.max(worst[i]):.0e}",
+         f"{int(np.sum(loaded['status'].values[i] == Status.CERTIFIED))} of {worst.shape[1]}")
+        for i, torque in enumerate(loaded["torque"].values)
+    ]
+    headers = ["torque\nN m", "mean TE\nurad", "peak to\npeak urad", "harmonic\n1 urad", "\n2", "\n3",
+               "greatest\npressure MPa", "worst\nresidual", "certified\npositions"]
+    solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
+    title = attrs["title"]
+    parts = [
+        title, "=" * len(title), "",
+        tabulate(head, tablefmt="plain"), "",
+        f"Loaded contact, solver {solver}", "",
+        tabulate(rows, headers=headers, floatfmt=".2f", tablefmt="simple", colalign=("right",) * len(headers)),
+    ]
+    notes = uncertified(tree)
+    if attrs["opposite_flanks"] != "given":
+        notes.append("Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
+                     "same settings, which matters for the teeth's thickness alone.")
+    return "\n".join([*parts, *(["", *notes] if notes else [])])

@@ -1,0 +1,420 @@
+"""Every solver of the contact problem: exact cases, hard cases, agreement, and honesty about failure."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import qpsolvers
+
+from easeoff.contact.certificate import EXACT_TOLERANCE
+from easeoff.contact.problem import ContactProblem
+from easeoff.contact.scaling import ScaledProblem
+from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, available_solvers, solve
+from easeoff.contact.solvers import clarabel as clarabel_adapter
+from easeoff.contact.solvers.answer import ScaledAnswer
+from easeoff.contact.solvers.native import METHODS
+from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.core.errors import EaseoffError, InputError, MissingSolverError
+
+BACKENDS = [name for name in SOLVERS if name != "native"]
+
+#: Agreement of the rotation with the native solver, relative, without and with polish.
+ROTATION_AGREEMENT = {
+    "clarabel": 1e-8,
+    "osqp": 1e-9,
+    "daqp": 1e-9,
+    "piqp": 1e-7,
+    "proxqp": 1e-9,
+    "highs": 1e-12,
+    "scs": 1e-8,
+    "cvxpy": 1e-8,
+}
+POLISHED_AGREEMENT = 1e-13
+
+
+def installed(name: str) -> str:
+    if name not in available_solvers():
+        pytest.skip(f"{name} is not installed")
+    return name
+
+
+def realistic(count: int = 1, seed: int = 0) -> list[ContactProblem]:
+    return list(problems("realistic", count, seed))
+
+
+def residual_in_extended_precision(problem: ContactProblem, solution: ContactSolution) -> float:
+    """Natural residual of the conditions, independent of the package's certificate and in 80-bit numbers."""
+    wide = np.longdouble
+    force = solution.force.astype(wide)
+    if isinstance(problem.compliance, tuple):
+        diagonal, factor = (part.astype(wide) for part in problem.compliance)
+        deflection = diagonal * force + factor @ (factor.T @ force)
+    else:
+        deflection = problem.compliance.astype(wide) @ force
+    gap = deflection + problem.separation_at_first_contact.astype(wide)
+    gap -= wide(solution.elastic_rotation) * problem.lever_arm.astype(wide)
+    balance = abs(force @ problem.lever_arm.astype(wide) - wide(problem.torque)) / wide(problem.torque)
+    natural = np.minimum(force / force.max(), gap / np.abs(deflection).max())
+    return float(max(balance, np.abs(natural).max()))
+
+
+# Exact cases
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_uniform_contact_shares_the_load_evenly(name: str) -> None:
+    """n equal uncoupled springs at lever arm R: F = T / nR and theta = c T / nR^2."""
+    n, arm, torque, spring = 8, 40.0, 3.2e5, 2e-6
+    problem = ContactProblem(np.zeros(n), np.full(n, arm), torque, np.diag(np.full(n, spring)))
+    solution = solve(problem, installed(name))
+    assert solution.status is Status.CERTIFIED
+    assert solution.force == pytest.approx(np.full(n, torque / (n * arm)), rel=1e-12)
+    assert solution.rotation == pytest.approx(spring * torque / (n * arm**2), rel=1e-12)
+    assert np.abs(solution.gap).max() < 1e-15
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_second_spring_touches_when_the_first_has_yielded_to_its_gap(name: str) -> None:
+    """Two springs, the second behind a gap s: it touches above F = s / c, then both take equal shares of the rest."""
+    spring, gap, arm = 2e-6, 0.01, 50.0
+    touching = gap / spring * arm
+    for torque in (0.5 * touching, touching, 3.0 * touching):
+        problem = ContactProblem(np.array([0.0, gap]), np.full(2, arm), torque, np.diag([spring, spring]))
+        solution = solve(problem, installed(name))
+        first = min(torque, 0.5 * (torque + touching)) / arm
+        assert solution.force == pytest.approx(np.array([first, torque / arm - first]), rel=1e-7, abs=1e-7 * first)
+        assert solution.rotation == pytest.approx(spring * first / arm, rel=1e-7)
+
+
+def test_one_segment_carries_all() -> None:
+    problem = ContactProblem(np.array([0.3]), np.array([20.0]), 100.0, np.array([[1e-5]]))
+    solution = solve(problem)
+    assert solution.force[0] == 5.0
+    assert solution.rotation == pytest.approx((0.3 + 5e-5) / 20.0, rel=1e-15)
+
+
+# Hard cases
+
+
+@pytest.mark.parametrize("name", PROBLEM_CLASSES)
+def test_native_solver_proves_every_degenerate_problem(name: str) -> None:
+    for problem in problems(name, 40, seed=7):
+        solution = solve(problem)
+        assert solution.status is Status.CERTIFIED
+        assert solution.certificate.worst < 1e-10
+        assert residual_in_extended_precision(problem, solution) < 1e-10
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", ["plain", "duplicated", "lattice", "mixed_arms", "realistic", "random_dense"])
+def test_each_native_method_stands_alone(name: str, method: str) -> None:
+    for problem in problems(name, 10, seed=3):
+        solution = solve(problem, method=method)
+        assert solution.status is Status.CERTIFIED
+        assert residual_in_extended_precision(problem, solution) < 1e-10
+        assert solution.rotation == pytest.approx(solve(problem).rotation, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["weak_local", "nearly_singular", "spread_local"])
+def test_fallbacks_do_not_need_the_local_compliance(name: str) -> None:
+    """Where all but the bending vanishes, moving many segments at once cycles; the other methods do not."""
+    for problem in problems(name, 20, seed=3):
+        for method in ("primal_active_set", "interior_point"):
+            solution = solve(problem, method=method)
+            assert solution.status is Status.CERTIFIED
+            assert residual_in_extended_precision(problem, solution) < 1e-9
+
+
+def test_singular_compliance_still_has_a_proved_answer() -> None:
+    """Without local compliance the forces are not unique; any that satisfy all conditions will do."""
+    rng = np.random.default_rng(4)
+    for _ in range(30):
+        n, rank = int(rng.integers(2, 30)), int(rng.integers(1, 4))
+        factor = rng.standard_normal((n, rank)) * 1e-3
+        problem = ContactProblem(rng.random(n) * 0.01, rng.uniform(30.0, 50.0, n), 1e5, (np.zeros(n), factor))
+        assert solve(problem).certificate.passes(1e-9)
+    rigid = ContactProblem(np.array([0.02, 0.01]), np.array([40.0, 40.0]), 1e5, np.zeros((2, 2)))
+    assert solve(rigid).force == pytest.approx(np.array([0.0, 2500.0]))
+
+
+# Agreement
+
+
+@pytest.mark.parametrize("polish", [False, True])
+@pytest.mark.parametrize("name", BACKENDS)
+def test_backends_agree_with_the_native_solver(name: str, polish: bool) -> None:
+    installed(name)
+    for problem in [*realistic(4), *problems("plain", 4), *problems("signed_modes", 2)]:
+        reference = solve(problem)
+        solution = solve(problem, name, polish=polish)
+        assert solution.status is Status.CERTIFIED
+        assert solution.polished is polish
+        assert solution.certificate.passes(EXACT_TOLERANCE if polish else SOLVERS[name].tolerance)
+        agreement = POLISHED_AGREEMENT if polish else ROTATION_AGREEMENT[name]
+        assert solution.elastic_rotation == pytest.approx(reference.elastic_rotation, rel=agreement)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_backends_reach_their_level_on_degenerate_problems(name: str) -> None:
+    installed(name)
+    for kind in PROBLEM_CLASSES:
+        for problem in problems(kind, 1 if name == "cvxpy" else 3, seed=11):
+            assert solve(problem, name, polish=False).status is Status.CERTIFIED
+
+
+def test_cvxpy_can_use_another_backend() -> None:
+    problem = realistic()[0]
+    solution = solve(problem, "cvxpy", backend="osqp", eps_abs=1e-9, eps_rel=1e-9)
+    assert solution.rotation == pytest.approx(solve(problem).rotation, rel=1e-9)
+
+
+def test_raw_units_mislead_where_scaled_ones_do_not() -> None:
+    """In SI units, tolerances meant for numbers of order one stop OSQP and SCS far off and keep HiGHS going."""
+    problem = realistic()[0]
+    reference = solve(problem)
+    raw = qpsolvers.Problem(
+        problem.dense_compliance * 1e-3,
+        problem.separation * 1e-3,
+        A=problem.lever_arm[np.newaxis, :] * 1e-3,
+        b=np.array([problem.torque * 1e-3]),
+        lb=np.zeros(problem.size),
+    )
+    cases: list[tuple[str, float, dict[str, Any]]] = [
+        ("osqp", 0.005, {}),
+        ("scs", 0.3, {}),
+        ("highs", 0.005, {"time_limit": 0.2}),
+    ]
+    for name, error, options in cases:
+        if name not in available_solvers():
+            continue
+        with pytest.warns(qpsolvers.warnings.SparseConversionWarning):
+            misled = qpsolvers.solve_problem(raw, name, **options)
+        assert misled.x is not None
+        assert np.abs(misled.x - reference.force).max() > error * reference.force.max()
+        ours = solve(problem, name)
+        assert np.abs(ours.force - reference.force).max() < 1e-12 * reference.force.max()
+
+
+# Physics
+
+
+def test_rotation_never_falls_as_the_torque_rises() -> None:
+    for name in ("realistic", "plain", "lattice", "mixed_arms"):
+        for problem in problems(name, 5, seed=2):
+            torques = np.concatenate([[0.0], np.geomspace(1e-6, 1e2, 40) * problem.torque])
+            rotations = [solve(problem.with_torque(float(torque))).rotation for torque in torques]
+            assert (np.diff(rotations) >= -1e-15 * np.abs(rotations[:-1])).all()
+
+
+def test_rotation_tends_to_first_contact_as_the_torque_vanishes() -> None:
+    for problem in [*realistic(5), *problems("interfering", 5)]:
+        contact = float(np.min(problem.separation / problem.lever_arm))
+        assert solve(problem.with_torque(0.0)).rotation == contact
+        assert solve(problem.with_torque(0.0)).status is Status.CERTIFIED
+        assert not solve(problem.with_torque(0.0)).force.any()
+        assert solve(problem.with_torque(1e-12)).rotation == pytest.approx(contact, rel=1e-12)
+
+
+def test_rotation_is_the_derivative_of_the_energy_by_the_torque() -> None:
+    """v(T) = min 1/2 F'CF + S'F has v'(T) = theta; v is quadratic in T as long as the same segments touch."""
+
+    def energy(problem: ContactProblem) -> float:
+        force = solve(problem).force
+        return float(force @ (0.5 * problem.deflection(force) + problem.separation))
+
+    for problem in realistic(5):
+        step = 1e-4 * problem.torque
+        difference = energy(problem.with_torque(problem.torque + step)) - energy(
+            problem.with_torque(problem.torque - step)
+        )
+        assert difference / (2.0 * step) == pytest.approx(solve(problem).rotation, rel=1e-7)
+
+
+def test_order_of_the_segments_does_not_matter() -> None:
+    rng = np.random.default_rng(5)
+    for problem in realistic(5):
+        order = rng.permutation(problem.size)
+        compliance = problem.dense_compliance[np.ix_(order, order)]
+        shuffled = ContactProblem(problem.separation[order], problem.lever_arm[order], problem.torque, compliance)
+        solution, reference = solve(shuffled), solve(problem)
+        assert solution.rotation == pytest.approx(reference.rotation, rel=1e-13)
+        assert np.abs(solution.force - reference.force[order]).max() < 1e-11 * reference.force.max()
+
+
+def test_segments_with_negative_lever_arm_may_be_forced_open() -> None:
+    """At no torque, two springs pressed against each other by interference: equal moments, no net torque."""
+    problem = ContactProblem(np.array([0.0, -0.1]), np.array([40.0, -40.0]), 0.0, np.diag([1e-6, 1e-6]))
+    solution = solve(problem)
+    assert solution.status is Status.CERTIFIED
+    assert solution.force == pytest.approx(np.array([5e4, 5e4]))
+    assert solution.rotation == pytest.approx(0.05 / 40.0)
+
+
+def test_gap_is_that_of_the_reported_forces() -> None:
+    for problem in realistic(3):
+        solution = solve(problem)
+        gap = problem.dense_compliance @ solution.force + problem.separation - solution.rotation * problem.lever_arm
+        assert np.abs(solution.gap - gap).max() < 1e-15
+        assert np.array_equal(solution.active, solution.force > 0.0)
+
+
+# Warm start
+
+
+@pytest.mark.parametrize("as_indices", [False, True])
+def test_warm_start_takes_one_solve_to_the_same_answer(as_indices: bool) -> None:
+    for problem in realistic(5):
+        cold = solve(problem)
+        start = np.flatnonzero(cold.active) if as_indices else cold.active
+        warm = solve(problem, initial_active=start)
+        assert warm.iterations == 1
+        assert np.array_equal(warm.force, cold.force)
+
+
+def test_bad_warm_start_costs_time_only() -> None:
+    problem = realistic()[0]
+    reference = solve(problem)
+    for start in (np.zeros(problem.size, dtype=bool), np.ones(problem.size, dtype=bool), ~reference.active):
+        assert solve(problem, initial_active=start).rotation == pytest.approx(reference.rotation, rel=1e-14)
+
+
+@pytest.mark.parametrize("start", [np.ones(3, dtype=bool), np.array([0.5]), np.array([-1]), np.array([10**6])])
+def test_impossible_warm_start_is_refused(start: Any) -> None:
+    with pytest.raises(InputError, match="initial_active"):
+        solve(realistic()[0], initial_active=start)
+
+
+# Honesty
+
+
+def assert_no_answer(solution: ContactSolution, status: Status) -> None:
+    assert solution.status is status
+    assert not solution.certified
+    assert np.isnan(solution.force).all()
+    assert np.isnan(solution.gap).all()
+    assert np.isnan(solution.rotation)
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_indefinite_compliance_is_a_status(name: str) -> None:
+    problem = ContactProblem(np.zeros(2), np.full(2, 40.0), 10.0, np.array([[1e-6, 2e-6], [2e-6, 1e-6]]))
+    assert_no_answer(solve(problem, installed(name)), Status.NOT_POSITIVE_SEMIDEFINITE)
+
+
+def test_interference_without_compliance_is_unbounded() -> None:
+    problem = ContactProblem(np.array([0.1, -0.3]), np.array([40.0, 0.0]), 10.0, np.diag([1e-6, 0.0]))
+    assert_no_answer(solve(problem), Status.UNBOUNDED)
+
+
+def test_absurd_magnitudes_end_in_a_status_or_an_answer() -> None:
+    for torque in (5e-324, 1e-300, 1e200, 1e306):
+        problem = ContactProblem(np.array([0.1, 0.3]), np.full(2, 40.0), torque, np.eye(2) * 1e-6)
+        solution = solve(problem)
+        assert solution.certified or np.isnan(solution.force).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("clarabel", {"max_iter": 1}),
+        ("osqp", {"max_iter": 1}),
+        ("piqp", {"max_iter": 1}),
+        ("proxqp", {"max_iter": 1}),
+        ("scs", {"max_iters": 1}),
+    ],
+)
+def test_iteration_limit_is_a_status(name: str, settings: dict[str, Any]) -> None:
+    solution = solve(realistic()[0], installed(name), polish=False, **settings)
+    assert_no_answer(solution, Status.NOT_CONVERGED)
+    assert solution.message
+
+
+def test_time_limit_is_a_status() -> None:
+    solution = solve(realistic()[0], installed("highs"), polish=False, time_limit=0.0)
+    assert_no_answer(solution, Status.TIME_LIMIT)
+
+
+@pytest.mark.parametrize(
+    ("answer", "status"),
+    [
+        (lambda p: ScaledAnswer(np.full(p.separation.size, 1.0), 1.0, 3, "solved"), Status.NOT_CERTIFIED),
+        (lambda p: ScaledAnswer(np.full(p.separation.size, np.nan), 1.0, 3, "solved"), Status.NOT_CERTIFIED),
+        (lambda p: ScaledAnswer(np.zeros(p.separation.size), np.inf, 3, "solved"), Status.NOT_CERTIFIED),
+        (lambda p: 1 / 0, Status.SOLVER_FAILED),
+    ],
+)
+def test_backend_that_lies_or_breaks_is_not_believed(
+    monkeypatch: pytest.MonkeyPatch, answer: Callable[[ScaledProblem], ScaledAnswer], status: Status
+) -> None:
+    monkeypatch.setattr(clarabel_adapter, "solve_scaled", lambda problem, settings: answer(problem))
+    assert_no_answer(solve(realistic()[0], "clarabel", polish=False), status)
+
+
+def test_right_answer_is_accepted_whatever_its_flag(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = realistic()[0]
+    reference = solve(problem)
+    modest = ScaledAnswer(
+        reference.force / problem.scaling.force,
+        reference.elastic_rotation / problem.scaling.rotation,
+        3,
+        "not found",
+        Status.INFEASIBLE,
+    )
+    monkeypatch.setattr(clarabel_adapter, "solve_scaled", lambda problem, settings: modest)
+    assert solve(problem, "clarabel", polish=False).status is Status.CERTIFIED
+
+
+def test_polish_makes_exact_what_is_roughly_right_and_says_so() -> None:
+    problem = realistic()[0]
+    reference = solve(problem)
+    rough: dict[str, Any] = {"eps_abs": 1e-3, "eps_rel": 1e-3, "polishing": False}
+    unpolished = solve(problem, "osqp", polish=False, **rough)
+    assert unpolished.status is Status.NOT_CERTIFIED
+    assert not unpolished.polished
+    polished = solve(problem, "osqp", **rough)
+    assert polished.polished
+    assert np.abs(polished.force - reference.force).max() < 1e-13 * reference.force.max()
+
+
+def test_unknown_solver_is_told_the_known_ones() -> None:
+    with pytest.raises(InputError, match=r"clarabel.*cvxpy"):
+        solve(realistic()[0], "simplex")
+    with pytest.raises(InputError, match="did you mean 'highs'"):
+        solve(realistic()[0], "high")
+
+
+def test_missing_solver_is_told_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "highspy" else real(name))
+    assert "highs" not in available_solvers()
+    with pytest.raises(MissingSolverError, match=r"pip install 'easeoff\[solvers\]'"):
+        solve(realistic()[0], "highs")
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_misspelt_setting_is_refused(name: str) -> None:
+    """Some backends ignore unknown settings in silence; here none does."""
+    with pytest.raises(EaseoffError, match=name):
+        solve(realistic()[0], installed(name), tolerence=1e-6)
+
+
+def test_unknown_native_method_is_refused() -> None:
+    with pytest.raises(InputError, match="interior_point"):
+        solve(realistic()[0], method="ellipsoid")
+
+
+def test_status_flags_follow_the_cf_conventions() -> None:
+    attributes = Status.flag_attributes()
+    meanings = attributes["flag_meanings"].split()
+    assert len(meanings) == len(attributes["flag_values"]) == len(Status)
+    assert all(Status[word.upper()] == value for word, value in zip(meanings, attributes["flag_values"], strict=True))
+    assert int(Status.CERTIFIED) == 0
+
+
+def test_native_solver_comes_first_and_needs_nothing() -> None:
+    assert available_solvers()[0] == "native"
+    assert solve(realistic()[0], "auto").solver == "native"
