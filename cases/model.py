@@ -43,12 +43,18 @@ class Blank(Table):
     face_width: Number = _number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
     clearance: Number = _number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
     front_angle: Number | None = _number(
-        "the toe line stands at right angles to a cone of this angle; the pitch angle if left out", "deg",
-        default=None, gt=-90, lt=180,
+        "the toe line stands at right angles to a cone of this angle; the pitch angle if left out",
+        "deg",
+        default=None,
+        gt=-90,
+        lt=180,
     )
     back_angle: Number | None = _number(
-        "the heel line stands at right angles to a cone of this angle; the pitch angle if left out", "deg",
-        default=None, gt=-90, lt=180,
+        "the heel line stands at right angles to a cone of this angle; the pitch angle if left out",
+        "deg",
+        default=None,
+        gt=-90,
+        lt=180,
     )
 
     @model_validator(mode="after")
@@ -76,22 +82,32 @@ class Machine(Table):
     """Basic settings of the cradle machine, standard Gleason meaning."""
 
     radial_distance: Number | None = _number("cutter centre to cradle axis", "mm", default=None, ge=0, lt=5000)
-    cradle_angle: Number | None = _number("basic cradle angle, positive for both hands", "deg", default=None,
-                                          ge=-180, le=180)
+    cradle_angle: Number | None = _number(
+        "basic cradle angle, positive for both hands", "deg", default=None, ge=-180, le=180
+    )
     horizontal_distance: Number | None = _number(
-        "Formate only, instead of radial_distance and cradle_angle: cutter centre along the root line", "mm",
-        default=None, gt=-5000, lt=5000,
+        "Formate only, instead of radial_distance and cradle_angle: cutter centre along the root line",
+        "mm",
+        default=None,
+        gt=-5000,
+        lt=5000,
     )
     vertical_distance: Number | None = _number(
-        "Formate only, instead of radial_distance and cradle_angle: cutter centre across the root line", "mm",
-        default=None, gt=-5000, lt=5000,
+        "Formate only, instead of radial_distance and cradle_angle: cutter centre across the root line",
+        "mm",
+        default=None,
+        gt=-5000,
+        lt=5000,
     )
     machine_root_angle: Number = _number("machine root angle", "deg", ge=-45, le=120)
     work_offset: Number = _number("work (blank) offset", "mm", default=0.0, gt=-500, lt=500)
     sliding_base: Number = _number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
     machine_center_to_crossing_point: Number = _number(
-        "machine centre to crossing point (machine centre to back), along the work axis", "mm",
-        default=0.0, gt=-1000, lt=1000,
+        "machine centre to crossing point (machine centre to back), along the work axis",
+        "mm",
+        default=0.0,
+        gt=-1000,
+        lt=1000,
     )
     cutter_tilt: Number = _number("tilt of the cutter axis", "deg", default=0.0, ge=-90, le=90)
     cutter_swivel: Number = _number("swivel: direction of the tilt", "deg", default=0.0, ge=-360, le=360)
@@ -115,11 +131,15 @@ class Machine(Table):
                     "horizontal_distance and vertical_distance"
                 )
             if self.ratio_of_roll is not None:
-                raise ValueError("horizontal_distance and vertical_distance belong to a Formate member, which has no "
-                                 "ratio_of_roll: give radial_distance and cradle_angle instead")
+                raise ValueError(
+                    "horizontal_distance and vertical_distance belong to a Formate member, which has no "
+                    "ratio_of_roll: give radial_distance and cradle_angle instead"
+                )
         elif None in polar:
-            raise ValueError("the cutter centre is missing: give radial_distance and cradle_angle, or (Formate) "
-                             "horizontal_distance and vertical_distance")
+            raise ValueError(
+                "the cutter centre is missing: give radial_distance and cradle_angle, or (Formate) "
+                "horizontal_distance and vertical_distance"
+            )
         if self.ratio_of_roll is None and any(self.modified_roll):
             raise ValueError("modified roll is given without ratio_of_roll: a Formate member does not roll")
         return self
@@ -127,8 +147,13 @@ class Machine(Table):
     @property
     def modified_roll(self) -> tuple[float, ...]:
         """The derivatives 2C, 6D, 24E, ... as given."""
-        return (self.modified_roll_2c, self.modified_roll_6d, self.modified_roll_24e, self.modified_roll_120f,
-                self.modified_roll_720g)
+        return (
+            self.modified_roll_2c,
+            self.modified_roll_6d,
+            self.modified_roll_24e,
+            self.modified_roll_120f,
+            self.modified_roll_720g,
+        )
 
 
 class FlankSettings(Table):
@@ -151,7 +176,11 @@ class MemberTable(Table):
     number_of_teeth: Integer = _number("number of teeth", "1", ge=3, le=500)
     mean_normal_circular_thickness: Number | None = _number(
         "normal circular thickness of the tooth in the middle of the flank; from the cutter, or from the mate's slot, "
-        "if left out", "mm", default=None, gt=0, lt=200,
+        "if left out",
+        "mm",
+        default=None,
+        gt=0,
+        lt=200,
     )
     blank: Blank
     concave: FlankSettings | None = None
@@ -216,13 +245,18 @@ class TargetTable(Table):
     lengthwise_crowning: Number = _number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
     profile_crowning: Number = _number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
     bias: Number = _number(
-        "twist: what toe-tip and heel-root have more than toe-root and heel-tip, over four", "um",
-        default=0.0, gt=-1e4, lt=1e4,
+        "twist: what toe-tip and heel-root have more than toe-root and heel-tip, over four",
+        "um",
+        default=0.0,
+        gt=-1e4,
+        lt=1e4,
     )
-    spiral_angle_error: Number = _number("half the ease-off at the heel beyond that at the toe", "um", default=0.0,
-                                         gt=-1e4, lt=1e4)
-    pressure_angle_error: Number = _number("half the ease-off at the tip beyond that at the root", "um", default=0.0,
-                                           gt=-1e4, lt=1e4)
+    spiral_angle_error: Number = _number(
+        "half the ease-off at the heel beyond that at the toe", "um", default=0.0, gt=-1e4, lt=1e4
+    )
+    pressure_angle_error: Number = _number(
+        "half the ease-off at the tip beyond that at the root", "um", default=0.0, gt=-1e4, lt=1e4
+    )
 
 
 class Case(Table):

@@ -33,7 +33,9 @@ def case_text(name_or_path: str | Path) -> str:
         return shipped.read_text(encoding="utf-8")
     path = Path(name_or_path)
     if not path.is_file():
-        known = ", ".join(sorted(f.name[:-5] for f in resources.files(__package__).iterdir() if f.name.endswith(".toml")))
+        known = ", ".join(
+            sorted(f.name[:-5] for f in resources.files(__package__).iterdir() if f.name.endswith(".toml"))
+        )
         raise InputError(f"case {name!r}: there is no such file, and the shipped cases are: {known}")
     try:
         return path.read_text(encoding="utf-8")
@@ -103,7 +105,9 @@ def _allowed(item: Any) -> str:
     if kind == "extra_forbidden":
         table = item["loc"][:-1]
         known = ", ".join(_known_keys(table))
-        return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else 'a case file'}; known are: {known}"
+        return (
+            f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else 'a case file'}; known are: {known}"
+        )
     if kind == "value_error":
         return str(context["error"])
     limits = {"greater_than": "gt", "greater_than_equal": "ge", "less_than": "lt", "less_than_equal": "le"}

@@ -15,6 +15,8 @@ from .fields import FlankFields
 
 Array = NDArray[Any]
 MEMBERS = ("pinion", "gear")
+STEEL = Material(206000.0, 0.3)
+DEFAULT_FOUNDATION = ElasticFoundation()
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,12 @@ class ElasticModel:
         Springs along the root; ``None`` clamps it.
     """
 
-    pinion: Material = Material(206000.0, 0.3)
-    gear: Material = Material(206000.0, 0.3)
+    pinion: Material = STEEL
+    gear: Material = STEEL
     form: ShellForm = "five_field"
     modes: tuple[int, int] = (5, 15)
     shear_factor: float = 1.0
-    foundation: ElasticFoundation | None = ElasticFoundation()
+    foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
 
 
 def tooth_dimensions(teeth: xr.Dataset, member: str) -> ToothDimensions:

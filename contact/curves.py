@@ -22,12 +22,11 @@ from .fields import FlankFields, fit
 Array = NDArray[Any]
 
 DENSE = 65  # points along a curve while it is traced and clipped
-SHORTEST = 1e-3  # curves shorter than this part of the face are dropped
+SHORTEST = 1e-3  # curves shorter than this part of the longest are dropped
+CROSSING_STEPS = 24  # false position on the boundary; eight are usual
 
 
-def contact_fields(
-    flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None
-) -> FlankFields:
+def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankFields:
     """Splines of everything the contact needs on the gear flank.
 
     Parameters
@@ -37,8 +36,15 @@ def contact_fields(
     extra
         Further fields (lengthwise, profile, ...) by name.
     """
-    names = ["roll_angle", "ease_off_angle", "lever_arm", "separation_curvature", "pinion_lengthwise",
-             "pinion_profile", "blade_distance"]
+    names = [
+        "roll_angle",
+        "ease_off_angle",
+        "lever_arm",
+        "separation_curvature",
+        "pinion_lengthwise",
+        "pinion_profile",
+        "blade_distance",
+    ]
     fields = {name: ease_off[name].transpose("lengthwise", "profile").values for name in names}
     gear = flanks["position"].sel(member="gear").transpose("lengthwise", "profile", "xyz")
     fields["position"] = gear.values
@@ -166,21 +172,35 @@ def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
     """Points (2, m, k) at fractional indices ``parameter`` (m, k) along the polylines ``rows`` of (2, n, DENSE)."""
     low = np.clip(parameter.astype(int), 0, DENSE - 2)
     weight = parameter - low
-    return points[:, rows[:, None], low] * (1 - weight) + points[:, rows[:, None], low + 1] * weight
+    return np.asarray(points[:, rows[:, None], low] * (1 - weight) + points[:, rows[:, None], low + 1] * weight)
 
 
 def _crossing(
     fields: FlankFields, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
 ) -> Array:
-    """Fractional index (m) where each curve crosses the boundary between an inside and an outside point, by bisection."""
+    """Fractional index (m) where each curve crosses the boundary between an inside and an outside point."""
     inside, outside = pairs[:, 0].astype(float), pairs[:, 1].astype(float)
-    if np.all(inside == outside):
-        return inside
-    for _ in range(40):
-        middle = 0.5 * (inside + outside)
-        here = _onto_level(fields, _between(points, rows, middle[:, None]), level[rows][:, None], steps=1)
-        good = boundary_distance(fields, here)[:, 0] > 0.0
-        inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
-        if np.max(np.abs(inside - outside)) < 1e-10:
-            break
+    cut = inside != outside
+
+    def distance(parameter: Array) -> Array:
+        here = _onto_level(fields, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
+        return boundary_distance(fields, here)[:, 0]
+
+    if np.any(cut):
+        a, b = inside[cut], outside[cut]
+        at_a, at_b = distance(a), distance(b)
+        for _ in range(CROSSING_STEPS):
+            # False position with the Illinois weights, and a bisection where a hole makes the distance jump.
+            with np.errstate(divide="ignore", invalid="ignore"):
+                guess = (a * at_b - b * at_a) / (at_b - at_a)
+            jump = ~np.isfinite(guess) | (at_b <= -1.0)
+            guess = np.where(jump, 0.5 * (a + b), guess)
+            here = distance(guess)
+            within = here > 0.0
+            at_b = np.where(within, 0.5 * at_b, here)
+            at_a = np.where(within, here, 0.5 * at_a)
+            a, b = np.where(within, guess, a), np.where(within, b, guess)
+            if np.all((np.abs(here) < 1e-11) | (np.abs(a - b) < 1e-9)):
+                break
+        inside[cut] = a
     return inside

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -26,8 +26,10 @@ class FlankFields:
         Tensor spline with one trailing component per scalar field.
     columns
         Where each named field stands among the components, and its shape.
-    valid
-        Spline of the valid region: positive where every node around is valid.
+    holes
+        Cells (nt - 1, nh - 1) with a node that has no value.
+    lengthwise, profile
+        Grid coordinates (nt), (nh).
     """
 
     spline: NdBSpline
@@ -35,6 +37,7 @@ class FlankFields:
     holes: Array
     lengthwise: Array
     profile: Array
+    _parts: dict[tuple[str, ...], NdBSpline] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, name: str, points: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
         """Evaluate one field.
@@ -57,10 +60,8 @@ class FlankFields:
 
     def evaluate(self, names: list[str], points: Array, derivative: tuple[int, int] = (0, 0)) -> dict[str, Array]:
         """Evaluate several fields at once, sharing the basis; see ``__call__``."""
-        index = np.concatenate([np.arange(self.columns[n][0].start, self.columns[n][0].stop) for n in names])
         flat = np.reshape(points, (2, -1))
-        part = NdBSpline(self.spline.t, np.ascontiguousarray(self.spline.c[..., index]), self.spline.k)
-        values = part(flat.T, nu=derivative).T
+        values = self._part(tuple(names))(flat.T, nu=derivative).T
         result, start = {}, 0
         for name in names:
             shape = self.columns[name][1]
@@ -68,6 +69,14 @@ class FlankFields:
             result[name] = values[start : start + count].reshape(*shape, *np.shape(points)[1:])
             start += count
         return result
+
+    def _part(self, names: tuple[str, ...]) -> NdBSpline:
+        """Spline of some of the fields alone, made once."""
+        if names not in self._parts:
+            index = np.concatenate([np.arange(self.columns[n][0].start, self.columns[n][0].stop) for n in names])
+            chosen = np.ascontiguousarray(self.spline.c[..., index])
+            self._parts[names] = NdBSpline(self.spline.t, chosen, self.spline.k)
+        return self._parts[names]
 
     def in_hole(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (2, ...) lie in a cell with a node that has no value."""

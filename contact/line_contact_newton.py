@@ -20,6 +20,10 @@ Array = NDArray[np.float64]
 MAX_ITERATIONS = 50
 #: Residual, relative to the scale of the gaps, at which the iteration is at rounding level.
 ROUNDING_RESIDUAL = 4e-15
+#: The iteration ends after so many steps without progress, once the residual is below this.
+PATIENCE, STALLED_RESIDUAL = 2, 1e-6
+#: A slope of the energy below this, relative to its terms, is rounding.
+ROUNDING_SLOPE = 1e-14
 #: Shortest step of the damped iteration.
 SHORTEST_STEP = 2.0**-20
 
@@ -111,19 +115,19 @@ class NewtonIteration:
             feasible = True
         else:
             force, feasible = start, False
+        stalled = 0
         while self.count < MAX_ITERATIONS and self.residual > ROUNDING_RESIDUAL:
-            previous = self.residual
             deflection, tangent = self._line_contact.deflection(force), self._line_contact.tangent(force)
             outcome = self._solve(tangent, self._separation + (deflection - tangent * force), force > 0.0)
             if isinstance(outcome, Status):
                 return outcome
             target, rotation = outcome
-            length = self._step_length(force, target - force) if feasible else 1.0
+            length = self._step_length(force, target - force, rotation) if feasible else 1.0
             force = target if length == 1.0 else np.maximum(force + length * (target - force), 0.0)
             feasible = True
-            improved = self._note(force, rotation)
-            if length == 1.0 and not improved and previous < 1e-6:
-                break  # nothing left but the rounding of the solver
+            stalled = 0 if self._note(force, rotation) else stalled + 1
+            if stalled >= PATIENCE and self.residual < STALLED_RESIDUAL:
+                break  # nothing is left but the accuracy of the solver
         return None
 
     def _solve(self, local: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
@@ -146,24 +150,26 @@ class NewtonIteration:
         self.force, self.rotation, self.residual = force, rotation, residual
         return True
 
-    def _step_length(self, force: Array, direction: Array) -> float:
+    def _step_length(self, force: Array, direction: Array, rotation: float) -> float:
         """Return 1, or a half, a quarter ... of it: the longest along which the energy surely falls.
 
         The slope of a convex energy never decreases, so over a step a its change is at most a/2 (slope(a/2) +
         slope(a)).
         """
-        deflection = self._bending.deflection(direction)
-        level = float(direction @ (self._bending.deflection(force) + self._separation))
-        curvature = float(direction @ deflection)
+        # Along the direction the torque is constant, so r theta may be taken off the gradient: that removes the rounding
+        # of r'direction, which would drown the slope near the solution.
+        gradient = self._bending.deflection(force) + self._separation - rotation * self._bending.lever_arm
+        level, curvature = float(direction @ gradient), float(direction @ self._bending.deflection(direction))
 
         def slope(length: float) -> float:
             local = self._line_contact.deflection(force + length * direction)
             return level + length * curvature + float(direction @ local)
 
+        rounding = ROUNDING_SLOPE * abs(rotation) * float(np.abs(direction) @ np.abs(self._bending.lever_arm))
         length, at_end = 1.0, slope(1.0)
-        while at_end > 0.0 and length > SHORTEST_STEP:
+        while at_end > rounding and length > SHORTEST_STEP:
             middle = slope(0.5 * length)
-            if middle + at_end <= 0.0 or middle >= slope(0.0):
-                break  # it falls, or all slopes agree to rounding
+            if middle + at_end <= 0.0:
+                break
             length, at_end = 0.5 * length, middle
         return length

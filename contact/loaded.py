@@ -1,9 +1,10 @@
-"""Loaded contact over a mesh cycle: forces, pressures and transmission error at every torque (Kolivand 2009, chapter 3)."""
+"""Loaded contact over a mesh cycle: forces, pressures, transmission error at every torque (Kolivand 2009, chapter 3)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields as dataclass_fields
+from dataclasses import dataclass
+from dataclasses import fields as dataclass_fields
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,13 @@ from .fields import FlankFields
 from .harmonics import harmonics, peak_to_peak, rms
 from .line_contact_solution import solve_line_contact
 from .problem import ContactProblem
-from .segments import closest_approach, gauss_points, lines_in_mesh, mesh_rotations
+from .segments import MeshLines, closest_approach, gauss_points
 from .solvers import ContactSolution, Status
 
 Array = NDArray[Any]
 CERTIFICATE = tuple(field.name for field in dataclass_fields(Certificate))
 ORDERS = 10
+SMALLEST_CURVATURE = 1e-5  # [1/mm]; flanks that fit closer than this make no line contact, and a wider band is no harm
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Segments:
 
 
 def all_segments(
-    fields: FlankFields, teeth: xr.Dataset, model: ElasticModel, pinion_pitch: float, rotations: Array, count: int
+    fields: FlankFields, teeth: xr.Dataset, model: ElasticModel, mesh: MeshLines, count: int
 ) -> list[Segments | None]:
     """Segments of every mesh position, with their compliance.
 
@@ -76,10 +78,8 @@ def all_segments(
         The geometry's ``teeth``.
     model
         How the teeth give way.
-    pinion_pitch
-        Angular pitch of the pinion [rad].
-    rotations
-        Pinion rotations (k) [rad].
+    mesh
+        Contact lines from ``segments.lines_in_mesh``.
     count
         Segments per contact line.
 
@@ -88,36 +88,34 @@ def all_segments(
     list
         One entry a mesh position; ``None`` where no tooth pair can touch.
     """
-    lines, position, pair = lines_in_mesh(fields, rotations, pinion_pitch)
+    lines = mesh.lines
     points, weights = gauss_points(lines, count)
-    angle, _, arm, radius = closest_approach(fields, points)
+    closest = closest_approach(fields, points)
     # Two depths and all segments at once: the splines cost more to call than to evaluate.
     shape = (lines.level.size, count, weights.size)
     depths = fields.evaluate(["depth_pinion", "depth_gear"], points)
-    means = [np.reshape(v, shape) @ weights for v in (angle, arm, 1.0 / radius, *depths.values())]
+    averaged = (closest.separation_angle, closest.lever_arm, closest.curvature, *depths.values())
+    means = [np.reshape(v, shape) @ weights for v in averaged]
     place = np.reshape(points, (2, *shape)) @ weights
     per_segment = np.reshape(points, (2, -1, weights.size))
     whitened = whitened_loads(shells(teeth, model), fields, per_segment, weights)
     length = np.repeat(lines.length / count, count).reshape(shape[:2])
     result: list[Segments | None] = []
-    for k in range(rotations.size):
-        chosen = np.flatnonzero(position == k)
+    for k in range(mesh.rotations.size):
+        chosen = np.flatnonzero(mesh.position == k)
         if chosen.size == 0:
             result.append(None)
             continue
         angles, arms, curvature, pinion_depth, gear_depth = (m[chosen].ravel() for m in means)
         columns = (chosen[:, None] * count + np.arange(count)).ravel()
-        pairs = np.repeat(pair[chosen], count)
+        pairs = np.repeat(mesh.pair[chosen], count)
         factor = whitened[:, columns]
         # Segments on different teeth are coupled through the blanks alone, which are taken as rigid.
         bending = np.where(pairs[:, None] == pairs[None, :], factor.T @ factor, 0.0)
         lengths = length[chosen].ravel()
-        with np.errstate(divide="ignore"):
-            radii = 1.0 / curvature
+        radii = 1.0 / np.maximum(curvature, SMALLEST_CURVATURE)
         contact = WeberLineContact(lengths, radii, pinion_depth, gear_depth, model.pinion, model.gear)
-        result.append(
-            Segments(pairs, place[:, chosen].reshape(2, -1), angles, arms, lengths, radii, bending, contact)
-        )
+        result.append(Segments(pairs, place[:, chosen].reshape(2, -1), angles, arms, lengths, radii, bending, contact))
     return result
 
 
@@ -150,8 +148,14 @@ def solve_all(
                 yield int(index), k
                 continue
             solution, problem = solve_line_contact(
-                here.separation, here.lever_arm, 1e3 * ratio * float(torques[index]), here.bending,
-                here.line_contact, solver, initial_force=start, **options,
+                here.separation,
+                here.lever_arm,
+                1e3 * ratio * float(torques[index]),
+                here.bending,
+                here.line_contact,
+                solver,
+                initial_force=start,
+                **options,
             )
             start = solution.force if solution.status == Status.CERTIFIED else None
             yield LoadedCase(int(index), k, here, solution, problem)
@@ -165,12 +169,11 @@ def loaded_fields(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) -
 def loaded_contact(
     fields: FlankFields,
     teeth: xr.Dataset,
+    mesh: MeshLines,
     *,
-    pinion_pitch: float,
     ratio: float,
     torques: Array,
     model: ElasticModel | None = None,
-    mesh_positions: int = 32,
     segments_per_line: int = 31,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
@@ -184,16 +187,14 @@ def loaded_contact(
         Splines from ``loaded_fields``.
     teeth
         The geometry's ``teeth``.
-    pinion_pitch
-        Angular pitch of the pinion [rad].
+    mesh
+        Contact lines from ``segments.lines_in_mesh``.
     ratio
         Gear teeth over pinion teeth.
     torques
         Torques at the pinion (t) [N m].
     model
         How the teeth give way.
-    mesh_positions
-        Pinion rotations in one pitch.
     segments_per_line
         Segments of a contact line.
     solver
@@ -216,20 +217,17 @@ def loaded_contact(
     torques = np.asarray(torques, dtype=float)
     if torques.size == 0 or not np.all(np.isfinite(torques) & (torques > 0.0)):
         raise InputError(f"torques = {torques.tolist()}: every torque must be a positive number in N m")
-    rotations = mesh_rotations(pinion_pitch, mesh_positions)
-    segments = all_segments(fields, teeth, model or ElasticModel(), pinion_pitch, rotations, segments_per_line)
+    segments = all_segments(fields, teeth, model or ElasticModel(), mesh, segments_per_line)
     cases = []
     for case in solve_all(segments, torques, ratio, solver, options):
         if isinstance(case, LoadedCase):
             cases.append(case)
         if progress is not None:
             progress()
-    return _dataset(segments, cases, torques, rotations), cases
+    return _dataset(segments, cases, torques, mesh.rotations), cases
 
 
-def _dataset(
-    segments: list[Segments | None], cases: list[LoadedCase], torques: Array, rotations: Array
-) -> xr.Dataset:
+def _dataset(segments: list[Segments | None], cases: list[LoadedCase], torques: Array, rotations: Array) -> xr.Dataset:
     """The tree's ``/loaded`` group from the solved cases."""
     size = max(s.pair.size for s in segments if s is not None)
     cycle = (torques.size, rotations.size)
@@ -238,8 +236,19 @@ def _dataset(
     scalars = {name: np.full(cycle, np.nan) for name in ("transmission_error", "iterations", *CERTIFICATE)}
     per_segment = {
         name: np.full((*cycle, size), np.nan)
-        for name in ("force", "pressure", "gap", "half_width", "separation", "length", "equivalent_radius", "lever_arm",
-                     "tooth", "lengthwise", "profile")
+        for name in (
+            "force",
+            "pressure",
+            "gap",
+            "half_width",
+            "separation",
+            "length",
+            "equivalent_radius",
+            "lever_arm",
+            "tooth",
+            "lengthwise",
+            "profile",
+        )
     }
     share = np.full((*cycle, pairs.size), np.nan)
     for case in cases:
@@ -283,7 +292,9 @@ def _dataset(
     pressure = per_segment["pressure"].reshape(torques.size, -1)
     data["max_pressure"] = ("torque", np.where(np.isfinite(pressure), pressure, -np.inf).max(axis=1))
     coords = {
-        "torque": torques, "mesh_position": np.arange(rotations.size) / rotations.size,
-        "order": np.arange(1, ORDERS + 1), "pair": pairs,
+        "torque": torques,
+        "mesh_position": np.arange(rotations.size) / rotations.size,
+        "order": np.arange(1, ORDERS + 1),
+        "pair": pairs,
     }
     return labelled(xr.Dataset(data, coords=coords))

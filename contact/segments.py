@@ -1,4 +1,4 @@
-"""Contact segments: every potential contact line of every tooth pair, divided evenly, with the data the contact needs."""
+"""Contact segments: every potential contact line of every tooth pair, divided evenly, with their data."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.errors import GeometryError
 from .curves import ContactLines, trace
 from .fields import FlankFields
 
@@ -16,61 +17,52 @@ Array = NDArray[Any]
 GAUSS_POINTS = 3
 
 
-@dataclass(frozen=True)
-class LineGeometry:
-    """Contact lines at many mesh positions; m lines with s points each.
-
-    Parameters
-    ----------
-    mesh_position, pair
-        Index of the mesh position and number of the tooth pair of each line (m).
-    length
-        Length of each line (m) [mm].
-    points
-        Lengthwise and profile fractions on the gear (2, m, s).
-    separation_angle
-        Gap of closest approach next to each point, as a gear rotation (m, s) [rad].
-    shift
-        How far the closest approach lies from the point, as fractions (2, m, s).
-    lever_arm
-        Arm of the normal force about the gear axis (m, s) [mm].
-    equivalent_radius
-        Radius of relative curvature across the line (m, s) [mm].
-    """
-
-    mesh_position: NDArray[np.int64]
-    pair: NDArray[np.int64]
-    length: Array
-    points: Array
-    separation_angle: Array
-    shift: Array
-    lever_arm: Array
-    equivalent_radius: Array
-
-
 def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
     """Pinion rotations (positions) [rad] spread evenly over one pitch, the middle of the flank in its middle."""
     return (np.arange(positions) / positions - 0.5) * pinion_pitch
 
 
-def lines_in_mesh(fields: FlankFields, rotations: Array, pinion_pitch: float) -> tuple[ContactLines, Array, Array]:
-    """Trace the contact lines of every tooth pair that can touch.
+@dataclass(frozen=True)
+class MeshLines:
+    """Contact lines (m) of every tooth pair at every pinion rotation (k) of a mesh cycle.
+
+    Parameters
+    ----------
+    rotations
+        Pinion rotations (k) [rad].
+    lines
+        The lines.
+    position
+        Index of each line's pinion rotation (m).
+    pair
+        Tooth pair of each line (m). The pair 0 is the one that is at its middle in the middle of the mesh cycle; the
+        pair -1 is one pitch ahead of it, the pair 1 one pitch behind.
+    """
+
+    rotations: Array
+    lines: ContactLines
+    position: NDArray[np.int64]
+    pair: NDArray[np.int64]
+
+
+def lines_in_mesh(fields: FlankFields, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
+    """Trace the contact lines of every tooth pair that can touch, over one mesh cycle.
 
     Parameters
     ----------
     fields
         Splines from ``curves.contact_fields``.
-    rotations
-        Pinion rotations (k) [rad].
     pinion_pitch
         Angular pitch of the pinion [rad].
+    mesh_positions
+        Pinion rotations in one pitch.
 
-    Returns
-    -------
-    tuple
-        The lines, and for each of them the index of its mesh position and its tooth pair. The pair 0 is the one that is
-        at its middle in the middle of the mesh cycle; pair -1 is one pitch ahead of it, pair 1 one pitch behind.
+    Raises
+    ------
+    GeometryError
+        If no tooth pair can touch at any rotation.
     """
+    rotations = mesh_rotations(pinion_pitch, mesh_positions)
     corner = np.linspace(0.0, 1.0, 21)
     roll = fields("roll_angle", np.stack(np.meshgrid(corner, corner, indexing="ij")))
     ahead = int(np.ceil((float(np.max(roll)) - float(np.min(rotations))) / pinion_pitch))
@@ -80,14 +72,38 @@ def lines_in_mesh(fields: FlankFields, rotations: Array, pinion_pitch: float) ->
     position = np.repeat(np.arange(rotations.size), pairs.size)
     pair = np.tile(pairs, rotations.size)
     lines = trace(fields, levels)
-    return lines, position[lines.level], pair[lines.level]
+    if lines.level.size == 0:
+        raise GeometryError("no contact line lies on the common flank of gear and pinion: check the blanks")
+    return MeshLines(rotations, lines, position[lines.level], pair[lines.level])
 
 
-def closest_approach(fields: FlankFields, points: Array) -> tuple[Array, Array, Array, Array]:
+@dataclass(frozen=True)
+class ClosestApproach:
+    """Where the flanks come closest next to points (...) of contact curves.
+
+    Parameters
+    ----------
+    separation_angle
+        Gap there, as a gear rotation (...) [rad].
+    shift
+        How far it lies from the point, as fractions (2, ...).
+    lever_arm
+        Arm of the normal force about the gear axis (...) [mm].
+    curvature
+        Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
+    """
+
+    separation_angle: Array
+    shift: Array
+    lever_arm: Array
+    curvature: Array
+
+
+def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     """Gap, place and curvature of the closest approach next to points of a contact curve.
 
-    Across the curve the gap is a(u) + (1/2) c u^2, where u is the roll angle beyond the curve's own, a the ease-off and c the
-    separation curvature. Its minimum is at u = -a'/(c + a'') and is a - (1/2) a'^2/(c + a'').
+    Across the curve the gap is a(u) + (1/2) c u^2, where u is the roll angle beyond the curve's own, a the ease-off and
+    c the separation curvature. Its minimum is at u = -a'/(c + a'') and is a - (1/2) a'^2/(c + a'').
 
     Parameters
     ----------
@@ -95,12 +111,6 @@ def closest_approach(fields: FlankFields, points: Array) -> tuple[Array, Array, 
         Splines from ``curves.contact_fields``.
     points
         Points of contact curves (2, ...).
-
-    Returns
-    -------
-    tuple
-        Separation angle (...) [rad], shift of the closest approach (2, ...), lever arm (...) [mm], equivalent radius of
-        the gap across the curve (...) [mm].
     """
     names = ["roll_angle", "ease_off_angle", "lever_arm", "separation_curvature"]
     value = fields.evaluate(names, points)
@@ -111,8 +121,10 @@ def closest_approach(fields: FlankFields, points: Array) -> tuple[Array, Array, 
     metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
     gradient = [f["roll_angle"] for f in first]
     determinant = metric[0] * metric[2] - metric[1] ** 2
-    across = np.stack([metric[2] * gradient[0] - metric[1] * gradient[1],
-                       metric[0] * gradient[1] - metric[1] * gradient[0]]) / determinant
+    across = (
+        np.stack([metric[2] * gradient[0] - metric[1] * gradient[1], metric[0] * gradient[1] - metric[1] * gradient[0]])
+        / determinant
+    )
     slope = np.sqrt(gradient[0] * across[0] + gradient[1] * across[1])  # roll angle per mm across the curve
     across = across / slope
 
@@ -130,17 +142,9 @@ def closest_approach(fields: FlankFields, points: Array) -> tuple[Array, Array, 
     opens = stiffness > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(opens, -by_roll / stiffness, 0.0)
-        radius = np.where(opens, 1.0 / (value["lever_arm"] * stiffness * slope**2), np.inf)
+    curvature = np.where(opens, value["lever_arm"] * stiffness * slope**2, 0.0)
     separation = value["ease_off_angle"] + 0.5 * by_roll * step
-    return separation, across * step / slope, value["lever_arm"], radius
-
-
-def line_geometry(
-    fields: FlankFields, lines: ContactLines, position: NDArray[np.int64], pair: NDArray[np.int64], points: Array
-) -> LineGeometry:
-    """Attach separation, lever arm and curvature to points (2, m, s) of contact lines."""
-    separation, shift, lever_arm, radius = closest_approach(fields, points)
-    return LineGeometry(position, pair, lines.length, points, separation, shift, lever_arm, radius)
+    return ClosestApproach(separation, across * step / slope, value["lever_arm"], curvature)
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
@@ -165,8 +169,10 @@ def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
     x = dense - low
     # Cubic through the four points around: the curve bends, and a chord would leave the level set.
     cubic = (
-        (-x * (x - 1) * (x - 2) / 6, -1), ((x + 1) * (x - 1) * (x - 2) / 2, 0),
-        (-(x + 1) * x * (x - 2) / 2, 1), ((x + 1) * x * (x - 1) / 6, 2),
+        (-x * (x - 1) * (x - 2) / 6, -1),
+        ((x + 1) * (x - 1) * (x - 2) / 2, 0),
+        (-(x + 1) * x * (x - 2) / 2, 1),
+        ((x + 1) * x * (x - 1) / 6, 2),
     )
     points = sum(weight * lines.points[:, :, low + shift] for weight, shift in cubic)
     return np.asarray(points), weights / 2.0

@@ -9,9 +9,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
+from .curves import ContactLines
 from .fields import FlankFields
 from .harmonics import harmonics, peak_to_peak, rms
-from .segments import LineGeometry, line_geometry, lines_in_mesh, mesh_rotations
+from .segments import ClosestApproach, MeshLines, closest_approach
 
 Array = NDArray[Any]
 
@@ -38,14 +39,16 @@ def _at(values: Array, index: Array) -> Array:
     return np.asarray(values[..., rows, low] * (1 - weight) + values[..., rows, low + 1] * weight)
 
 
-def _line_ends(lines: LineGeometry, smallest: Array, where: Array, separation: float) -> tuple[Array, Array, Array]:
+def _line_ends(
+    lines: ContactLines, closest: ClosestApproach, smallest: Array, where: Array, separation: float
+) -> tuple[Array, Array, Array]:
     """Both ends (m, 2) of the contact lines within a separation [mm], as fractions, and their lengths (m) [mm]."""
-    excess = (lines.separation_angle - smallest[:, None]) * lines.lever_arm - separation
+    excess = (closest.separation_angle - smallest[:, None]) * closest.lever_arm - separation
     count = excess.shape[1]
     ends = np.empty((2, smallest.size))
     for side, step in enumerate((-1, 1)):
         for row in range(smallest.size):
-            index = int(round(where[row]))
+            index = round(float(where[row]))
             while 0 <= index + step < count and excess[row, index + step] <= 0.0:
                 index += step
             beyond = index + step
@@ -59,34 +62,30 @@ def _line_ends(lines: LineGeometry, smallest: Array, where: Array, separation: f
     return place[0], place[1], length
 
 
-def unloaded_contact(
-    fields: FlankFields, pinion_pitch: float, *, mesh_positions: int = 32, separation: float = 6.0
-) -> xr.Dataset:
+def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
     """Unloaded contact over one mesh cycle.
 
     Parameters
     ----------
     fields
         Splines from ``curves.contact_fields``.
-    pinion_pitch
-        Angular pitch of the pinion [rad].
-    mesh_positions
-        Pinion rotations in one pitch.
+    mesh
+        Contact lines from ``segments.lines_in_mesh``.
     separation
         A contact line ends where the flanks are this far apart [um].
 
     Returns
     -------
     xr.Dataset
-        Transmission error (pair, mesh_position) and envelope, path of contact, ends of the contact lines (Kolivand 2009,
-        sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the dissertation's tables.
+        Transmission error (pair, mesh_position) and envelope, path of contact, ends of the contact lines (Kolivand
+        2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the dissertation's tables.
     """
-    rotations = mesh_rotations(pinion_pitch, mesh_positions)
-    traced, position, pair = lines_in_mesh(fields, rotations, pinion_pitch)
-    lines = line_geometry(fields, traced, position, pair, traced.points)
-    error, index = _smallest(lines.separation_angle)
-    place = _at(lines.points + lines.shift, index)
-    ends_t, ends_h, length = _line_ends(lines, error, index, 1e-3 * separation)
+    lines, position, pair = mesh.lines, mesh.position, mesh.pair
+    mesh_positions = mesh.rotations.size
+    closest = closest_approach(fields, lines.points)
+    error, index = _smallest(closest.separation_angle)
+    place = _at(lines.points + closest.shift, index)
+    ends_t, ends_h, length = _line_ends(lines, closest, error, index, 1e-3 * separation)
 
     pairs = np.unique(pair)
     shape = (pairs.size, mesh_positions)
@@ -94,7 +93,10 @@ def unloaded_contact(
     # A level set may come in several pieces; the one that touches first speaks for its tooth pair.
     order = np.argsort(-error, kind="stable")
     values = {
-        "transmission_error": 1e6 * error, "path_lengthwise": place[0], "path_profile": place[1], "line_length": length,
+        "transmission_error": 1e6 * error,
+        "path_lengthwise": place[0],
+        "path_profile": place[1],
+        "line_length": length,
     }
     grid = ("pair", "mesh_position")
     data: dict[str, Any] = {}
@@ -115,7 +117,7 @@ def unloaded_contact(
             **data,
             "transmission_error_envelope": ("mesh_position", envelope),
             "carrying_pair": ("mesh_position", carrying),
-            "pinion_rotation": ("mesh_position", rotations),
+            "pinion_rotation": ("mesh_position", mesh.rotations),
         },
         coords={"pair": pairs, "mesh_position": np.arange(mesh_positions) / mesh_positions},
         attrs={

@@ -33,7 +33,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     # ease-off
     "ease_off": ("um", "ease-off along the normal, positive where there is a gap"),
     "ease_off_angle": ("rad", "ease-off as a rotation of the gear, positive where there is a gap"),
-    "roll_angle": ("rad", "pinion rotation at which the node is in conjugate contact, zero at the middle of the pinion"),
+    "roll_angle": (
+        "rad",
+        "pinion rotation at which the node is in conjugate contact, zero at the middle of the pinion",
+    ),
     "lever_arm": ("mm", "arm of the normal force about the gear axis"),
     "separation_curvature": ("rad-1", "second derivative of the gap, as a gear rotation, by the pinion rotation"),
     "pinion_lengthwise": ("1", "lengthwise fraction of the conjugate point on the pinion"),
@@ -43,7 +46,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     # teeth
     "shell_height": ("mm", "height above the root line where the line of the contact force meets the tooth's middle"),
     "shell_arc": ("mm", "distance from the toe along the tooth trace where the force meets the tooth's middle"),
-    "shell_direction": ("1", "direction of the contact force on the tooth: along height, along trace, through thickness"),
+    "shell_direction": (
+        "1",
+        "direction of the contact force on the tooth: along height, along trace, through thickness",
+    ),
     "depth": ("mm", "distance from the contact point to the tooth's middle along the normal"),
     "trace_length": ("mm", "length of the tooth along its trace at mid height"),
     "trace_radius": ("mm", "radius of the tooth trace at mid face"),

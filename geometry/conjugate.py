@@ -32,7 +32,7 @@ class ConjugateMotion:
     assembly
         The pair.
     pinion_sense
-        Sense of the drive rotation about the pinion axis (+1 or -1); the gear turns in the opposite sense about its own.
+        Sense of the drive rotation about the pinion axis, +1 or -1; the gear turns in the opposite sense about its own.
     branch
         Sign of the root of the conjugacy equation.
     center

@@ -1,8 +1,9 @@
 """The exactly conjugate pinion of a Formate gear, as settings of a cradle machine.
 
-Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose cutter
-is the gear's own generating cone, taken from the other side. The cradle then plays the gear, and the pinion is its envelope:
-the ease-off is zero everywhere. Machine root angle near zero and a large cutter tilt are the marks of this set-up.
+Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose
+cutter is the gear's own generating cone, taken from the other side. The cradle then plays the gear, and the pinion is
+its envelope: the ease-off is zero everywhere. Machine root angle near zero and a large cutter tilt are the marks of
+this set-up.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import numpy as np
 
 from ..core.errors import GeometryError
 from .assembly import Assembly
-from .blade import Blade
-from .flank_surface import GeneratingSurface
+from .blade import Blade, BladeSide
+from .flank_surface import GeneratingSurface, Hand
 from .machine import MachineSettings, cutter_frame, machine_to_member
 
 
@@ -42,8 +43,10 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     """
     settings = gear.settings
     if settings.generated:
-        raise GeometryError("a conjugate pinion in machine settings exists for a Formate gear only: this gear is generated")
-    # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, and axis towards the gear.
+        raise GeometryError(
+            "a conjugate pinion in machine settings exists for a Formate gear only: this gear is generated"
+        )
+    # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, axis towards the gear.
     turn = settings.cradle_angle
     frame = cutter_frame(settings)
     spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
@@ -57,7 +60,9 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     towards_pinion = np.array([-axis[0], -axis[1], axis[2]])
     point_radius = gear.blade.point_radius + gear.blade.side_sign * blade_height * np.tan(gear.blade.pressure_angle)
     if point_radius <= 0.0:
-        raise GeometryError(f"the gear's cutter cone ends before the pinion's root, {blade_height} mm from its blade tip")
+        raise GeometryError(
+            f"the gear's cutter cone ends before the pinion's root, {blade_height} mm from its blade tip"
+        )
     cradle_angle = float(np.arctan2(tip_center[1], tip_center[0]))
     pinion_settings = MachineSettings(
         radial_distance=float(np.hypot(tip_center[0], tip_center[1])),
@@ -69,7 +74,7 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
         cutter_swivel=cradle_angle - float(np.arctan2(towards_pinion[0], -towards_pinion[1])),
         ratio_of_roll=assembly.ratio,
     )
-    side = "outside" if gear.blade.side == "inside" else "inside"
+    side: BladeSide = "outside" if gear.blade.side == "inside" else "inside"
     blade = Blade(point_radius, gear.blade.pressure_angle, side)
-    hand = "left" if gear.hand == "right" else "right"
+    hand: Hand = "left" if gear.hand == "right" else "right"
     return replace(gear, blade=blade, settings=pinion_settings, hand=hand, sense=-1)

@@ -113,6 +113,11 @@ def point_contact(
         pinion_position, _, _ = motion.surface.evaluate(unknowns[2:4])
     blank = np.where(converged, 1.0, np.nan)
     return PointContact(
-        pinion_rotation, unknowns[4] * blank, unknowns[:2] * blank, unknowns[2:4] * blank,
-        gear_position * blank, pinion_position * blank, converged,
+        pinion_rotation,
+        unknowns[4] * blank,
+        unknowns[:2] * blank,
+        unknowns[2:4] * blank,
+        gear_position * blank,
+        pinion_position * blank,
+        converged,
     )

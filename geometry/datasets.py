@@ -76,8 +76,9 @@ def first_contact(angle: Array, inside: Array) -> float:
         return smallest
     gradient = np.array([patch[2, 1] - patch[0, 1], patch[1, 2] - patch[1, 0]]) / 2.0
     mixed = (patch[2, 2] - patch[2, 0] - patch[0, 2] + patch[0, 0]) / 4.0
-    bend = np.array([[patch[2, 1] - 2 * smallest + patch[0, 1], mixed],
-                     [mixed, patch[1, 2] - 2 * smallest + patch[1, 0]]])
+    bend = np.array(
+        [[patch[2, 1] - 2 * smallest + patch[0, 1], mixed], [mixed, patch[1, 2] - 2 * smallest + patch[1, 0]]]
+    )
     if np.linalg.det(bend) <= 0.0 or bend[0, 0] <= 0.0:
         return smallest
     return smallest - 0.5 * float(gradient @ np.linalg.solve(bend, gradient))
@@ -152,16 +153,18 @@ def teeth_dataset(
         "shell_arc": [c.arc for c in coordinates],
         "depth": [c.depth for c in coordinates],
     }
-    data: dict[str, Any] = {
-        name: (grid, np.stack([v.reshape(shape) for v in both])) for name, both in values.items()
-    }
+    data: dict[str, Any] = {name: (grid, np.stack([v.reshape(shape) for v in both])) for name, both in values.items()}
     data["shell_direction"] = ((*grid, "shell_axis"), np.stack([_on_grid(c.direction, shape) for c in coordinates]))
     data["trace_length"] = ("member", [b.trace_length for b in bodies])
     data["trace_radius"] = ("member", [b.trace_radius for b in bodies])
     data["tooth_height"] = (("member", "tooth_end"), np.stack([b.height for b in bodies]))
     data["plate_thickness"] = (("member", "tooth_end", "plate_edge"), np.stack([b.thickness for b in bodies]))
     coords = {
-        "member": ["pinion", "gear"], "lengthwise": lengthwise, "profile": profile,
-        "shell_axis": ["height", "trace", "outward"], "tooth_end": ["toe", "heel"], "plate_edge": ["root", "tip"],
+        "member": ["pinion", "gear"],
+        "lengthwise": lengthwise,
+        "profile": profile,
+        "shell_axis": ["height", "trace", "outward"],
+        "tooth_end": ["toe", "heel"],
+        "plate_edge": ["root", "tip"],
     }
     return labelled(xr.Dataset(data, coords=coords))

@@ -65,7 +65,7 @@ class EaseOff:
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Where gear node and conjugate pinion point both lie on their flanks (n)."""
-        return self.status == NodeStatus.INSIDE
+        return np.asarray(self.status == NodeStatus.INSIDE)
 
 
 def conjugate_motion(
@@ -94,8 +94,10 @@ def conjugate_motion(
     motion = ConjugateMotion(surface, assembly, sense)
     roots = motion.roots(*motion.pinion_point(mean))
     if not np.isfinite(roots[0][0]):
-        raise GeometryError("the middle of the pinion flank never meets a conjugate gear: check shaft_angle, "
-                            "hypoid_offset and the hands of the members")
+        raise GeometryError(
+            "the middle of the pinion flank never meets a conjugate gear: check shaft_angle, "
+            "hypoid_offset and the hands of the members"
+        )
     misses = []
     for root in roots:
         point = motion.in_gear(motion.action_point(mean, root)[0], root)[:, 0]
@@ -122,7 +124,9 @@ def _separation_curvature(motion: ConjugateMotion, parameters: Array, rotation: 
     return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second))
 
 
-def compute(gear: Flank, pinion_surface: GeneratingSurface, pinion_section: BlankSection, assembly: Assembly) -> EaseOff:
+def compute(
+    gear: Flank, pinion_surface: GeneratingSurface, pinion_section: BlankSection, assembly: Assembly
+) -> EaseOff:
     """Ease-off and roll angle of a pair at the nodes of the gear flank.
 
     Parameters
@@ -176,11 +180,22 @@ def compute(gear: Flank, pinion_surface: GeneratingSurface, pinion_section: Blan
     status[~(found.converged & usable & np.isfinite(angle))] = NodeStatus.NO_SOLUTION
     inside = status == NodeStatus.INSIDE
     if not np.any(inside):
-        raise GeometryError("no part of the gear flank meets the pinion flank: check the blanks, the hands, "
-                            "hypoid_offset and shaft_angle")
+        raise GeometryError(
+            "no part of the gear flank meets the pinion flank: check the blanks, the hands, "
+            "hypoid_offset and shaft_angle"
+        )
     missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
     arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
-    blank = [np.where(missing, np.nan, v) for v in
-             (roll_angle - motion.center, angle, arm, curvature, lengthwise, profile,
-              np.minimum(distance, gear.blade_distance))]
-    return EaseOff(motion, found.parameters, *blank, status=status)
+    blank = [
+        np.where(missing, np.nan, v)
+        for v in (
+            roll_angle - motion.center,
+            angle,
+            arm,
+            curvature,
+            lengthwise,
+            profile,
+            np.minimum(distance, gear.blade_distance),
+        )
+    ]
+    return EaseOff(motion, found.parameters, *blank, status)

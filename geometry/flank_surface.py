@@ -179,7 +179,7 @@ class Flank:
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Where the node is a usable point of the flank (n)."""
-        return self.status == NodeStatus.INSIDE
+        return np.asarray(self.status == NodeStatus.INSIDE)
 
     def reshape(self, *shape: int) -> Flank:
         """The same nodes in another arrangement."""
@@ -318,5 +318,3 @@ def _classified(
     unusable = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
     position, normal = np.where(unusable, np.nan, position), np.where(unusable, np.nan, normal)
     return Flank(surface, parameters, position, normal, distance, status, orientation)
-
-

@@ -35,7 +35,7 @@ class Member:
     loaded
         What generates the loaded flank.
     opposite
-        What generates the other flank; ``None`` if it is not known, then the other blade in the same machine is assumed.
+        What generates the other flank; ``None`` if not known: the other blade in the same machine is assumed then.
     mean_thickness
         Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
     """
@@ -177,8 +177,8 @@ def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surfa
 def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
     """Teeth of pinion and gear between their flanks.
 
-    The gear's thickness is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch. The
-    pinion's is the one given, or else it fills the gear's slot without backlash.
+    The gear's thickness is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch.
+    The pinion's is the one given, or else it fills the gear's slot without backlash.
 
     Raises
     ------

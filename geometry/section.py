@@ -89,9 +89,7 @@ class BlankSection:
             on_pitch = distance * np.array([np.cos(self.pitch_angle), np.sin(self.pitch_angle)])
             on_pitch[0] -= self.pitch_apex
             for j, (point, line_angle) in enumerate(lines):
-                matrix = np.array(
-                    [[np.cos(line_angle), -np.cos(end_angle)], [np.sin(line_angle), -np.sin(end_angle)]]
-                )
+                matrix = np.array([[np.cos(line_angle), -np.cos(end_angle)], [np.sin(line_angle), -np.sin(end_angle)]])
                 along = np.linalg.solve(matrix, on_pitch - point)[0]
                 corners[i, j] = point + along * np.array([np.cos(line_angle), np.sin(line_angle)])
         return corners

@@ -33,8 +33,17 @@ SCALES = {
     "modified_roll_2c": 0.02,
     "modified_roll_6d": 0.2,
 }
-FREE = ("point_radius", "pressure_angle", "radial_distance", "cradle_angle", "cutter_tilt", "cutter_swivel",
-        "ratio_of_roll", "modified_roll_2c", "modified_roll_6d")
+FREE = (
+    "point_radius",
+    "pressure_angle",
+    "radial_distance",
+    "cradle_angle",
+    "cutter_tilt",
+    "cutter_swivel",
+    "ratio_of_roll",
+    "modified_roll_2c",
+    "modified_roll_6d",
+)
 
 
 @dataclass(frozen=True)
@@ -102,11 +111,11 @@ def get_setting(surface: GeneratingSurface, name: str) -> float:
 
 def with_settings(surface: GeneratingSurface, values: dict[str, float]) -> GeneratingSurface:
     """The same surface with some settings changed by name (see ``SCALES``)."""
-    blade = {k: v for k, v in values.items() if k in ("point_radius", "pressure_angle")}
+    blade: dict[str, Any] = {k: v for k, v in values.items() if k in ("point_radius", "pressure_angle")}
     roll = [get_setting(surface, name) for name in ("modified_roll_2c", "modified_roll_6d")]
     roll = [values.get("modified_roll_2c", roll[0]) / 2.0, values.get("modified_roll_6d", roll[1]) / 6.0]
     roll += surface.settings.modified_roll[2:]
-    machine = {k: v for k, v in values.items() if k not in blade and not k.startswith("modified_roll_")}
+    machine: dict[str, Any] = {k: v for k, v in values.items() if k not in blade and not k.startswith("modified_roll_")}
     settings = replace(surface.settings, **machine, modified_roll=tuple(roll))
     return replace(surface, blade=replace(surface.blade, **blade), settings=settings)
 
@@ -167,14 +176,25 @@ def fit_pinion(
         surface = with_settings(start, dict(zip(free, origin + scale * steps, strict=True)))
         error = _ease_off_at(pair, gear, surface)[usable] - wanted[usable]
         if not np.all(np.isfinite(error)):
-            raise GeometryError("the pinion's settings left the range in which the flanks meet: choose a smaller target "
-                                "or fewer free settings")
+            raise GeometryError(
+                "the pinion's settings left the range in which the flanks meet: choose a smaller target "
+                "or fewer free settings"
+            )
         # The zero of the ease-off is free: a rotation of the gear is no change of form.
         arm = lever[usable]
         return np.asarray(1e3 * (error - arm * float(arm @ error) / float(arm @ arm)))
 
-    found = least_squares(residual, np.zeros(len(free)), method="trf", x_scale=1.0, diff_step=1e-4,
-                          xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=60)
+    found = least_squares(
+        residual,
+        np.zeros(len(free)),
+        method="trf",
+        x_scale=1.0,
+        diff_step=[1e-4],
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-12,
+        max_nfev=60,
+    )
     values = dict(zip(free, (float(v) for v in origin + scale * found.x), strict=True))
     moved = {name: (float(o), values[name]) for name, o in zip(free, origin, strict=True)}
     return Synthesis(with_settings(start, values), moved, 1e-3 * residual(found.x))

@@ -207,16 +207,14 @@ def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array,
     return arc, 1.0 / max(abs(curvature), 1e-9), curvature < 0.0
 
 
-def _plate(
-    section: BlankSection, nodes: Array, axial: Array, radial: Array, thickness: Array
-) -> tuple[Array, Array]:
+def _plate(section: BlankSection, nodes: Array, axial: Array, radial: Array, thickness: Array) -> tuple[Array, Array]:
     """Height at toe and heel, and the evenly varying thickness (toe/heel, root/tip) that fits best."""
     corners = section.corners
     heights = section.height_above_root(corners[:, 1, 0], corners[:, 1, 1])
     along = nodes[0]
     up = section.height_above_root(axial, radial) / (heights[0] * (1 - along) + heights[1] * along)
     matrix = np.stack([(1 - along) * (1 - up), (1 - along) * up, along * (1 - up), along * up], axis=1)
-    return heights, np.linalg.lstsq(matrix, thickness, rcond=None)[0].reshape(2, 2)
+    return heights, np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
 
 
 def _azimuth(flank: Flank) -> Array:

@@ -14,6 +14,7 @@ import xarray as xr
 from ..cases.conversion import elastic_model, gear_pair
 from ..cases.model import Case
 from ..contact.loaded import LoadedCase, loaded_contact, loaded_fields
+from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
 from ..geometry.assembly import Misalignment
@@ -60,18 +61,15 @@ def analyze_in_full(
     settings = case.contact
     geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
-    pitch = pair.assembly.pinion_pitch
-    unloaded = unloaded_contact(
-        fields, pitch, mesh_positions=settings.mesh_positions, separation=settings.separation
-    )
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
+    unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
     loaded, cases = loaded_contact(
         fields,
         geometry.teeth,
-        pinion_pitch=pitch,
+        mesh,
         ratio=pair.assembly.ratio,
         torques=np.array(settings.torques if torques is None else torques, dtype=float),
         model=elastic_model(case),
-        mesh_positions=settings.mesh_positions,
         segments_per_line=settings.segments_per_line,
         solver=solver,
         progress=progress,

@@ -20,6 +20,12 @@ EXIT_MISTAKE = 2
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 
 
+class _Mistake(click.ClickException):
+    """What the user can put right."""
+
+    exit_code = EXIT_MISTAKE
+
+
 class _Group(click.Group):
     """Turns the package's own exceptions into one message and exit code 2."""
 
@@ -27,9 +33,7 @@ class _Group(click.Group):
         try:
             return super().invoke(ctx)
         except EaseoffError as error:
-            failure = click.ClickException(str(error))
-            failure.exit_code = EXIT_MISTAKE
-            raise failure from error
+            raise _Mistake(str(error)) from error
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
@@ -74,18 +78,38 @@ def _misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None
 
 
 def _analysis_options(command: Any) -> Any:
-    for option in reversed((
-        click.argument("case"),
-        click.option("--flank", type=click.Choice(["drive", "coast"]), default="drive", show_default=True,
-                     help="Which flanks mesh: drive is pinion concave with gear convex."),
-        click.option("--torque", "torques", callback=_torques, metavar="T1,T2,...",
-                     help="Torques at the pinion in N m; the case's own if left out."),
-        click.option("--misalignment", callback=_misalignment, metavar="E=..,P=..,G=..,Sigma=..",
-                     help="Assembly errors in mm (Sigma in degrees); the case's own if left out."),
-        click.option("--solver", default="auto", show_default=True, help="Contact solver."),
-    )):
+    for option in reversed(
+        (
+            click.argument("case"),
+            click.option(
+                "--flank",
+                type=click.Choice(["drive", "coast"]),
+                default="drive",
+                show_default=True,
+                help="Which flanks mesh: drive is pinion concave with gear convex.",
+            ),
+            click.option(
+                "--torque",
+                "torques",
+                callback=_torques,
+                metavar="T1,T2,...",
+                help="Torques at the pinion in N m; the case's own if left out.",
+            ),
+            click.option(
+                "--misalignment",
+                callback=_misalignment,
+                metavar="E=..,P=..,G=..,Sigma=..",
+                help="Assembly errors in mm (Sigma in degrees); the case's own if left out.",
+            ),
+            click.option("--solver", default="auto", show_default=True, help="Contact solver."),
+        )
+    ):
         command = option(command)
     return command
+
+
+def _step(bar: Any) -> None:
+    bar.update(1)
 
 
 def _run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str) -> Analysis:
@@ -99,8 +123,12 @@ def _run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str) ->
     total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
     with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
         return analyze_in_full(
-            checked, flank=flank, torques=torques, misalignment=misalignment, solver=solver,
-            progress=lambda: bar.update(1) and None,
+            checked,
+            flank=flank,
+            torques=torques,
+            misalignment=misalignment,
+            solver=solver,
+            progress=lambda: _step(bar),
         )
 
 
@@ -108,9 +136,7 @@ def _run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str) ->
 @_analysis_options
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
 @click.option("--plots", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures.")
-def run(
-    case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path, plots: Path | None
-) -> None:
+def run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path, plots: Path | None) -> None:
     """Analyse CASE, a shipped name or a file, and write the result."""
     from .result import check_writable, write_result
     from .show import uncertified
@@ -180,8 +206,8 @@ def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str
     check_writable(output)
     analysis = _run(case, flank, torques, misalignment, solver)
     solved = analysis.cases
-    torque = analysis.tree["loaded"]["torque"].values
-    position = analysis.tree["loaded"]["mesh_position"].values
+    loaded = analysis.tree["loaded"].to_dataset()
+    torque, position = loaded["torque"].values, loaded["mesh_position"].values
     write_problems(
         [item.problem for item in solved],
         output,

@@ -25,8 +25,10 @@ def uncertified(tree: xr.DataTree) -> list[str]:
         bad = status != Status.CERTIFIED
         if np.any(bad):
             reasons = sorted({Status(int(s)).name.lower() for s in status[bad]})
-            lines.append(f"{torque:g} N m: {bad.sum()} of {status.size} mesh positions have no certified solution "
-                         f"({', '.join(reasons)}); their values are NaN")
+            lines.append(
+                f"{torque:g} N m: {bad.sum()} of {status.size} mesh positions have no certified solution "
+                f"({', '.join(reasons)}); their values are NaN"
+            )
     return lines
 
 
@@ -45,38 +47,68 @@ def summary(tree: xr.DataTree) -> str:
     gap = ease_off["ease_off"].values[inside]
     harmonics = np.atleast_1d(unloaded.attrs["harmonics_urad"])
     sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
-    errors = [("E", attrs["misalignment_offset_mm"], "mm"), ("P", attrs["misalignment_pinion_axial_mm"], "mm"),
-              ("G", attrs["misalignment_gear_axial_mm"], "mm"), ("Sigma", sigma, "deg")]
+    errors = [
+        ("E", attrs["misalignment_offset_mm"], "mm"),
+        ("P", attrs["misalignment_pinion_axial_mm"], "mm"),
+        ("G", attrs["misalignment_gear_axial_mm"], "mm"),
+        ("Sigma", sigma, "deg"),
+    ]
     head = [
-        ("pair", f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion, "
-                 f"{attrs['flank']} flanks"),
+        (
+            "pair",
+            f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion, "
+            f"{attrs['flank']} flanks",
+        ),
         ("misalignment", ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"),
         ("common flank", f"{100 * inside.mean():.0f} % of the gear flank"),
         ("ease-off", f"up to {gap.max():.1f} um on the common flank"),
-        ("unloaded transmission error",
-         f"{unloaded.attrs['peak_to_peak_urad']:.2f} urad peak to peak, harmonics "
-         + " / ".join(f"{a:.2f}" for a in harmonics)),
+        (
+            "unloaded transmission error",
+            f"{unloaded.attrs['peak_to_peak_urad']:.2f} urad peak to peak, harmonics "
+            + " / ".join(f"{a:.2f}" for a in harmonics),
+        ),
     ]
     # Roundoff-sized residuals are all the same to a reader.
     worst = _certificate(loaded)
     rows = [
-        (f"{torque:g}", loaded["mean_level"].values[i], loaded["peak_to_peak"].values[i],
-         *loaded["harmonic"].values[i, :3], loaded["max_pressure"].values[i], f"{np.max(worst[i]):.0e}",
-         f"{int(np.sum(loaded['status'].values[i] == Status.CERTIFIED))} of {worst.shape[1]}")
+        (
+            f"{torque:g}",
+            loaded["mean_level"].values[i],
+            loaded["peak_to_peak"].values[i],
+            *loaded["harmonic"].values[i, :3],
+            loaded["max_pressure"].values[i],
+            f"{np.max(worst[i]):.0e}",
+            f"{int(np.sum(loaded['status'].values[i] == Status.CERTIFIED))} of {worst.shape[1]}",
+        )
         for i, torque in enumerate(loaded["torque"].values)
     ]
-    headers = ["torque\nN m", "mean TE\nurad", "peak to\npeak urad", "harmonic\n1 urad", "\n2", "\n3",
-               "greatest\npressure MPa", "worst\nresidual", "certified\npositions"]
+    headers = [
+        "torque\nN m",
+        "mean TE\nurad",
+        "peak to\npeak urad",
+        "harmonic\n1 urad",
+        "\n2",
+        "\n3",
+        "greatest\npressure MPa",
+        "worst\nresidual",
+        "certified\npositions",
+    ]
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
     parts = [
-        title, "=" * len(title), "",
-        tabulate(head, tablefmt="plain"), "",
-        f"Loaded contact, solver {solver}", "",
+        title,
+        "=" * len(title),
+        "",
+        tabulate(head, tablefmt="plain"),
+        "",
+        f"Loaded contact, solver {solver}",
+        "",
         tabulate(rows, headers=headers, floatfmt=".2f", tablefmt="simple", colalign=("right",) * len(headers)),
     ]
     notes = uncertified(tree)
     if attrs["opposite_flanks"] != "given":
-        notes.append("Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
-                     "same settings, which matters for the teeth's thickness alone.")
+        notes.append(
+            "Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
+            "same settings, which matters for the teeth's thickness alone."
+        )
     return "\n".join([*parts, *(["", *notes] if notes else [])])
