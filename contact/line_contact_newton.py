@@ -156,8 +156,8 @@ class NewtonIteration:
         The slope of a convex energy never decreases, so over a step a its change is at most a/2 (slope(a/2) +
         slope(a)).
         """
-        # Along the direction the torque is constant, so r theta may be taken off the gradient: that removes the rounding
-        # of r'direction, which would drown the slope near the solution.
+        # Along the direction the torque is constant, so r theta may be taken off the gradient: that removes the
+        # rounding of r'direction, which would drown the slope near the solution.
         gradient = self._bending.deflection(force) + self._separation - rotation * self._bending.lever_arm
         level, curvature = float(direction @ gradient), float(direction @ self._bending.deflection(direction))
 

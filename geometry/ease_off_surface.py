@@ -18,7 +18,7 @@ from ..core.errors import GeometryError
 from .assembly import Assembly
 from .conjugate import ConjugateMotion
 from .flank_surface import Flank, GeneratingSurface, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
-from .newton import complex_step, solve
+from .newton import NewtonResult, complex_step, solve
 from .section import BlankSection
 
 Array = NDArray[Any]
@@ -125,7 +125,11 @@ def _separation_curvature(motion: ConjugateMotion, parameters: Array, rotation: 
 
 
 def compute(
-    gear: Flank, pinion_surface: GeneratingSurface, pinion_section: BlankSection, assembly: Assembly
+    gear: Flank,
+    pinion_surface: GeneratingSurface,
+    pinion_section: BlankSection,
+    assembly: Assembly,
+    near: EaseOff | None = None,
 ) -> EaseOff:
     """Ease-off and roll angle of a pair at the nodes of the gear flank.
 
@@ -137,6 +141,8 @@ def compute(
         The pinion flank and blank.
     assembly
         The pair, with its misalignment.
+    near
+        Ease-off of nearly the same pair at the same nodes, to start from; saves the search for the tooth.
 
     Returns
     -------
@@ -152,50 +158,78 @@ def compute(
     usable = np.all(np.isfinite(target), axis=0)
     if not np.any(usable):
         raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
-    motion = conjugate_motion(pinion_surface, pinion_section, assembly, target[:, usable].mean(axis=1))
+    middle = target[:, usable].mean(axis=1)
+    target = np.where(usable, target, middle[:, None])
+    if near is None:
+        motion = conjugate_motion(pinion_surface, pinion_section, assembly, middle)
+        start, side = _seeds(motion, pinion_section, target)
+    else:
+        motion = replace(near.motion, surface=pinion_surface, assembly=assembly)
+        start = near.pinion_parameters
+        side = float(np.sign(np.median(pinion_surface.orientation(start)[near.inside])))
+    found = solve(lambda p: _place(motion, p), start, target, pinion_surface.max_step)
+    return _classified(motion, pinion_section, gear, found, side, usable)
 
-    def place(parameters: Array) -> Array:
-        point, _ = motion.conjugate_gear(parameters)
-        return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
 
-    mean = mean_parameters(pinion_surface, pinion_section)
-    lattice, orientation = seed_lattice(pinion_surface, pinion_section, mean)
+def _place(motion: ConjugateMotion, parameters: Array) -> Array:
+    """Axial and radial coordinate (2, n) [mm] of conjugate gear points."""
+    point, _ = motion.conjugate_gear(parameters)
+    return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
+
+
+def _seeds(motion: ConjugateMotion, section: BlankSection, target: Array) -> tuple[Array, float]:
+    """First guess of the pinion parameters (2, n) for each target, and the orientation of the valid side."""
+    mean = mean_parameters(motion.surface, section)
+    lattice, orientation = seed_lattice(motion.surface, section, mean)
     with np.errstate(all="ignore"):
-        start = nearest_seeds(place(lattice), lattice, np.where(usable, target, 0.0))
-    found = solve(place, start, np.where(usable, target, 0.0), pinion_surface.max_step)
+        return nearest_seeds(_place(motion, lattice), lattice, target), float(orientation)
+
+
+def _classified(
+    motion: ConjugateMotion,
+    section: BlankSection,
+    gear: Flank,
+    found: NewtonResult,
+    side: float,
+    usable: NDArray[np.bool_],
+) -> EaseOff:
+    """Evaluate everything at the pinion points found, and give every node a status."""
+    parameters = found.parameters
     with np.errstate(all="ignore"):
-        point, roll_angle = motion.conjugate_gear(found.parameters)
-        position, _, distance = pinion_surface.evaluate(found.parameters)
-        side = pinion_surface.orientation(found.parameters) * float(orientation)
+        point, roll_angle = motion.conjugate_gear(parameters)
+        position, _, distance = motion.surface.evaluate(parameters)
+        valid_side = motion.surface.orientation(parameters) * side > 0.0
         # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
         turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
-        angle = -motion.pinion_sense * (np.mod(turned + np.pi, 2 * np.pi) - np.pi)
-        curvature = _separation_curvature(motion, found.parameters, roll_angle)
-    lengthwise, profile = pinion_section.fractions(position[2], np.hypot(position[0], position[1]))
+        reference = turned[np.argmax(found.converged & usable)]
+        turned = np.mod(turned - reference + np.pi, 2 * np.pi) - np.pi + reference
+        curvature = _separation_curvature(motion, parameters, roll_angle)
+    lengthwise, profile = section.fractions(position[2], np.hypot(position[0], position[1]))
 
     on_pinion = (lengthwise >= 0.0) & (lengthwise <= 1.0) & (profile >= 0.0) & (profile <= 1.0)
     status = np.where(on_pinion, gear.status, NodeStatus.OUTSIDE_BLANK).astype(np.int8)
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
-    status[~(side > 0.0)] = NodeStatus.UNDERCUT
-    status[~(found.converged & usable & np.isfinite(angle))] = NodeStatus.NO_SOLUTION
-    inside = status == NodeStatus.INSIDE
-    if not np.any(inside):
+    status[~valid_side] = NodeStatus.UNDERCUT
+    status[~(found.converged & usable & np.isfinite(turned))] = NodeStatus.NO_SOLUTION
+    if not np.any(status == NodeStatus.INSIDE):
         raise GeometryError(
             "no part of the gear flank meets the pinion flank: check the blanks, the hands, "
             "hypoid_offset and shaft_angle"
         )
     missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
-    arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
-    blank = [
-        np.where(missing, np.nan, v)
-        for v in (
-            roll_angle - motion.center,
-            angle,
-            arm,
-            curvature,
-            lengthwise,
-            profile,
-            np.minimum(distance, gear.blade_distance),
-        )
-    ]
-    return EaseOff(motion, found.parameters, *blank, status)
+
+    def known(values: Array) -> Array:
+        return np.where(missing, np.nan, values)
+
+    return EaseOff(
+        motion=motion,
+        pinion_parameters=parameters,
+        roll_angle=known(roll_angle - motion.center),
+        angle=known(-motion.pinion_sense * turned),
+        lever_arm=known(np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])),
+        separation_curvature=known(curvature),
+        pinion_lengthwise=known(lengthwise),
+        pinion_profile=known(profile),
+        blade_distance=known(np.minimum(distance, gear.blade_distance)),
+        status=status,
+    )

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from ..core.errors import GeometryError, InputError
 from .ease_off_surface import compute
-from .flank_surface import Flank, GeneratingSurface
+from .flank_surface import GeneratingSurface
 from .pair import GearPair, grid
 
 Array = NDArray[Any]
@@ -33,6 +33,7 @@ SCALES = {
     "modified_roll_2c": 0.02,
     "modified_roll_6d": 0.2,
 }
+FAR = 1e9  # residual [um] of settings with which the flanks do not meet
 FREE = (
     "point_radius",
     "pressure_angle",
@@ -120,12 +121,6 @@ def with_settings(surface: GeneratingSurface, values: dict[str, float]) -> Gener
     return replace(surface, blade=replace(surface.blade, **blade), settings=settings)
 
 
-def _ease_off_at(pair: GearPair, gear: Flank, surface: GeneratingSurface) -> Array:
-    """Normal ease-off (n) [mm] at the gear's nodes, up to a rotation of the gear; NaN where there is none."""
-    result = compute(gear, surface, pair.pinion.section, pair.assembly)
-    return np.asarray(result.angle * result.lever_arm)
-
-
 def fit_pinion(
     pair: GearPair,
     target: EaseOffTarget,
@@ -168,18 +163,21 @@ def fit_pinion(
     scale = np.array([SCALES[name] for name in free])
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
     lever = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
-    usable = np.isfinite(_ease_off_at(pair, gear, start))
+    known = compute(gear, start, pair.pinion.section, pair.assembly)
+    usable = np.isfinite(known.angle)
     if usable.sum() < 2 * len(free):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
 
     def residual(steps: Array) -> Array:
         surface = with_settings(start, dict(zip(free, origin + scale * steps, strict=True)))
-        error = _ease_off_at(pair, gear, surface)[usable] - wanted[usable]
+        try:
+            here = compute(gear, surface, pair.pinion.section, pair.assembly, near=known)
+            error = (here.angle * here.lever_arm - wanted)[usable]
+        except GeometryError:
+            error = np.full(int(usable.sum()), np.nan)
         if not np.all(np.isfinite(error)):
-            raise GeometryError(
-                "the pinion's settings left the range in which the flanks meet: choose a smaller target "
-                "or fewer free settings"
-            )
+            # A step so large that the flanks no longer meet: the search must take a shorter one.
+            return np.linspace(FAR, 2.0 * FAR, int(usable.sum()))
         # The zero of the ease-off is free: a rotation of the gear is no change of form.
         arm = lever[usable]
         return np.asarray(1e3 * (error - arm * float(arm @ error) / float(arm @ arm)))

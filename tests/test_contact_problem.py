@@ -98,8 +98,11 @@ def test_changed_copies_do_not_keep_what_has_become_wrong() -> None:
     added = problem.with_added_compliance(local, separation=problem.separation + 0.1)
     fresh = small(compliance=problem.dense_compliance + np.diag(local), separation=problem.separation + 0.1)
     assert added.identical(fresh)
+    assert np.array_equal(added.compliance_diagonal, fresh.compliance_diagonal)
     assert solve(added).rotation == solve(fresh).rotation
-    assert solve(problem.with_torque(3e5)).rotation == solve(small(torque=3e5)).rotation
+    heavier = problem.with_torque(1e9)
+    assert heavier.scaling.force > 1e3 * problem.scaling.force
+    assert solve(heavier).rotation == solve(small(torque=1e9)).rotation
     with pytest.raises(InputError, match="torque"):
         problem.with_torque(-1.0)
     with pytest.raises(InputError, match="local compliance"):

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from easeoff.contact.certificate import EXACT_TOLERANCE
-from easeoff.contact.line_contact_newton import LineContact
+from easeoff.contact.line_contact_newton import LineContact, NewtonIteration
 from easeoff.contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem import ContactProblem
 from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, available_solvers, solve
@@ -67,6 +67,27 @@ class Power:
 
     def tangent(self, force: Array) -> Array:
         return self.secant(force) * np.where(np.abs(force) > 1e-3 * self.force0, self.exponent, 1.0)
+
+
+@dataclass
+class Yielding:
+    """Stiff, then suddenly soft about a load, then stiff again: amplitude times an arc tangent. Newton's nightmare."""
+
+    amplitude: float
+    width: float
+    centre: float = 800.0
+
+    def deflection(self, force: Array) -> Array:
+        turned = np.arctan((force - self.centre) / self.width) + np.arctan(self.centre / self.width)
+        return np.asarray(self.amplitude * turned)
+
+    def tangent(self, force: Array) -> Array:
+        return self.amplitude / self.width / (1.0 + ((force - self.centre) / self.width) ** 2)
+
+    def secant(self, force: Array) -> Array:
+        small = force < 1e-9 * self.width
+        ratio = self.deflection(force) / np.where(small, 1.0, force)
+        return np.asarray(np.where(small, self.tangent(np.zeros_like(force)), ratio))
 
 
 def bending_problems(count: int, seed: int = 0) -> list[ContactProblem]:
@@ -175,6 +196,21 @@ def test_strong_nonlinearity_is_tamed_by_the_line_search(exponent: float) -> Non
         solution, _ = solve_on(problem, local)
         assert solution.status is Status.CERTIFIED
         assert nonlinear_residual(problem, local, solution) < 1e-9
+
+
+@pytest.mark.parametrize(("amplitude", "width"), [(0.1, 100.0), (0.3, 30.0)])
+def test_full_steps_would_cycle_where_the_line_search_arrives(
+    monkeypatch: pytest.MonkeyPatch, amplitude: float, width: float
+) -> None:
+    hard = bending_problems(6)
+    local = Yielding(amplitude, width)
+    for problem in hard:
+        solution, _ = solve_on(problem, local)
+        assert solution.status is Status.CERTIFIED
+        assert solution.iterations <= 20
+        assert nonlinear_residual(problem, local, solution) < 1e-10
+    monkeypatch.setattr(NewtonIteration, "_step_length", lambda *_: 1.0)
+    assert any(solve_on(problem, local)[0].status is Status.NOT_CONVERGED for problem in hard)
 
 
 @pytest.mark.parametrize("polish", [True, False])

@@ -1,0 +1,51 @@
+"""Pictures of a result: ease-off, contact pattern, pressure, transmission error, load sharing."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["PICTURES", "write_pictures"]
+
+PICTURES = ("ease_off", "contact_pattern", "pressure", "transmission_error", "load_sharing")
+"""Names of the pictures; each is written as ``<name>.png``."""
+
+
+def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Path]:
+    """Draw every picture of a result.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    folder
+        Where the PNG files go; made if it does not exist. Each file is complete or not there at all.
+
+    Returns
+    -------
+    list of Path
+        The files, in the order of ``PICTURES``.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    # The drawing library is slow to load, and most of what imports this package never draws.
+    from . import contact_pattern, ease_off, load_sharing, pressure, transmission_error
+    from .page import save
+    from .tooth_view import tooth_view
+
+    view = tooth_view(tree)
+    figures = (
+        ease_off.draw(tree, view),
+        contact_pattern.draw(tree, view),
+        pressure.draw(tree, view),
+        transmission_error.draw(tree),
+        load_sharing.draw(tree),
+    )
+    return [save(figure, Path(folder) / f"{name}.png") for name, figure in zip(PICTURES, figures, strict=True)]

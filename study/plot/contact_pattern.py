@@ -1,0 +1,180 @@
+"""Picture of the unloaded contact pattern: contact lines, path of contact and outline on the gear flank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from ...contact.fields import FlankFields
+from .mesh_cycle import Passage, passage
+from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
+from .tooth_view import ToothView, draw_flank
+
+Array = NDArray[Any]
+
+POINTS = 17  # points along a drawn contact line
+
+
+@dataclass(frozen=True)
+class CarryingRange:
+    """Where one tooth pair carries alone, from the pair before it to the pair after it.
+
+    Parameters
+    ----------
+    outline
+        Closed curve (2, k) around the contact lines, as fractions.
+    path
+        Path of contact (2, m), as fractions.
+    """
+
+    outline: Array
+    path: Array
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Unloaded contact of a tooth pair on the gear flank, over its whole passage through the mesh.
+
+    Parameters
+    ----------
+    lines
+        Contact lines within the chosen separation (m, 2, POINTS), as fractions; NaN where there is none.
+    path
+        Points of closest approach (m, 2), as fractions.
+    carrying
+        Whether this pair is the one that carries (m).
+    ranges
+        The carrying range; more than one if the pair carries, lets go and carries again.
+    """
+
+    lines: Array
+    path: Array
+    carrying: NDArray[np.bool_]
+    ranges: tuple[CarryingRange, ...]
+
+
+def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
+    """The contact pattern of a result.
+
+    Parameters
+    ----------
+    unloaded
+        The group ``unloaded``.
+    fields
+        Splines on the gear flank, for the bend of the contact lines.
+    """
+    pairs = unloaded["pair"].values
+
+    def course(*names: str) -> Passage:
+        tables = [unloaded[name].transpose("pair", "mesh_position", ...).values for name in names]
+        return passage(pairs, np.stack(tables, axis=-1))
+
+    path = course("path_lengthwise", "path_profile")
+    ends = course("line_lengthwise", "line_profile")  # (m, end, 2)
+    error = course("transmission_error")
+    carries = (pairs[:, None] == unloaded["carrying_pair"].values).astype(float)
+    carrying = (passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], carrying, [False]]).astype(np.int8))).reshape(-1, 2)
+    ranges = []
+    for start, stop in edges:
+        first, last = path.first + start, path.first + stop - 1
+        before, after = _transfer(error, first, -1), _transfer(error, last, 1)
+        steps = np.concatenate([before, np.arange(first, last + 1), after])
+        lines = bent_lines(fields, ends.at(steps))
+        outline = np.concatenate([lines[:, :, 0].T, lines[-1], lines[::-1, :, -1].T, lines[0, :, ::-1]], axis=1)
+        ranges.append(CarryingRange(outline, path.at(steps).T))
+    return Pattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
+
+
+def _transfer(error: Passage, step: int, direction: int) -> Array:
+    """Fractional step at which the next pair takes over, beyond the last one of the carrying range; none if unknown."""
+    steps = np.array([step, step + direction])
+    ahead = error.at(steps) - error.at(steps - direction * error.per_cycle)
+    here, beyond = ahead[:, 0]
+    if not (np.isfinite(here) and np.isfinite(beyond) and here <= 0.0 < beyond):
+        return np.zeros(0)
+    return np.array([step + direction * here / (here - beyond)])
+
+
+def bent_lines(fields: FlankFields, ends: Array, steps: int = 3) -> Array:
+    """Contact lines (m, 2, POINTS) between their ends (m, end, 2), as fractions.
+
+    The chord between the ends is moved along the gradient of the roll angle onto the level of the ends.
+    """
+    finite = np.all(np.isfinite(ends), axis=(1, 2))
+    lines = np.full((ends.shape[0], 2, POINTS), np.nan)
+    if not np.any(finite):
+        return lines
+    first, second = np.moveaxis(ends[finite], 0, -1)  # (2, m) each
+    along = np.linspace(0.0, 1.0, POINTS)
+    points = first[..., None] * (1.0 - along) + second[..., None] * along
+    at_ends = fields("roll_angle", points[..., [0, -1]])
+    level = at_ends[..., :1] * (1.0 - along) + at_ends[..., 1:] * along
+    for _ in range(steps):
+        slope = np.stack([fields("roll_angle", points, (1, 0)), fields("roll_angle", points, (0, 1))])
+        step = (level - fields("roll_angle", points)) * slope / np.sum(slope**2, axis=0)
+        points = np.clip(points + step, 0.0, 1.0)
+    lines[finite] = np.moveaxis(points, 1, 0)
+    return lines
+
+
+def draw(tree: xr.DataTree, view: ToothView) -> Figure:
+    """Draw the picture of a result on its gear flank."""
+    unloaded = tree["unloaded"].to_dataset()
+    pattern = contact_pattern(unloaded, view.fields)
+    separation = unloaded.attrs.get("separation_um", float("nan"))
+    figure = page(
+        tree,
+        "Contact pattern without load, gear flank",
+        WIDTH * view.aspect + 0.7,
+        f"lines within {separation:g} µm",
+    )
+    axes = figure.subplots()
+    draw_flank(axes, view)
+    # Lines may run out of the flank by a hair; they end at its edge.
+    styles = ((False, FAINT, 0.6, 1.0), (True, BLUE, 0.8, 0.75))
+    for carrying, colour, width, alpha in styles:
+        chosen = pattern.lines[(pattern.carrying == carrying) & np.isfinite(pattern.lines[:, 0, 0])]
+        drawn = [view.place(line).T for line in chosen]
+        axes.add_collection(LineCollection(drawn, colors=colour, linewidths=width, alpha=alpha, zorder=2))
+    axes.plot(*view.place(pattern.path.T), color=GREY, linewidth=0.9, linestyle=(0, (1, 1.5)), zorder=3)
+    for span in pattern.ranges:
+        axes.fill(*view.place(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
+        axes.plot(*view.place(span.outline), color=BLUE, linewidth=1.4, zorder=4)
+    draw_path(axes, view, pattern)
+    entries = [
+        Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
+        Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the pattern"),
+        Line2D([], [], color=BLUE, linewidth=0.8, alpha=0.75, label="contact lines, carrying pair"),
+        Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
+        Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
+    ]
+    legend_below(figure, entries, columns=3)
+    return figure
+
+
+def draw_path(axes: Any, view: ToothView, pattern: Pattern) -> None:
+    """Draw the path of contact of the carrying range, its ends marked."""
+    for span in pattern.ranges:
+        path = view.place(span.path)
+        axes.plot(*path, color="white", linewidth=3.4, zorder=6.5, solid_capstyle="round")
+        axes.plot(*path, color=VERMILION, linewidth=1.8, zorder=7, solid_capstyle="round")
+        axes.plot(
+            *path[:, [0, -1]], linestyle="none", marker="o", markersize=4.5, markerfacecolor="white",
+            markeredgecolor=VERMILION, markeredgewidth=1.2, zorder=8,
+        )  # fmt: skip
+
+
+def legend_below(figure: Figure, entries: list[Line2D], columns: int) -> None:
+    """A legend under the axes, without a frame."""
+    figure.legend(
+        handles=entries, loc="outside lower center", ncols=columns, fontsize=SMALL_SIZE + 0.5, frameon=False,
+        labelcolor=INK, handlelength=2.4, columnspacing=2.0,
+    )  # fmt: skip

@@ -1,0 +1,88 @@
+"""A tooth pair's whole passage through the mesh, put together from the cycle in which all pairs were computed.
+
+Pair 0 at mesh position k of a cycle of K positions does what pair -1 did K positions earlier. All pairs are alike, so that
+the rows of a table over (pair, mesh position) are pieces of one curve, and any number of cycles follows from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Passage:
+    """What one tooth pair does from entering the mesh to leaving it.
+
+    Parameters
+    ----------
+    first
+        Step of the first value; step n of pair 0 is mesh position n of the cycle, and n / per_cycle in cycles.
+    per_cycle
+        Steps in one mesh cycle.
+    values
+        Values (m, ...) at consecutive steps, NaN where there are none.
+    """
+
+    first: int
+    per_cycle: int
+    values: Array
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """Steps (m) of the values."""
+        return np.arange(self.first, self.first + self.values.shape[0])
+
+    def at(self, steps: Array) -> Array:
+        """Values (n, ...) at any steps (n), linear between neighbours, NaN outside and next to missing ones."""
+        offset = np.asarray(steps, dtype=float) - self.first
+        low = np.floor(offset).astype(int)
+        weight = np.reshape(offset - low, (-1, *(1,) * (self.values.ndim - 1)))
+        ends = [self._at_index(low + side) for side in (0, 1)]
+        return np.where(weight == 0.0, ends[0], (1.0 - weight) * ends[0] + weight * ends[1])
+
+    def _at_index(self, index: NDArray[np.int64]) -> Array:
+        count = self.values.shape[0]
+        inside = np.reshape((index >= 0) & (index < count), (-1, *(1,) * (self.values.ndim - 1)))
+        return np.where(inside, self.values[np.clip(index, 0, count - 1)], np.nan)
+
+
+def passage(pairs: Array, table: Array) -> Passage:
+    """Put the pieces of a passage together.
+
+    Parameters
+    ----------
+    pairs
+        Numbers of the tooth pairs (p).
+    table
+        Values (p, mesh positions, ...).
+    """
+    pairs = np.asarray(pairs).astype(int)
+    count = table.shape[1]
+    values = np.full(((int(np.ptp(pairs)) + 1) * count, *table.shape[2:]), np.nan)
+    for pair, row in zip(pairs, table, strict=True):
+        start = (int(pairs.max()) - pair) * count
+        values[start : start + count] = row
+    return Passage(-int(pairs.max()) * count, count, values)
+
+
+def pairs_in_view(course: Passage, cycles: float) -> range:
+    """Numbers of the tooth pairs that are in mesh at some time between zero and ``cycles`` cycles."""
+    finite = np.flatnonzero(np.any(np.isfinite(np.reshape(course.values, (course.values.shape[0], -1))), axis=1))
+    if finite.size == 0:
+        return range(0)
+    first, last = course.steps[finite[[0, -1]]] / course.per_cycle
+    return range(int(np.ceil(-last)), int(np.floor(cycles - first)) + 1)
+
+
+def envelope(course: Passage, cycles: Array) -> Array:
+    """Smallest value (n) of all tooth pairs at times (n) in cycles; NaN where there is none."""
+    cycles = np.asarray(cycles, dtype=float)
+    steps = np.round(cycles * course.per_cycle, 9)  # a time on a step is that step, whatever the rounding
+    values = [course.at(steps - pair * course.per_cycle) for pair in pairs_in_view(course, float(np.max(cycles)))]
+    return np.fmin.reduce([np.full(cycles.size, np.nan), *values])

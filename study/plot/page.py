@@ -1,0 +1,139 @@
+"""What all pictures have in common: page, heading, small print, colours, and how a file is written."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colorbar import Colorbar
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+
+DPI = 160
+WIDTH = 8.6  # [in]
+HEADER, FOOTER = 0.68, 0.34  # [in]
+BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
+
+# Okabe and Ito's colours, told apart by readers with any kind of colour vision.
+INK, GREY, FAINT, PAPER = "#222222", "#6b6b6b", "#b8b8b8", "#f1f1ef"
+BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
+PRESSURE_MAP = "viridis"
+TORQUE_MAP = "viridis"
+
+MOST_PANELS = 6
+
+
+def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") -> Figure:
+    """An empty page with heading and small print.
+
+    Parameters
+    ----------
+    tree
+        The result, for the case's title and the small print.
+    heading
+        What the picture shows.
+    body_height
+        Height of what is drawn between heading and small print [in].
+    note
+        Further small print.
+    """
+    height = body_height + HEADER + FOOTER
+    figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
+    engine = figure.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine.set(rect=(0.01, FOOTER / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
+    top, left = 1.0 - 0.13 / height, 0.02
+    figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
+    title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
+    figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top")
+    print_ = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
+    figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom")
+    return figure
+
+
+def small_print(attributes: Mapping[Any, Any]) -> list[str]:
+    """Flanks, misalignment and program of a result, from its attributes."""
+    flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
+    errors = [
+        ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
+        ("P", attributes.get("misalignment_pinion_axial_mm", 0.0), "mm"),
+        ("G", attributes.get("misalignment_gear_axial_mm", 0.0), "mm"),
+        ("Σ", math.degrees(attributes.get("misalignment_shaft_angle_rad", 0.0)), "°"),
+    ]
+    given = ", ".join(f"{name} {value:+.4g} {unit}" for name, value, unit in errors if value)
+    teeth = f"{attributes['pinion_teeth']} x {attributes['gear_teeth']}" if "pinion_teeth" in attributes else ""
+    name = str(attributes.get("flank", ""))
+    version = attributes.get("easeoff_version", "")
+    return [teeth, flanks.get(name, name), f"misalignment {given or 'none'}", f"easeoff {version}".strip()]
+
+
+def plain_axes(axes: Axes) -> None:
+    """Axes with two thin spines, quiet ticks and a faint grid."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(GREY)
+    axes.tick_params(labelsize=SMALL_SIZE + 0.5, colors=INK, length=3, width=0.6)
+    axes.grid(True, color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def plain_bar(bar: Colorbar, label: str) -> None:
+    """A colour bar with quiet ticks."""
+    bar.set_label(label, fontsize=SMALL_SIZE + 0.5, color=INK)
+    bar.ax.tick_params(labelsize=SMALL_SIZE, colors=INK, length=2.5, width=0.6)
+    bar.outline.set_visible(False)  # type: ignore[operator]
+
+
+def evenly_chosen(values: NDArray[Any], most: int = MOST_PANELS) -> NDArray[np.int64]:
+    """Indices of at most ``most`` values (n), in increasing order of the values, spread evenly with both ends.
+
+    >>> import numpy as np
+    >>> [int(i) for i in evenly_chosen(np.array([30.0, 10.0, 20.0]), 2)]
+    [1, 0]
+    """
+    order = np.argsort(values, kind="stable")
+    ranks = np.unique(np.linspace(0, order.size - 1, min(most, order.size)).round().astype(int))
+    return np.asarray(order[ranks], dtype=np.int64)
+
+
+def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
+    """Colours (n, 4) of torques (n), dark for the small ones."""
+    rank = np.empty(torques.size)
+    rank[np.argsort(torques, kind="stable")] = np.linspace(0.0, 0.82, torques.size) if torques.size > 1 else 0.35
+    return np.asarray(colormaps[TORQUE_MAP](rank))
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure as PNG, under a temporary name first: the file is complete or not there at all.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    canvas = figure.canvas
+    assert isinstance(canvas, FigureCanvasAgg)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        canvas.print_png(temporary)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+    return path

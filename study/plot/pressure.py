@@ -1,0 +1,82 @@
+"""Picture of the contact pressure on the gear flank over the mesh cycle, one panel a torque."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import TriContourSet, Triangulation
+from numpy.typing import NDArray
+
+from ...contact.solvers import Status
+from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, VERMILION, WIDTH, evenly_chosen, page, plain_bar
+from .pressure_map import PressureMap, pressure_map
+from .tooth_view import ToothView, draw_flank
+
+THRESHOLD = 0.01  # of the greatest pressure; less than this is not coloured
+SHADES = 24
+
+
+def draw(tree: xr.DataTree, view: ToothView) -> Figure:
+    """Draw the picture of a result on its gear flank."""
+    loaded = tree["loaded"].to_dataset()
+    torques = loaded["torque"].values
+    chosen = evenly_chosen(torques)
+    maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
+    columns = 1 if chosen.size <= 3 else 2
+    rows = -(-chosen.size // columns)
+    note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
+    height = rows * (0.9 * WIDTH / columns * view.aspect + 0.28) + 0.3
+    figure = page(tree, "Contact pressure over the mesh cycle, gear flank", height, note)
+    panels = figure.subplots(rows, columns, squeeze=False)
+    peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
+    levels = pressure_levels(max(peaks, default=1.0))
+    shading = None
+    for number, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
+        axes = panels.flat[number]
+        bottom, left = number + columns >= chosen.size, number % columns == 0
+        draw_flank(axes, view, labels=(bottom, left))
+        drawn = draw_surface(axes, view, surface, levels)
+        shading = shading or drawn
+        panel_title(axes, f"{torques[index]:g} N m", surface, loaded.isel(torque=int(index)))
+    for axes in panels.flat[chosen.size :]:
+        axes.set_visible(False)
+    if shading is not None:
+        bar = figure.colorbar(shading, ax=list(panels.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
+        plain_bar(bar, "greatest contact pressure [MPa]")
+    return figure
+
+
+def pressure_levels(peak: float) -> NDArray[Any]:
+    """Round, even levels [MPa] up to beyond the peak; the lowest is a little above zero, where nothing is coloured."""
+    levels = np.asarray(MaxNLocator(SHADES, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, max(peak, 1e-3)))
+    levels[0] = THRESHOLD * levels[-1]
+    return levels
+
+
+def draw_surface(axes: Axes, view: ToothView, surface: PressureMap, levels: NDArray[Any]) -> TriContourSet | None:
+    """Colour the loaded area, and mark the greatest pressure; ``None`` if nothing carries load."""
+    if surface.triangles.size == 0 or not surface.peak > levels[0]:
+        return None
+    places = view.place(surface.points)
+    mesh = Triangulation(*places, surface.triangles)
+    shading = axes.tricontourf(mesh, surface.pressure, levels=levels, cmap=PRESSURE_MAP, zorder=2)
+    axes.tricontour(mesh, surface.pressure, levels=levels[:1], colors=INK, linewidths=0.6, zorder=3)
+    peak = view.place(surface.peak_place)
+    axes.plot(*peak, marker="+", markersize=8, markeredgewidth=2.4, color="white", zorder=8)
+    axes.plot(*peak, marker="+", markersize=7, markeredgewidth=1.1, color=VERMILION, zorder=9)
+    return shading
+
+
+def panel_title(axes: Axes, torque: str, surface: PressureMap, at_torque: xr.Dataset) -> None:
+    """Torque, greatest pressure, and how many mesh positions are missing, above a panel."""
+    peak = f"peak {surface.peak:.0f} MPa" if np.isfinite(surface.peak) else "no certified solution"
+    missing = int(np.sum(at_torque["status"].values != Status.CERTIFIED))
+    if missing and np.isfinite(surface.peak):
+        peak += f" · {missing} of {at_torque.sizes['mesh_position']} mesh positions missing"
+    axes.set_title(torque, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    axes.set_title(peak, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)

@@ -1,0 +1,179 @@
+"""The gear flank as it is drawn: true to scale in the projection plane, toe on the left, tip at the top.
+
+The projection plane is the axial plane of the gear, into which every point of the flank is turned about the gear axis.
+There the flank is a quadrangle and its grid is bilinear, so that its corners describe it completely.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import contourpy
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.path import Path as Outline
+from matplotlib.ticker import MultipleLocator
+from numpy.typing import NDArray
+
+from ...contact.curves import boundary_distance, contact_fields
+from ...contact.fields import FlankFields
+from .page import GREY, INK, PAPER, SMALL_SIZE
+
+Array = NDArray[Any]
+
+FINE = (241, 121)  # points of the fine grid along the face and the profile
+MARGIN = 1.3  # room around the flank for the names of its edges [mm per 30 mm of face]
+
+
+@dataclass(frozen=True)
+class ToothView:
+    """A gear flank and the plane it is drawn in.
+
+    Parameters
+    ----------
+    coefficients
+        Of 1, t, h and t h, for both coordinates of the plane (2, 4) [mm].
+    fields
+        Splines on the flank.
+    common
+        Closed curves (2, k) around the common flank of gear and pinion, as fractions.
+    """
+
+    coefficients: Array
+    fields: FlankFields
+    common: tuple[Array, ...]
+
+    def place(self, points: Array) -> Array:
+        """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...)."""
+        t, h = points
+        return np.asarray(np.tensordot(self.coefficients, np.stack([np.ones_like(t), t, h, t * h]), axes=1))
+
+    @property
+    def corners(self) -> Array:
+        """Corners (2, 4) [mm], around the flank from toe and root along the root."""
+        return self.place(np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]]))
+
+    @property
+    def window(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of what is shown [mm]."""
+        (left, bottom), (right, top) = self.corners.min(axis=1), self.corners.max(axis=1)
+        margin = MARGIN * (right - left) / 30.0
+        return float(left - margin), float(right + margin), float(bottom - margin), float(top + margin)
+
+    @property
+    def aspect(self) -> float:
+        """Height over width of the window."""
+        left, right, bottom, top = self.window
+        return (top - bottom) / (right - left)
+
+    def outline(self, curves: tuple[Array, ...]) -> Outline:
+        """Closed curves (2, k), given as fractions, as one path in the plane."""
+        parts = [Outline(self.place(curve).T, closed=True) for curve in curves]
+        return Outline.make_compound_path(*parts) if parts else Outline(np.zeros((0, 2)))
+
+
+def tooth_view(tree: xr.DataTree) -> ToothView:
+    """The gear flank of a result.
+
+    Raises
+    ------
+    InputError
+        If fewer than half of the flank's nodes have values.
+    """
+    flanks, ease_off = tree["flanks"].to_dataset(), tree["ease_off"].to_dataset()
+    fields = contact_fields(flanks, ease_off)
+    return ToothView(plane_coefficients(flanks), fields, common_flank(fields))
+
+
+def plane_coefficients(flanks: xr.Dataset) -> Array:
+    """Coefficients (2, 4) [mm] of the bilinear map from fractions to the plane, see ``ToothView``.
+
+    The first coordinate runs from toe to heel at half height, from zero at the toe; the second is zero at the lower of
+    the root's corners. The nodes that have a position are enough.
+    """
+    position = flanks["position"].sel(member="gear").transpose("lengthwise", "profile", "xyz").values
+    t, h = np.meshgrid(flanks["lengthwise"].values, flanks["profile"].values, indexing="ij")
+    valid = np.all(np.isfinite(position), axis=-1)
+    axial, radial = position[valid][:, 2], np.hypot(position[valid][:, 0], position[valid][:, 1])
+    t, h = t[valid], h[valid]
+    basis = np.stack([np.ones_like(t), t, h, t * h], axis=1)
+    section = np.linalg.lstsq(basis, np.stack([axial, radial], axis=1))[0].T
+    along = section[:, 1] + 0.5 * section[:, 3]
+    along /= np.linalg.norm(along)
+    up = np.array([-along[1], along[0]])
+    if up @ (section[:, 2] + 0.5 * section[:, 3]) < 0.0:
+        up = -up
+    plane = np.stack([along, up]) @ section
+    plane[0, 0] = -0.5 * plane[0, 2]
+    plane[1, 0] = -min(0.0, plane[1, 1])
+    return np.asarray(plane)
+
+
+def fine_grid(shape: tuple[int, int] = FINE) -> Array:
+    """Lengthwise and profile fractions (2, *shape) of an even grid over the whole flank."""
+    return np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
+
+
+def common_flank(fields: FlankFields) -> tuple[Array, ...]:
+    """Closed curves (2, k) around the part of the flank that meets the pinion's, as fractions."""
+    grid = fine_grid()
+    # A frame of outside points just beyond the edges closes every curve.
+    distance = np.pad(boundary_distance(fields, grid), 1, constant_values=-1.0)
+    t, h = (np.pad(np.linspace(0.0, 1.0, n), 1, constant_values=(-1e-9, 1.0 + 1e-9)) for n in FINE)
+    lines = contourpy.contour_generator(t, h, distance.T).lines(0.0)
+    return tuple(np.clip(np.asarray(line).T, 0.0, 1.0) for line in lines)
+
+
+def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tuple[bool, bool] = (True, True)) -> None:
+    """Draw an empty flank, true to scale, with its edges named.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    view
+        The flank.
+    boundary
+        Whether the boundary of the common flank is drawn.
+    labels
+        Whether the axes along the face and across it are labelled.
+    """
+    corners = view.corners
+    axes.fill(*corners, facecolor=PAPER, edgecolor="none", zorder=0)
+    axes.plot(*np.append(corners, corners[:, :1], axis=1), color=INK, linewidth=1.1, zorder=6)
+    if boundary:
+        for curve in view.common:
+            axes.fill(*view.place(curve), facecolor="white", edgecolor="none", zorder=0.5)
+            axes.plot(*view.place(curve), color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=5)
+    left, right, bottom, top = view.window
+    gap = 0.3 * (corners[0].min() - left)
+    names = {"toe": (0.0, 0.5, -gap, 0.0), "heel": (1.0, 0.5, gap, 0.0), "root": (0.5, 0, 0, -gap), "tip": (0.5, 1, 0, gap)}
+    for name, (t, h, dx, dy) in names.items():
+        x, y = view.place(np.array([t, h])) + np.array([dx, dy])
+        horizontal = "center" if dx == 0 else "right" if dx < 0 else "left"
+        vertical = "center" if dy == 0 else "top" if dy < 0 else "bottom"
+        axes.text(x, y, name, ha=horizontal, va=vertical, fontsize=SMALL_SIZE + 0.5, color=GREY, style="italic")
+    axes.set_aspect("equal")
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    axes.spines[:].set_visible(False)
+    axes.tick_params(labelsize=SMALL_SIZE, colors=GREY, length=2.5, width=0.6, labelbottom=labels[0], labelleft=labels[1])
+    step = tick_step(right - left)
+    axes.xaxis.set_major_locator(MultipleLocator(step))
+    axes.yaxis.set_major_locator(MultipleLocator(step))
+    if labels[0]:
+        axes.set_xlabel("along the face [mm]", fontsize=SMALL_SIZE, color=GREY, labelpad=2)
+    if labels[1]:
+        axes.set_ylabel("height [mm]", fontsize=SMALL_SIZE, color=GREY, labelpad=2)
+
+
+def tick_step(extent: float) -> float:
+    """A round step that divides an extent into some six parts.
+
+    >>> tick_step(30.0)
+    5.0
+    """
+    power = 10.0 ** np.floor(np.log10(extent / 6.0))
+    return float(power * min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(extent / 6.0 / (factor * power)))))

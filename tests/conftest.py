@@ -1,0 +1,8 @@
+"""Shared by the tests: one BLAS thread, the shipped cases and an exactly conjugate hypoid pair."""
+
+from __future__ import annotations
+
+import os
+
+for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
