@@ -34,13 +34,14 @@ SCALES = {
     "modified_roll_6d": 0.2,
 }
 FAR = 1e9  # residual [um] of settings with which the flanks do not meet
+# Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
 FREE = (
     "point_radius",
     "pressure_angle",
     "radial_distance",
     "cradle_angle",
-    "cutter_tilt",
-    "cutter_swivel",
+    "work_offset",
+    "machine_center_to_crossing_point",
     "ratio_of_roll",
     "modified_roll_2c",
     "modified_roll_6d",

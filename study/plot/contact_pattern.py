@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from ...contact.curves import boundary_distance
 from ...contact.fields import FlankFields
 from .mesh_cycle import Passage, passage
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
@@ -20,6 +22,7 @@ from .tooth_view import ToothView, draw_flank
 Array = NDArray[Any]
 
 POINTS = 17  # points along a drawn contact line
+FARTHEST = 0.25  # how far beyond the common flank a path of contact is brought back from, as a fraction
 
 
 @dataclass(frozen=True)
@@ -76,8 +79,9 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
         tables = [unloaded[name].transpose("pair", "mesh_position", ...).values for name in names]
         return passage(pairs, np.stack(tables, axis=-1))
 
-    path = course("path_lengthwise", "path_profile")
     ends = course("line_lengthwise", "line_profile")  # (m, end, 2)
+    path = course("path_lengthwise", "path_profile")
+    path = replace(path, values=on_common_flank(fields, path.values, ends.values))
     error = course("transmission_error")
     carries = (pairs[:, None] == unloaded["carrying_pair"].values).astype(float)
     carrying = (passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
@@ -91,6 +95,39 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
         outline = np.concatenate([lines[:, :, 0].T, lines[-1], lines[::-1, :, -1].T, lines[0, :, ::-1]], axis=1)
         ranges.append(CarryingRange(outline, path.at(steps).T))
     return Pattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
+
+
+def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
+    """The path (m, 2), with points beyond the common flank moved onto its boundary.
+
+    In edge contact the flanks would approach most closely beyond the edge. The gap is a valley along the contact line,
+    whose ends (m, end, 2) give its direction: what touches is the place where the valley leaves the common flank. NaN
+    if the valley is not on the common flank at all.
+    """
+    beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
+    if beyond.size:
+        beyond = beyond[boundary_distance(fields, path[beyond].T) < 0.0]
+    if beyond.size == 0:
+        return path
+    direction = (ends[beyond, 1] - ends[beyond, 0]).T
+    length = np.linalg.norm(direction, axis=0)
+    result = path.copy()
+    result[beyond] = np.nan  # unless a place is found
+    beyond, direction = beyond[length > 0.0], direction[:, length > 0.0] / length[length > 0.0]
+    reach = np.linspace(0.0, FARTHEST, 65)[1:]
+    away = np.stack([reach, -reach], axis=1).ravel()  # ever further, to both sides
+    outside = path[beyond].T
+    tried = outside[..., None] + direction[..., None] * away
+    within = boundary_distance(fields, tried) >= 0.0
+    first = np.argmax(within, axis=1)
+    inside = np.take_along_axis(tried, first[None, :, None], axis=2)[..., 0]
+    for _ in range(30):
+        middle = 0.5 * (inside + outside)
+        good = boundary_distance(fields, middle) >= 0.0
+        inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
+    found = np.any(within, axis=1)
+    result[beyond[found]] = inside[:, found].T
+    return result
 
 
 def _transfer(error: Passage, step: int, direction: int) -> Array:
@@ -133,8 +170,8 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     figure = page(
         tree,
         "Contact pattern without load, gear flank",
-        WIDTH * view.aspect + 0.7,
-        f"lines within {separation:g} µm",
+        (WIDTH - 0.8) * view.aspect + 0.8,
+        f"lines where the gap is within {separation:g} µm",
     )
     axes = figure.subplots()
     draw_flank(axes, view)
@@ -156,11 +193,11 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
         Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
     ]
-    legend_below(figure, entries, columns=3)
+    legend_below(axes, entries, columns=3)
     return figure
 
 
-def draw_path(axes: Any, view: ToothView, pattern: Pattern) -> None:
+def draw_path(axes: Axes, view: ToothView, pattern: Pattern) -> None:
     """Draw the path of contact of the carrying range, its ends marked."""
     for span in pattern.ranges:
         path = view.place(span.path)
@@ -172,9 +209,9 @@ def draw_path(axes: Any, view: ToothView, pattern: Pattern) -> None:
         )  # fmt: skip
 
 
-def legend_below(figure: Figure, entries: list[Line2D], columns: int) -> None:
+def legend_below(axes: Axes, entries: list[Line2D], columns: int) -> None:
     """A legend under the axes, without a frame."""
-    figure.legend(
-        handles=entries, loc="outside lower center", ncols=columns, fontsize=SMALL_SIZE + 0.5, frameon=False,
-        labelcolor=INK, handlelength=2.4, columnspacing=2.0,
+    axes.legend(
+        handles=entries, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, fontsize=SMALL_SIZE + 0.5,
+        frameon=False, labelcolor=INK, handlelength=2.4, columnspacing=2.0, borderaxespad=4.2,
     )  # fmt: skip

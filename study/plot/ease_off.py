@@ -21,7 +21,7 @@ from .tooth_view import ToothView, draw_flank, fine_grid
 Array = NDArray[Any]
 
 SHADES = LinearSegmentedColormap.from_list("ease_off", ["#ffffff", "#d9e6f0", "#a9c8df", "#6fa3c8"])
-MOST_LEVELS = 11
+MOST_LEVELS = 16
 
 
 def ease_off_map(view: ToothView) -> tuple[Array, Array, NDArray[np.bool_]]:
@@ -50,7 +50,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     grid, gap, inside = ease_off_map(view)
     levels = contour_levels(gap[inside])
     step = levels[1] - levels[0]
-    figure = page(tree, "Ease-off, gear flank", WIDTH * view.aspect + 0.55, f"contour lines every {step:g} µm")
+    figure = page(tree, "Ease-off, gear flank", (WIDTH - 0.8) * view.aspect + 0.63, f"contour lines every {step:g} µm")
     axes = figure.subplots()
     draw_flank(axes, view)
     if np.any(inside):
@@ -69,5 +69,5 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
         Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
     ]
-    legend_below(figure, entries, columns=3)
+    legend_below(axes, entries, columns=3)
     return figure

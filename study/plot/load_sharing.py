@@ -12,11 +12,12 @@ from matplotlib.ticker import MultipleLocator, PercentFormatter
 from numpy.typing import NDArray
 
 from .mesh_cycle import Passage, pairs_in_view, passage
-from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes
+from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_name
 
 Array = NDArray[Any]
 
 CYCLES = 2
+NAME_ROOM = 0.1  # cycles left free at both ends of the axis when curves are named
 COLOURS = (BLUE, VERMILION, GREEN)
 
 
@@ -53,7 +54,7 @@ def draw(tree: xr.DataTree) -> Figure:
     figure = page(tree, "Load sharing between tooth pairs", 1.75 * rows + 0.4, note)
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for number, index in enumerate(chosen):
-        draw_shares(panels.flat[number], loaded.isel(torque=int(index)), f"{torques[index]:g} N m")
+        draw_shares(panels.flat[number], loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
     for axes in panels.flat[chosen.size :]:
         axes.set_visible(False)
     for axes in panels[-1]:
@@ -63,14 +64,20 @@ def draw(tree: xr.DataTree) -> Figure:
     return figure
 
 
-def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str) -> None:
-    """Curves of the tooth pairs at one torque."""
+def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:
+    """Curves of the tooth pairs at one torque, with their numbers if ``named``."""
     course = share_passage(at_torque)
     for pair in pairs_in_view(course, CYCLES):
         times = course.steps / course.per_cycle + pair
         colour = COLOURS[pair % len(COLOURS)]
         axes.fill_between(times, 0.0, course.values, color=colour, alpha=0.10, linewidth=0)
         axes.plot(times, course.values, color=colour, linewidth=1.6)
+        visible = np.isfinite(course.values) & (times >= NAME_ROOM) & (times <= CYCLES - NAME_ROOM)
+        if named and np.any(visible):
+            top = int(np.argmax(np.where(visible, course.values, -1.0)))
+            if course.values[top] >= 0.5:
+                place = (float(times[top]), float(course.values[top]) - 0.07)
+                axes.text(*place, f"pair {pair}", ha="center", va="top", fontsize=SMALL_SIZE, color=colour)
     plain_axes(axes)
     axes.set_xlim(0, CYCLES)
     axes.set_ylim(0, 1.05)

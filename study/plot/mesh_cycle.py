@@ -1,7 +1,7 @@
 """A tooth pair's whole passage through the mesh, put together from the cycle in which all pairs were computed.
 
-Pair 0 at mesh position k of a cycle of K positions does what pair -1 did K positions earlier. All pairs are alike, so that
-the rows of a table over (pair, mesh position) are pieces of one curve, and any number of cycles follows from it.
+Pair 0 at mesh position k of a cycle of K positions does what pair -1 did K positions earlier. All pairs are alike, so
+that the rows of a table over (pair, mesh position) are pieces of one curve, and any number of cycles follows from it.
 """
 
 from __future__ import annotations
@@ -85,4 +85,4 @@ def envelope(course: Passage, cycles: Array) -> Array:
     cycles = np.asarray(cycles, dtype=float)
     steps = np.round(cycles * course.per_cycle, 9)  # a time on a step is that step, whatever the rounding
     values = [course.at(steps - pair * course.per_cycle) for pair in pairs_in_view(course, float(np.max(cycles)))]
-    return np.fmin.reduce([np.full(cycles.size, np.nan), *values])
+    return np.asarray(np.fmin.reduce([np.full(cycles.size, np.nan), *values]))

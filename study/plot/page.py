@@ -24,13 +24,13 @@ from ...core.errors import InputError
 
 DPI = 160
 WIDTH = 8.6  # [in]
-HEADER, FOOTER = 0.68, 0.34  # [in]
+HEADER, FOOTER = 0.60, 0.34  # [in]
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.
 INK, GREY, FAINT, PAPER = "#222222", "#6b6b6b", "#b8b8b8", "#f1f1ef"
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-PRESSURE_MAP = "viridis"
+PRESSURE_MAP = "YlOrRd"
 TORQUE_MAP = "viridis"
 
 MOST_PANELS = 6
@@ -59,9 +59,9 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     top, left = 1.0 - 0.13 / height, 0.02
     figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
     title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
-    figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top")
+    figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top", parse_math=False)
     print_ = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
-    figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom")
+    figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
     return figure
 
 
@@ -74,7 +74,7 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
         ("G", attributes.get("misalignment_gear_axial_mm", 0.0), "mm"),
         ("Σ", math.degrees(attributes.get("misalignment_shaft_angle_rad", 0.0)), "°"),
     ]
-    given = ", ".join(f"{name} {value:+.4g} {unit}" for name, value, unit in errors if value)
+    given = ", ".join(f"{name} {value:+.4g} {unit}".replace("-", "−") for name, value, unit in errors if value)
     teeth = f"{attributes['pinion_teeth']} x {attributes['gear_teeth']}" if "pinion_teeth" in attributes else ""
     name = str(attributes.get("flank", ""))
     version = attributes.get("easeoff_version", "")
@@ -94,7 +94,7 @@ def plain_bar(bar: Colorbar, label: str) -> None:
     """A colour bar with quiet ticks."""
     bar.set_label(label, fontsize=SMALL_SIZE + 0.5, color=INK)
     bar.ax.tick_params(labelsize=SMALL_SIZE, colors=INK, length=2.5, width=0.6)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
 
 
 def evenly_chosen(values: NDArray[Any], most: int = MOST_PANELS) -> NDArray[np.int64]:
@@ -107,6 +107,15 @@ def evenly_chosen(values: NDArray[Any], most: int = MOST_PANELS) -> NDArray[np.i
     order = np.argsort(values, kind="stable")
     ranks = np.unique(np.linspace(0, order.size - 1, min(most, order.size)).round().astype(int))
     return np.asarray(order[ranks], dtype=np.int64)
+
+
+def torque_name(torque: float) -> str:
+    """A torque [N m] as it is written in pictures.
+
+    >>> torque_name(108.9899), torque_name(12000.0)
+    ('109 N m', '12000 N m')
+    """
+    return f"{torque:.4g} N m" if torque < 1e4 else f"{torque:.0f} N m"
 
 
 def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
@@ -125,11 +134,9 @@ def save(figure: Figure, path: Path) -> Path:
         If the file cannot be written.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    canvas = figure.canvas
-    assert isinstance(canvas, FigureCanvasAgg)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        canvas.print_png(temporary)
+        figure.savefig(temporary, format="png", dpi=DPI, facecolor="white")
         os.replace(temporary, path)
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}") from error

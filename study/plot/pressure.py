@@ -9,11 +9,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from matplotlib.tri import TriContourSet, Triangulation
+from matplotlib.tri import Triangulation, TriContourSet
 from numpy.typing import NDArray
 
 from ...contact.solvers import Status
-from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, VERMILION, WIDTH, evenly_chosen, page, plain_bar
+from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, WIDTH, evenly_chosen, page, plain_bar, torque_name
 from .pressure_map import PressureMap, pressure_map
 from .tooth_view import ToothView, draw_flank
 
@@ -29,8 +29,10 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
     columns = 1 if chosen.size <= 3 else 2
     rows = -(-chosen.size // columns)
-    note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
-    height = rows * (0.9 * WIDTH / columns * view.aspect + 0.28) + 0.3
+    note = "+ peak, dashed: boundary of the common flank"
+    note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
+    # What the axis labels and the colour bar leave of the page's width.
+    height = rows * ((WIDTH - 1.6) / columns * view.aspect + 0.27) + 0.35
     figure = page(tree, "Contact pressure over the mesh cycle, gear flank", height, note)
     panels = figure.subplots(rows, columns, squeeze=False)
     peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
@@ -38,11 +40,11 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     shading = None
     for number, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
         axes = panels.flat[number]
-        bottom, left = number + columns >= chosen.size, number % columns == 0
+        bottom, left = number + columns >= chosen.size, columns == 1
         draw_flank(axes, view, labels=(bottom, left))
         drawn = draw_surface(axes, view, surface, levels)
         shading = shading or drawn
-        panel_title(axes, f"{torques[index]:g} N m", surface, loaded.isel(torque=int(index)))
+        panel_title(axes, torque_name(torques[index]), surface, loaded.isel(torque=int(index)))
     for axes in panels.flat[chosen.size :]:
         axes.set_visible(False)
     if shading is not None:
@@ -63,12 +65,13 @@ def draw_surface(axes: Axes, view: ToothView, surface: PressureMap, levels: NDAr
     if surface.triangles.size == 0 or not surface.peak > levels[0]:
         return None
     places = view.place(surface.points)
-    mesh = Triangulation(*places, surface.triangles)
+    mesh = Triangulation(places[0], places[1], surface.triangles)
     shading = axes.tricontourf(mesh, surface.pressure, levels=levels, cmap=PRESSURE_MAP, zorder=2)
-    axes.tricontour(mesh, surface.pressure, levels=levels[:1], colors=INK, linewidths=0.6, zorder=3)
+    if np.min(surface.pressure) < levels[0]:
+        axes.tricontour(mesh, surface.pressure, levels=levels[:1], colors=INK, linewidths=0.6, zorder=3)
     peak = view.place(surface.peak_place)
     axes.plot(*peak, marker="+", markersize=8, markeredgewidth=2.4, color="white", zorder=8)
-    axes.plot(*peak, marker="+", markersize=7, markeredgewidth=1.1, color=VERMILION, zorder=9)
+    axes.plot(*peak, marker="+", markersize=7, markeredgewidth=1.1, color=INK, zorder=9)
     return shading
 
 

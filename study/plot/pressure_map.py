@@ -1,8 +1,8 @@
 """Greatest contact pressure on the tooth over the mesh cycle, as a surface over the gear flank.
 
-All tooth pairs are alike, and together their contact lines at the mesh positions of one cycle are the lines of one tooth's
-passage through the mesh, one beside the other. Every point of the flank is passed by one line, once; the surface
-through the pressures on the lines is therefore the envelope of the pressure over the cycle.
+All tooth pairs are alike, and together their contact lines at the mesh positions of one cycle are the lines of one
+tooth's passage through the mesh, one beside the other. Every point of the flank is passed by one line, once; the
+surface through the pressures on the lines is therefore the envelope of the pressure over the cycle.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
+UNLOADED = 1e-4  # of the greatest pressure of a line: less is the rounding of a solver
+NEAREST_END = 0.05  # of the distance to the next segment or line; keeps the triangles from degenerating
+
 
 @dataclass(frozen=True)
 class PressureMap:
@@ -25,11 +28,11 @@ class PressureMap:
     Parameters
     ----------
     points
-        Fractions (2, n) on the gear flank: the middles of all segments, and the ends of their lines.
+        Fractions (2, n) on the gear flank: the middles of the loaded segments, and where the load ends.
     pressure
         Pressure at the points (n) [MPa].
     triangles
-        Corners (m, 3) of the triangles, between lines of neighbouring mesh positions.
+        Corners (m, 3) of the triangles, between the loaded parts of the lines of neighbouring mesh positions.
     """
 
     points: Array
@@ -48,18 +51,34 @@ class PressureMap:
 
 
 @dataclass(frozen=True)
-class _Line:
-    """A contact line with its pressures: segments (k) and both ends."""
+class Line:
+    """A contact line and its pressure.
+
+    Parameters
+    ----------
+    points
+        Fractions (2, k) of its ends and the middles of its segments.
+    pressure
+        Pressure at the points (k) [MPa], zero where there is no load.
+    """
 
     points: Array
     pressure: Array
 
     @property
+    def along(self) -> Array:
+        """Distance of the points (k) from the first one, as a part of the length."""
+        steps = np.linalg.norm(np.diff(self.points, axis=1), axis=0)
+        return np.concatenate([[0.0], np.cumsum(steps)]) / max(float(np.sum(steps)), 1e-12)
+
+    @property
     def middle(self) -> Array:
+        """Mean of the points (2)."""
         return np.asarray(self.points.mean(axis=1))
 
-    def turned(self) -> _Line:
-        return _Line(self.points[:, ::-1], self.pressure[::-1])
+    def runs_against(self, other: Line) -> bool:
+        """Whether the two lines count their points in opposite directions."""
+        return bool((self.points[:, -1] - self.points[:, 0]) @ (other.points[:, -1] - other.points[:, 0]) < 0.0)
 
 
 def pressure_map(at_torque: xr.Dataset) -> PressureMap:
@@ -74,68 +93,129 @@ def pressure_map(at_torque: xr.Dataset) -> PressureMap:
     positions = at_torque.sizes["mesh_position"]
     names = ("tooth", "lengthwise", "profile", "pressure", "length")
     table = np.stack([at_torque[name].transpose("mesh_position", "segment").values for name in names])
-    steps: dict[int, list[_Line]] = {}
+    steps: dict[int, list[Line]] = {}
     for k in range(positions):
         for tooth, line in _lines(table[:, k]):
+            # Pair -1 is now where pair 0 will be a cycle later.
             steps.setdefault(k - tooth * positions, []).append(line)
-    return _surface(steps)
+    return surface(steps)
 
 
-def _lines(segments: Array) -> Iterator[tuple[int, _Line]]:
+def _lines(segments: Array) -> Iterator[tuple[int, Line]]:
     """Tooth pair and contact lines of one mesh position, from rows tooth, lengthwise, profile, pressure, length."""
     segments = segments[:, np.all(np.isfinite(segments), axis=0)]
     tooth, length = segments[0], segments[4]
     # The segments of a line are equally long: another length is another line, even on the same tooth.
     new = (np.diff(tooth) != 0) | (np.abs(np.diff(length)) > 1e-9 * length[1:])
     for part in np.split(segments, np.flatnonzero(new) + 1, axis=1):
-        if part.shape[1] == 0:
-            continue
         points, pressure = part[1:3], part[3]
+        if pressure.size < 2:
+            continue
         # A segment's pressure is constant: it reaches to the end of the line, half a segment beyond the last middle.
-        if part.shape[1] > 1:
-            half = 0.5 * (points[:, [0, -1]] - points[:, [1, -2]])
-            ends = np.clip(points[:, [0, -1]] + half, 0.0, 1.0)
-            points = np.concatenate([ends[:, :1], points, ends[:, 1:]], axis=1)
-            pressure = np.concatenate([pressure[:1], pressure, pressure[-1:]])
-        yield int(part[0, 0]), _Line(points, pressure)
+        half = 0.5 * (points[:, [0, -1]] - points[:, [1, -2]])
+        ends = np.clip(points[:, [0, -1]] + half, 0.0, 1.0)
+        points = np.concatenate([ends[:, :1], points, ends[:, 1:]], axis=1)
+        yield int(part[0, 0]), Line(points, np.concatenate([pressure[:1], pressure, pressure[-1:]]))
 
 
-def _surface(steps: dict[int, list[_Line]]) -> PressureMap:
-    """Triangles between the lines of neighbouring steps."""
+def loaded_part(line: Line) -> Line | None:
+    """A contact line from where the load begins to where it ends; ``None`` if there is no load.
+
+    Towards its end a load falls off in proportion to the distance, and with it the square of the pressure; the last two
+    loaded segments say where that leads to zero.
+    """
+    loaded = line.pressure > UNLOADED * max(float(np.max(line.pressure)), 1e-9)
+    if not np.any(loaded):
+        return None
+    points = line.points.copy()
+    pressure = np.where(loaded, line.pressure, 0.0)
+    first, last = (int(i) for i in np.flatnonzero(loaded)[[0, -1]])
+    for edge, side in ((first, -1), (last, 1)):
+        beyond, before = edge + side, edge - side
+        if not 0 <= beyond < loaded.size:
+            continue
+        further = pressure[before] if first <= before <= last else np.inf
+        points[:, beyond] += (falls_to_zero(pressure[edge], further) - 1.0) * (points[:, beyond] - points[:, edge])
+    kept = slice(max(first - 1, 0), last + 2)
+    return Line(points[:, kept], pressure[kept])
+
+
+def falls_to_zero(last: float, before: float) -> float:
+    """Distance to where a pressure ends, in steps from the last value, at most one."""
+    if before <= last:
+        return 1.0
+    return float(np.clip(last**2 / (before**2 - last**2), NEAREST_END, 1.0)) if np.isfinite(before) else 0.5
+
+
+def surface(steps: dict[int, list[Line]]) -> PressureMap:
+    """Triangles between the loaded parts of the contact lines (by step) of neighbouring steps."""
     points: list[Array] = []
     pressure: list[Array] = []
     triangles: list[NDArray[np.int64]] = []
     count = 0
-    before: list[tuple[_Line, int]] = []  # lines of the step before, and where their points start
-    last = None
-    for step in sorted(steps):
-        here: list[tuple[_Line, int]] = []
-        free = before if last is not None and step == last + 1 else []
-        for line in steps[step]:
-            near = min(free, key=lambda other: float(np.linalg.norm(other[0].middle - line.middle)), default=None)
-            if near is not None and np.sum(_span(near[0]) * _span(line)) < 0.0:
-                line = line.turned()  # noqa: PLW2901
-            if near is not None and near[0].pressure.size == line.pressure.size:
-                free = [other for other in free if other is not near]
-                triangles.append(_strip(near[1], count, line.pressure.size))
-            here.append((line, count))
-            points.append(line.points)
-            pressure.append(line.pressure)
-            count += line.pressure.size
-        before, last = here, step
+
+    def add(line: Line) -> int:
+        nonlocal count
+        points.append(line.points)
+        pressure.append(line.pressure)
+        count += line.pressure.size
+        return count - line.pressure.size
+
+    parts = {
+        step: [(part, add(part)) for part in (loaded_part(line) for line in lines) if part is not None]
+        for step, lines in steps.items()
+    }
+    for step, here in parts.items():
+        # Each part meets its neighbour of the next step, or comes to a point before the next line that is not loaded.
+        ahead, behind = list(parts.get(step + 1, [])), list(parts.get(step - 1, []))
+        for part, start in here:
+            near = _nearest(part, [other for other, _ in ahead])
+            if near is not None:
+                other, other_start = ahead.pop(near)
+                triangles.append(_strip(part, start, other, other_start))
+        for side, neighbours in ((1, parts.get(step + 1, [])), (-1, behind)):
+            if neighbours or step + side not in steps:
+                continue
+            for part, start in here:
+                before = [other for other, _ in parts.get(step - side, [])]
+                tip = _tip(part, steps[step + side], before)
+                size = part.pressure.size
+                i = start + np.arange(size - 1)
+                triangles.append(np.stack([i, i + 1, np.full(size - 1, add(tip))], axis=1))
     if not points:
         return PressureMap(np.zeros((2, 0)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
     corners = np.concatenate(triangles) if triangles else np.zeros((0, 3), dtype=np.int64)
     return PressureMap(np.concatenate(points, axis=1), np.concatenate(pressure), corners)
 
 
-def _span(line: _Line) -> Array:
-    """From the first to the last point."""
-    return np.asarray(line.points[:, -1] - line.points[:, 0])
+def _nearest(line: Line, others: list[Line]) -> int | None:
+    """Index of the line whose middle is nearest; ``None`` if there are no others."""
+    distances = [float(np.linalg.norm(other.middle - line.middle)) for other in others]
+    return int(np.argmin(distances)) if distances else None
 
 
-def _strip(first: int, second: int, size: int) -> NDArray[np.int64]:
-    """Two triangles for each pair of neighbouring points of two lines."""
-    i = np.arange(size - 1)
-    a, b, c, d = first + i, first + i + 1, second + i, second + i + 1
-    return np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
+    """The point where the load ends between a loaded part and the unloaded line of the next step."""
+    greatest = int(np.argmax(part.pressure))
+    place = part.points[:, greatest]
+    target = np.concatenate([line.points for line in unloaded], axis=1)
+    target = target[:, np.argmin(np.linalg.norm(target - place[:, None], axis=0))]
+    near = _nearest(part, before)
+    further = float(np.max(before[near].pressure)) if near is not None else np.inf
+    share = falls_to_zero(float(part.pressure[greatest]), further)
+    return Line((place + share * (target - place))[:, None], np.zeros(1))
+
+
+def _strip(first: Line, start: int, second: Line, other: int) -> NDArray[np.int64]:
+    """Triangles between two lines, given with the indices of their first points.
+
+    The points of both lines are taken in turn, in the order of their places along the lines, so that the ends meet the
+    ends and every point is a corner.
+    """
+    turned = second.runs_against(first)
+    u, v = first.along, 1.0 - second.along[::-1] if turned else second.along
+    at = other + (np.arange(v.size)[::-1] if turned else np.arange(v.size))
+    i = start + np.arange(u.size)
+    of_first = np.stack([i[:-1], i[1:], at[np.maximum(np.searchsorted(v, u[1:], side="left") - 1, 0)]], axis=1)
+    of_second = np.stack([at[:-1], at[1:], i[np.searchsorted(u, v[1:], side="right") - 1]], axis=1)
+    return np.concatenate([of_first, of_second])

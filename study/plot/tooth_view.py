@@ -149,22 +149,22 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
             axes.plot(*view.place(curve), color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=5)
     left, right, bottom, top = view.window
     gap = 0.3 * (corners[0].min() - left)
-    names = {"toe": (0.0, 0.5, -gap, 0.0), "heel": (1.0, 0.5, gap, 0.0), "root": (0.5, 0, 0, -gap), "tip": (0.5, 1, 0, gap)}
-    for name, (t, h, dx, dy) in names.items():
-        x, y = view.place(np.array([t, h])) + np.array([dx, dy])
-        horizontal = "center" if dx == 0 else "right" if dx < 0 else "left"
-        vertical = "center" if dy == 0 else "top" if dy < 0 else "bottom"
+    names = (("toe", 0.0, 0.5, -1, 0), ("heel", 1.0, 0.5, 1, 0), ("root", 0.5, 0.0, 0, -1), ("tip", 0.5, 1.0, 0, 1))
+    for name, t, h, across, up in names:
+        x, y = view.place(np.array([t, h])) + gap * np.array([across, up])
+        horizontal, vertical = ("right", "center", "left")[across + 1], ("top", "center", "bottom")[up + 1]
         axes.text(x, y, name, ha=horizontal, va=vertical, fontsize=SMALL_SIZE + 0.5, color=GREY, style="italic")
     axes.set_aspect("equal")
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     axes.spines[:].set_visible(False)
-    axes.tick_params(labelsize=SMALL_SIZE, colors=GREY, length=2.5, width=0.6, labelbottom=labels[0], labelleft=labels[1])
+    axes.tick_params(labelsize=SMALL_SIZE, colors=GREY, length=2.5, width=0.6, labelbottom=labels[0])
     step = tick_step(right - left)
     axes.xaxis.set_major_locator(MultipleLocator(step))
     axes.yaxis.set_major_locator(MultipleLocator(step))
     if labels[0]:
         axes.set_xlabel("along the face [mm]", fontsize=SMALL_SIZE, color=GREY, labelpad=2)
+    axes.yaxis.set_visible(labels[1])
     if labels[1]:
         axes.set_ylabel("height [mm]", fontsize=SMALL_SIZE, color=GREY, labelpad=2)
 

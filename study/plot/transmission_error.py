@@ -11,13 +11,15 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .mesh_cycle import Passage, envelope, pairs_in_view, passage
-from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_colours
+from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes, torque_colours, torque_name
 
 Array = NDArray[Any]
 
 CYCLES = 2
 BETWEEN = 8  # points drawn from one mesh position to the next
 NAMED = 8  # torques named in the legend
+CLEAR: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
+FADED: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.35, "zorder": 2}  # the torques that are not named
 
 
 def draw(tree: xr.DataTree) -> Figure:
@@ -35,7 +37,7 @@ def draw(tree: xr.DataTree) -> Figure:
 
 
 def two_cycles(values: Array, cycles: int = CYCLES) -> tuple[Array, Array]:
-    """Times in cycles, and values (n) sampled evenly over one cycle repeated, closed with the first value at the end."""
+    """Times in cycles, and values (n) of one even cycle repeated and closed with the first value at the end."""
     count = values.size
     return np.arange(cycles * count + 1) / count, np.append(np.tile(values, cycles), values[:1])
 
@@ -51,10 +53,10 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset) -> None:
     """Curves of the tooth pairs and their envelope."""
     course, times, lowest = unloaded_curves(unloaded)
     for pair in pairs_in_view(course, CYCLES):
-        label = "tooth pairs" if pair == 0 else None
+        label = "each tooth pair" if pair == 0 else None
         axes.plot(course.steps / course.per_cycle + pair, course.values, color=FAINT, linewidth=1.1, label=label)
     swing = unloaded.attrs.get("peak_to_peak_urad", np.nan)
-    axes.plot(times, lowest, color=BLUE, linewidth=2.0, label=f"pair that carries, peak to peak {swing:.1f} µrad")
+    axes.plot(times, lowest, color=BLUE, linewidth=2.0, label=f"pair that carries,\npeak to peak {swing:.1f} µrad")
     finite = lowest[np.isfinite(lowest)]
     if finite.size:
         # The curves of the other pairs rise far above: show how they leave, not where they end.
@@ -77,10 +79,9 @@ def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
         text = f"peak to peak {swing:.1f} µrad" if about_mean else f"mean {level:.0f} µrad"
         if finite.size < error.shape[1]:
             text = f"{error.shape[1] - finite.size} of {error.shape[1]} missing"
-        label = f"{torques[index]:g} N m, {text}" if index in named else None
+        label = f"{torque_name(torques[index])}, {text}" if index in named else None
         times, values = two_cycles(error[index] - level if about_mean else error[index])
-        width = 1.6 if torques.size <= NAMED else 0.8
-        axes.plot(times, values, color=colour, linewidth=width, label=label)
+        axes.plot(times, values, color=colour, label=label, **(CLEAR if index in named else FADED))
     _finish(axes, "under load, about its mean [µrad]" if about_mean else "under load [µrad]")
 
 

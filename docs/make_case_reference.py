@@ -1,0 +1,138 @@
+"""Write the tables of keys in ``case_file.md`` from the schema that checks case files.
+
+``python docs/make_case_reference.py`` updates the page; with ``--print`` it prints the tables and leaves the page alone.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from annotated_types import MaxLen, MinLen
+from easeoff.cases import model
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+PAGE = Path(__file__).with_name("case_file.md")
+BLOCK = "case keys"
+
+# What the schema itself says nothing about, because a type or a table says it there: (meaning, unit).
+MEANINGS = {
+    "easeoff_case": ("version of the format", ""),
+    "title": ("one line for lists and plots", ""),
+    "description": ("where the numbers come from", ""),
+    "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
+    "torques": ("torques at the pinion, one or more", "N m"),
+    "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
+    "root": ("constants of the root springs; `clamped` for a rigid root", ""),
+}
+
+SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
+
+
+def spliced(page: str, name: str, content: str) -> str:
+    """Page with the text between the two comments that mark the generated block ``name`` replaced."""
+    begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
+    head, found, rest = page.partition(begin)
+    _, closed, tail = rest.partition(end)
+    if not (found and closed):
+        raise SystemExit(f"the page has no block between {begin!r} and {end!r}")
+    return f"{head}{begin}\n\n{content}\n\n{end}{tail}"
+
+
+def case_tables() -> str:
+    """The tables of a case file and of all its sub-tables, as Markdown."""
+    return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in sections())
+
+
+def sections() -> Iterator[tuple[str, type[BaseModel]]]:
+    """Heading and schema of every table, in the order of a case file."""
+    yield "### Top level", model.Case
+    yield "### `[pair]`", model.PairTable
+    yield "### `[pinion]` and `[gear]`", model.PinionTable
+    yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
+    yield "### `[pinion.concave.machine]`, and so on for every flank", model.Machine
+    yield "### `[pinion.concave.cutter]`, and so on for every flank", model.Cutter
+    yield "### `[pinion.material]` and `[gear.material]`", model.Steel
+    yield "### `[misalignment]`", model.MisalignmentTable
+    yield "### `[contact]`", model.ContactTable
+    yield "### `[compliance]`", model.ComplianceTable
+    yield "### `[target]`", model.TargetTable
+
+
+def keys(table: type[BaseModel]) -> str:
+    """One row a key that is no table itself."""
+    rows = ["| key | meaning | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
+    for name, field in table.model_fields.items():
+        if sub_table(field.annotation):
+            continue
+        meaning, unit = described(name, field)
+        rows.append(f"| `{name}` | {meaning} | {unit} | {allowed(field)} | {default(field)} |")
+    return "\n".join(rows)
+
+
+def sub_table(annotation: Any) -> bool:
+    """Whether a key opens a table of its own."""
+    options = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
+    return any(isinstance(option, type) and issubclass(option, BaseModel) for option in options)
+
+
+def described(name: str, field: FieldInfo) -> tuple[str, str]:
+    """Meaning and unit of a key."""
+    if field.description is None:
+        return MEANINGS[name]
+    extra = field.json_schema_extra
+    unit = str(extra["unit"]) if isinstance(extra, Mapping) else ""
+    return field.description.removesuffix(f" [{unit}]"), "" if unit == "1" else unit
+
+
+def allowed(field: FieldInfo) -> str:
+    """Range, choices or type of the values of a key."""
+    if get_origin(field.annotation) is Literal:
+        return ", ".join(written(choice) for choice in get_args(field.annotation))
+    limits = [
+        f"{sign} {getattr(limit, type(limit).__name__.lower()):g}"
+        for limit in field.metadata
+        if (sign := SIGNS.get(type(limit).__name__))
+    ]
+    count = " to ".join(
+        str(limit.min_length if isinstance(limit, MinLen) else limit.max_length)
+        for limit in field.metadata
+        if isinstance(limit, MinLen | MaxLen)
+    )
+    if field.annotation is str:
+        return f"text of {count} characters" if count else "text"
+    if count:
+        return f"{count} numbers, each > 0 and < 1e7"
+    return ("whole number " if field.annotation is int else "") + " and ".join(limits)
+
+
+def default(field: FieldInfo) -> str:
+    """Default of a key."""
+    if field.is_required():
+        return "**required**"
+    if field.default is None:
+        return "left out"
+    if isinstance(field.default, tuple):
+        return f"`{list(field.default)}`"
+    return written(field.default)
+
+
+def written(value: Any) -> str:
+    """A value as it stands in TOML."""
+    return f'`"{value}"`' if isinstance(value, str) else f"`{value}`"
+
+
+def main() -> None:
+    """Print the tables or update the page."""
+    if "--print" in sys.argv[1:]:
+        print(case_tables())
+        return
+    PAGE.write_text(spliced(PAGE.read_text(encoding="utf-8"), BLOCK, case_tables()), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

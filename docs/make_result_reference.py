@@ -1,0 +1,60 @@
+"""Write the tables of variables in ``results.md`` from an actual analysis, a coarse one of a shipped case.
+
+``python docs/make_result_reference.py`` updates the page; with ``--print`` it prints the tables and leaves the page alone.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import easeoff
+import xarray as xr
+from easeoff.cases.model import ContactTable
+from make_case_reference import spliced
+
+PAGE = Path(__file__).with_name("results.md")
+BLOCK = "variables"
+COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
+
+
+def coarse_analysis() -> xr.DataTree:
+    """A quick analysis: the same variables as any other, few numbers."""
+    return easeoff.analyze(easeoff.read_case("nasa-12x36").model_copy(update={"contact": COARSE}))
+
+
+def result_tables(tree: xr.DataTree) -> str:
+    """One table a group of the tree, as Markdown."""
+    return "\n\n".join(
+        f"### `{path}`\n\n{variables(tree[path].to_dataset())}" for path in (f"/{name}" for name in tree.children)
+    )
+
+
+def variables(group: xr.Dataset) -> str:
+    """One row a variable, the coordinates last."""
+    rows = ["| variable | dimensions | unit | meaning |", "| --- | --- | --- | --- |"]
+    for name in (*group.data_vars, *group.coords):
+        variable = group[name]
+        meaning = str(variable.attrs["long_name"])
+        if "flag_meanings" in variable.attrs:
+            flags = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
+            meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
+        elif variable.dtype.kind == "U":
+            meaning += ": " + ", ".join(f"`{word}`" for word in variable.values)
+        kind = " (coordinate)" if name in group.coords else ""
+        dimensions = ", ".join(str(dimension) for dimension in variable.dims)
+        rows.append(f"| `{name}`{kind} | {dimensions} | {variable.attrs.get('units', '')} | {meaning} |")
+    return "\n".join(rows)
+
+
+def main() -> None:
+    """Print the tables or update the page."""
+    tables = result_tables(coarse_analysis())
+    if "--print" in sys.argv[1:]:
+        print(tables)
+        return
+    PAGE.write_text(spliced(PAGE.read_text(encoding="utf-8"), BLOCK, tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""Case files: shipped ones are sound, and every mistake gets one message with key, value and what is allowed."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from easeoff.cases import gear_pair, parse_case, read_case, shipped_cases
+from easeoff.cases.model import Case
+from easeoff.cases.reading import case_text
+from easeoff.core.errors import EaseoffError, GeometryError, InputError
+from easeoff.geometry import pair_geometry
+
+NASA = case_text("nasa-12x36")
+
+
+def changed(pattern: str, replacement: str) -> str:
+    text, count = re.subn(pattern, replacement, NASA, count=1, flags=re.MULTILINE)
+    assert count == 1
+    return text
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_shipped_cases_make_a_pair(name: str) -> None:
+    case = read_case(name)
+    assert case.text == case_text(name)
+    assert gear_pair(case).assembly.ratio > 1.0
+
+
+def test_settings_arrive_in_radians_and_as_polynomial_coefficients() -> None:
+    case = parse_case(changed(r"^ratio_of_roll = .*$", "ratio_of_roll = 3.2\nmodified_roll_2c = 0.04\n"
+                              "modified_roll_6d = 0.6"))
+    settings = gear_pair(case).pinion.loaded.settings
+    assert settings.cradle_angle == pytest.approx(math.radians(63.9420304635))
+    assert settings.modified_roll == pytest.approx((0.02, 0.1))
+
+
+def test_formate_centre_in_cartesian_coordinates() -> None:
+    formate = re.sub(r"ratio_of_roll = 1\.0516.*\n", "", NASA)
+    polar = parse_case(formate)
+    radial, cradle = 72.6427312, math.radians(59.2342023)
+    cartesian = re.sub(
+        r"radial_distance = 72\.64.*\ncradle_angle = 59\.2.*\n",
+        f"horizontal_distance = {radial * math.cos(cradle)}\nvertical_distance = {radial * math.sin(cradle)}\n", formate,
+    )
+    one, two = (gear_pair(c).gear.loaded.settings for c in (polar, parse_case(cartesian)))
+    assert two.radial_distance == pytest.approx(one.radial_distance, abs=1e-6)
+    assert two.cradle_angle == pytest.approx(one.cradle_angle, abs=1e-9)
+    assert not two.generated
+
+
+MISTAKES = {
+    "missing key": (r"^number_of_teeth = 12$", "", ["pinion.number_of_teeth", "missing"]),
+    "unknown key": (r"^number_of_teeth = 12$", "number_of_teeth = 12\nteeth = 12", ["pinion.teeth", "known are",
+                                                                                    "number_of_teeth"]),
+    "unknown table": (r"^\[pair\]$", "[gears]\n[pair]", ["gears", "known are", "pinion"]),
+    "negative tooth count": (r"^number_of_teeth = 12$", "number_of_teeth = -12", ["number_of_teeth", "-12", "at least"]),
+    "fractional tooth count": (r"^number_of_teeth = 12$", "number_of_teeth = 12.5", ["number_of_teeth", "12.5"]),
+    "not a number": (r"^radial_distance = .*$", "radial_distance = nan", ["radial_distance", "nan", "finite"]),
+    "infinite": (r"^radial_distance = .*$", "radial_distance = inf", ["radial_distance", "inf"]),
+    "text for a number": (r"^radial_distance = .*$", 'radial_distance = "large"', ["radial_distance", "large", "number"]),
+    "wrong hand": (r'^hand_of_spiral = .*$', 'hand_of_spiral = "up"', ["hand_of_spiral", "up", "left", "right"]),
+    "out of range": (r"^shaft_angle = .*$", "shaft_angle = 190.0", ["shaft_angle", "190", "175"]),
+    "cones the wrong way": (r"^face_angle = .*$", "face_angle = 10.0", ["face_angle", "10", "root_angle"]),
+    "face too wide": (r"^face_width = .*$", "face_width = 100.0", ["face_width", "100", "outer_cone_distance"]),
+    "negative torque": (r"^torques = .*$", "torques = [50.0, -1.0]", ["torques", "-1", "greater than 0"]),
+    "no torque": (r"^torques = .*$", "torques = []", ["torques"]),
+    "torque zero": (r"^torques = .*$", "torques = [0.0]", ["torques", "0.0", "greater than 0"]),
+    "modified roll without roll": (r"^ratio_of_roll = .*$", "modified_roll_2c = 0.1", ["ratio_of_roll"]),
+    "centre missing": (r"^radial_distance = .*$", "", ["radial_distance and cradle_angle"]),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_mistakes_name_key_value_and_what_is_allowed(name: str) -> None:
+    pattern, replacement, words = MISTAKES[name]
+    with pytest.raises(InputError) as caught:
+        parse_case(changed(pattern, replacement), "mycase.toml")
+    message = str(caught.value)
+    assert "mycase.toml" in message
+    for word in words:
+        assert word in message, message
+    assert "pydantic" not in message
+
+
+def test_several_mistakes_come_in_one_message() -> None:
+    text = NASA.replace("number_of_teeth = 12", "number_of_teeth = 1").replace("shaft_angle = 90.0", "shaft_angle = 0.0")
+    with pytest.raises(InputError, match="2 mistakes") as caught:
+        parse_case(text)
+    assert len(str(caught.value).splitlines()) == 3
+
+
+def test_a_file_that_is_not_toml() -> None:
+    with pytest.raises(InputError, match="not a TOML file"):
+        parse_case("this is no case", "x")
+
+
+def test_an_unknown_name_lists_the_shipped_cases() -> None:
+    with pytest.raises(InputError, match="nasa-12x36"):
+        read_case("nasa-12x37")
+
+
+def test_flanks_that_the_case_does_not_have() -> None:
+    case = read_case("nasa-12x36")
+    drive_only = case.model_copy(update={"gear": case.gear.model_copy(update={"concave": None})})
+    with pytest.raises(InputError, match=r"\[gear.concave\]"):
+        gear_pair(drive_only, "coast")
+
+
+def test_a_case_with_the_loaded_flanks_alone_runs() -> None:
+    """The other flank is then assumed; the teeth differ little from the true ones."""
+    case = read_case("nasa-12x36")
+    bare = case.model_copy(update={
+        "gear": case.gear.model_copy(update={"concave": None}), "pinion": case.pinion.model_copy(update={"convex": None}),
+    })
+    true, assumed = (pair_geometry(gear_pair(c), (9, 7)).teeth["plate_thickness"] for c in (case, bare))
+    change = abs(assumed / true - 1.0)
+    assert change.sel(plate_edge="root").max() < 0.1
+    assert change.max() < 0.5  # thin tips feel the unknown pressure angle most
+
+
+def test_settings_with_no_tooth_in_the_blank() -> None:
+    case = parse_case(changed(r"^machine_root_angle = .*$", "machine_root_angle = 100.0"))
+    with pytest.raises(GeometryError, match="no tooth in this blank"):
+        pair_geometry(gear_pair(case), (9, 7))
+
+
+def test_every_number_has_a_unit_in_its_documentation() -> None:
+    schema = Case.model_json_schema()
+    for name, table in schema["$defs"].items():
+        for key, entry in table["properties"].items():
+            options = [entry, *entry.get("anyOf", [])]
+            if any(o.get("type") in ("number", "integer") for o in options):
+                assert "unit" in entry, f"{name}.{key} has no unit"
+                assert f"[{entry['unit']}]" in entry["description"]
+
+
+def test_errors_share_one_base() -> None:
+    assert issubclass(InputError, EaseoffError)
+    assert issubclass(GeometryError, EaseoffError)

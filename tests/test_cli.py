@@ -1,0 +1,193 @@
+"""The command line as a user meets it: output, messages, exit codes, files."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import easeoff
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+from easeoff.contact import read_labels, read_problems
+from easeoff.study.cli import main
+
+SMALL = ["mesh_positions = 4", "segments_per_line = 9", "lengthwise_nodes = 11", "profile_nodes = 9"]
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The published pair with few mesh positions."""
+    from easeoff.cases.reading import case_text
+
+    text = case_text("nasa-12x36").replace("[contact]", "[contact]\n" + "\n".join(SMALL))
+    path = tmp_path_factory.mktemp("case") / "small.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def result(case: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A result of the small case."""
+    path = tmp_path_factory.mktemp("result") / "small.nc"
+    assert call("run", str(case), "-o", str(path)).exit_code == 0
+    return path
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def test_cases_lists_names_and_titles() -> None:
+    found = call("cases")
+    assert found.exit_code == 0
+    assert "nasa-12x36" in found.output
+
+
+def test_run_writes_a_result_and_keeps_quiet_about_progress(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "folder" / "out.nc"
+    found = call("run", str(case), "-o", str(out), "--torque", "100,200", "--misalignment", "E=0.1,P=-0.05,Sigma=0.1")
+    assert found.exit_code == 0, found.output
+    assert found.output == f"wrote {out}\n"
+    tree = easeoff.read_result(out)
+    assert tree["loaded"]["torque"].values.tolist() == [100.0, 200.0]
+    assert tree.attrs["misalignment_offset_mm"] == 0.1
+    assert tree.attrs["misalignment_shaft_angle_rad"] == pytest.approx(np.radians(0.1))
+    assert [p.name for p in out.parent.iterdir()] == ["out.nc"]
+
+
+def test_show_prints_the_table(result: Path) -> None:
+    found = call("show", str(result))
+    assert found.exit_code == 0
+    for word in ("NASA 12x36", "peak to peak", "certified", "4 of 4", "drive"):
+        assert word in found.output
+
+
+def test_plot_draws_pictures(result: Path, tmp_path: Path) -> None:
+    found = call("plot", str(result), str(tmp_path / "pictures"))
+    assert found.exit_code == 0, found.output
+    pictures = sorted(p.name for p in (tmp_path / "pictures").iterdir())
+    assert {"ease_off.png", "contact_pattern.png", "pressure.png", "transmission_error.png"} <= set(pictures)
+
+
+def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result: Path) -> None:
+    out = tmp_path / "problems.nc"
+    assert call("problems", str(case), "-o", str(out), "--torque", "150").exit_code == 0
+    problems, labels = read_problems(out), read_labels(out)
+    assert len(problems) == 4
+    assert labels["pinion_torque"].tolist() == [150.0] * 4
+    rotations = [easeoff.contact.solve(p).rotation * 1e6 for p in problems]
+    tree = easeoff.read_result(result)
+    np.testing.assert_allclose(rotations, tree["loaded"]["transmission_error"].sel(torque=150).values, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nowhere.toml", "-o", "{tmp}/x.nc"], ["nowhere.toml", "shipped cases"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--torque", "0"], ["--torque", "0", "greater than 0"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--torque", "-5"], ["--torque", "-5", "greater than 0"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--torque", "nan"], ["--torque", "nan"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--torque", "many"], ["--torque", "many", "50,250,500"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--flank", "left"], ["--flank", "left", "drive", "coast"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--misalignment", "Q=1"], ["Q", "E, P, G, Sigma"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--misalignment", "E"], ["E=0.15,P=-0.12"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--misalignment", "E=inf"], ["E=inf", "between"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--solver", "magic"], ["magic", "native", "clarabel"]),
+        (["run", "nasa-12x36", "-o", "{tmp}"], ["{tmp}", "folder"]),
+        (["run", "nasa-12x36", "-o", "/proc/nothing/x.nc"], ["/proc/nothing/x.nc", "cannot be written"]),
+        (["run", "nasa-12x36"], ["--output"]),
+        (["run", "{text}", "-o", "{tmp}/x.nc"], ["not a TOML file"]),
+        (["show", "{tmp}/none.nc"], ["none.nc", "no such file"]),
+        (["show", "{text}"], ["not a netCDF file"]),
+        (["show", "{foreign}"], ["no result of easeoff", "easeoff run"]),
+        (["plot", "{foreign}", "{tmp}/pictures"], ["no result of easeoff"]),
+        (["plot", "{foreign}", "{text}"], ["no result of easeoff"]),
+    ],
+)
+def test_mistakes_give_one_message_and_exit_code_2(arguments: list[str], words: list[str], tmp_path: Path) -> None:
+    text, foreign = tmp_path / "text.toml", tmp_path / "foreign.nc"
+    text.write_text("no case at all", encoding="utf-8")
+    xr.Dataset({"x": ("t", [1.0, 2.0])}).to_netcdf(foreign)
+    before = sorted(tmp_path.iterdir())
+    places = {"tmp": str(tmp_path), "text": str(text), "foreign": str(foreign)}
+    found = call(*(a.format(**places) for a in arguments))
+    assert found.exit_code == 2, found.output
+    for word in words:
+        assert word.format(**places) in found.output, found.output
+    assert "Traceback" not in found.output
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_blank_without_a_tooth_is_the_users_mistake(case: Path, tmp_path: Path) -> None:
+    broken = tmp_path / "broken.toml"
+    broken.write_text(case.read_text().replace("radial_distance = 74.87", "radial_distance = 374.87"))
+    found = call("run", str(broken), "-o", str(tmp_path / "x.nc"))
+    assert found.exit_code == 2
+    assert "no tooth in this blank" in found.output
+    assert not (tmp_path / "x.nc").exists()
+
+
+def test_uncertified_results_are_reported_with_exit_code_1(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A solver that fails at one mesh position leaves NaN there, a status, and everything else."""
+    import easeoff.contact.loaded as loaded
+    from easeoff.contact.solvers.status import Status, no_solution
+
+    honest = loaded.solve_line_contact
+    calls = iter(range(10**6))
+
+    def sometimes(separation, *arguments, **keywords):  # type: ignore[no-untyped-def]
+        solution, problem = honest(separation, *arguments, **keywords)
+        if next(calls) == 5:
+            solution = no_solution(len(separation), Status.SOLVER_FAILED, "native", message="on purpose")
+        return solution, problem
+
+    monkeypatch.setattr(loaded, "solve_line_contact", sometimes)
+    out = tmp_path / "x.nc"
+    found = call("run", str(case), "-o", str(out))
+    assert found.exit_code == 1
+    assert "1 of 4" in found.output
+    assert "solver_failed" in found.output
+    status = easeoff.read_result(out)["loaded"]["status"].values
+    error = easeoff.read_result(out)["loaded"]["transmission_error"].values
+    assert (status != 0).sum() == 1
+    assert np.isnan(error).sum() == 1
+    assert call("show", str(out)).exit_code == 0
+    assert call("plot", str(out), str(tmp_path / "p")).exit_code == 0
+
+
+def test_help_imports_nothing_heavy() -> None:
+    """`easeoff --help` has to be quick: numerical packages are loaded by the command that needs them."""
+    code = (
+        "import sys; from easeoff.study.cli import main; main(['--help'], standalone_mode=False); "
+        "heavy = {'numpy', 'scipy', 'xarray', 'matplotlib', 'pydantic', 'cvxpy', 'qpsolvers', 'netCDF4'}; "
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_result_in_a_file_equals_the_result_in_memory(case: Path, tmp_path: Path) -> None:
+    tree = easeoff.analyze(easeoff.read_case(case))
+    easeoff.write_result(tree, tmp_path / "x.nc")
+    assert easeoff.read_result(tmp_path / "x.nc").identical(tree)
+
+
+def test_every_variable_of_a_result_has_units_or_is_a_label(result: Path) -> None:
+    for node in easeoff.read_result(result).subtree:
+        for name, variable in node.dataset.variables.items():
+            assert variable.attrs.get("long_name"), f"{node.path}/{name}"
+            if variable.dtype.kind == "f":
+                assert variable.attrs.get("units"), f"{node.path}/{name}"
+
+
+def test_provenance_names_case_version_and_settings(result: Path, case: Path) -> None:
+    attrs = easeoff.read_result(result).attrs
+    assert attrs["case"] == case.read_text(encoding="utf-8")
+    assert attrs["easeoff_version"]
+    assert attrs["history"]
+    assert attrs["Conventions"].startswith("CF")

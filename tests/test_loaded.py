@@ -1,0 +1,172 @@
+"""Loaded contact: equilibrium, limits, convergence, agreement of solvers, and what happens when a cell fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from easeoff.cases import Case, gear_pair, read_case
+from easeoff.contact import available_solvers
+from easeoff.contact.bending import ElasticModel, shells, tooth_dimensions
+from easeoff.contact.loaded import all_segments, loaded_contact, loaded_fields
+from easeoff.contact.segments import lines_in_mesh
+from easeoff.core.errors import InputError
+from easeoff.geometry import pair_geometry
+from easeoff.study.analysis import analyze, analyze_in_full
+
+
+def small(name: str = "nasa-12x36", **changes: object) -> Case:
+    """A shipped case with few mesh positions."""
+    case = read_case(name)
+    settings = {"mesh_positions": 6, "segments_per_line": 15, "lengthwise_nodes": 17, "profile_nodes": 13} | changes
+    return case.model_copy(update={"contact": case.contact.model_copy(update=settings)})
+
+
+@pytest.fixture(scope="module")
+def loaded() -> xr.Dataset:
+    return analyze(small(), torques=[50.0, 150.0, 400.0])["loaded"].to_dataset()
+
+
+def test_every_position_is_certified(loaded: xr.Dataset) -> None:
+    assert np.all(loaded["status"].values == 0)
+    for name in ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap"):
+        assert loaded[name].max() < 1e-9
+
+
+def test_forces_balance_the_torque(loaded: xr.Dataset) -> None:
+    moment = (loaded["force"] * loaded["lever_arm"]).sum("segment")
+    np.testing.assert_allclose(moment, 1e3 * 3.0 * loaded["torque"] * xr.ones_like(moment), rtol=1e-10)
+    assert loaded["force"].min() >= 0.0
+    assert loaded["gap"].min() >= -1e-6
+    assert float((loaded["force"] * loaded["gap"]).max()) < 1e-6
+    np.testing.assert_allclose(loaded["load_share"].sum("pair"), 1.0, rtol=1e-12)
+
+
+def test_more_torque_turns_the_gear_further(loaded: xr.Dataset) -> None:
+    assert np.all(np.diff(loaded["transmission_error"].values, axis=0) > 0.0)
+    assert np.all(np.diff(loaded["max_pressure"].values) > 0.0)
+
+
+def test_vanishing_torque_gives_the_unloaded_error() -> None:
+    """Loaded error at ever smaller torque approaches the unloaded one from above, in proportion to the deflection."""
+    # Fine segments: a segment's separation is its mean, which lies above the point of first contact.
+    tree = analyze(small("fm-11x41", segments_per_line=201), torques=[1e-4, 1e-3])
+    excess = tree["loaded"]["transmission_error"].values - tree["unloaded"]["transmission_error_envelope"].values
+    assert np.all(excess > 0.0)
+    assert excess.max() < 1.0
+    assert np.all(excess[0] < excess[1])
+
+
+def test_hertz_pressure_follows_from_force_length_and_radius(loaded: xr.Dataset) -> None:
+    """p = sqrt(F' E' / (2 pi R)) with E' = E / (1 - nu^2) for equal members."""
+    line_load = loaded["force"] / loaded["length"]
+    expected = np.sqrt(line_load * (206000.0 / 0.91) / (2 * np.pi * loaded["equivalent_radius"]))
+    loaded_segments = loaded["force"].values > 1.0
+    np.testing.assert_allclose(loaded["pressure"].values[loaded_segments], expected.values[loaded_segments], rtol=1e-9)
+
+
+def test_all_solvers_agree() -> None:
+    """Every installed solver gives the native transmission error within 1e-6 relative, certified by our own residuals."""
+    case = small(mesh_positions=3)
+    native = analyze(case, torques=[80.0, 300.0])["loaded"]["transmission_error"].values
+    solvers = [name for name in available_solvers() if name != "native"]
+    assert {"clarabel", "osqp", "daqp", "piqp", "cvxpy"} <= set(solvers)
+    for name in solvers:
+        found = analyze(case, torques=[80.0, 300.0], solver=name)["loaded"]
+        assert np.all(found["status"].values == 0), name
+        np.testing.assert_allclose(found["transmission_error"].values, native, rtol=1e-6, err_msg=name)
+
+
+def test_mirror_image_pair_gives_the_same_contact() -> None:
+    case = small()
+    other = case.model_copy(update={"pinion": case.pinion.model_copy(update={"hand_of_spiral": "right"})})
+    one, two = (analyze(c, torques=[150.0])["loaded"] for c in (case, other))
+    np.testing.assert_allclose(one["transmission_error"].values, two["transmission_error"].values, rtol=1e-7)
+    assert one["max_pressure"].values == pytest.approx(two["max_pressure"].values, rel=1e-5)
+
+
+def test_coast_side_runs_from_the_case_alone() -> None:
+    tree = analyze(small(), flank="coast", torques=[150.0])
+    assert np.all(tree["loaded"]["status"].values == 0)
+    assert tree.attrs["flank"] == "coast"
+
+
+def test_error_converges_with_the_number_of_segments() -> None:
+    """First to second order; the default of 31 is within half a percent of the converged error and 1 % of the pressure."""
+    results = {}
+    for count in (8, 16, 31, 32, 128):
+        found = analyze(small(segments_per_line=count), torques=[150.0])["loaded"]
+        results[count] = (found["transmission_error"].values[0], float(found["max_pressure"][0]))
+    reference, pressure = results[128]
+    errors = {n: np.abs(r[0] / reference - 1.0).max() for n, r in results.items()}
+    assert errors[31] < 5e-3
+    assert np.log2(errors[8] / errors[32]) / 2.0 > 0.8
+    assert abs(results[31][1] / pressure - 1.0) < 0.05
+
+
+def test_error_converges_with_the_grid() -> None:
+    values = [
+        analyze(small("fm-11x41", lengthwise_nodes=nt, profile_nodes=nh), torques=[250.0])["loaded"]
+        ["transmission_error"].values
+        for nt, nh in ((13, 9), (31, 21), (61, 41))
+    ]
+    assert np.abs(values[1] / values[2] - 1.0).max() < 1e-4
+    assert np.abs(values[1] - values[2]).max() < np.abs(values[0] - values[2]).max()
+
+
+def test_softer_pieces_make_a_softer_pair() -> None:
+    """Clamped root below springs; thin shear factor above none; steel below softer steel."""
+    pair = gear_pair(read_case("nasa-12x36"))
+    geometry = pair_geometry(pair, (17, 13))
+    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 3)
+
+    def level(model: ElasticModel) -> float:
+        found, _ = loaded_contact(
+            fields, geometry.teeth, mesh, ratio=3.0, torques=np.array([150.0]), model=model, segments_per_line=15
+        )
+        return float(found["mean_level"][0])
+
+    default = ElasticModel()
+    assert level(replace(default, foundation=None)) < level(default)
+    assert level(default) < level(replace(default, shear_factor=5 / 6))
+    soft = replace(default, pinion=replace(default.pinion, elastic_modulus=100000.0))
+    assert level(default) < level(soft)
+
+
+def test_segments_on_one_tooth_pair_are_coupled_and_others_are_not() -> None:
+    pair = gear_pair(read_case("nasa-12x36"))
+    geometry = pair_geometry(pair, (17, 13))
+    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 3)
+    for here in all_segments(fields, geometry.teeth, ElasticModel(), mesh, 9):
+        assert here is not None
+        other = here.pair[:, None] != here.pair[None, :]
+        assert np.all(here.bending[other] == 0.0)
+        np.testing.assert_array_equal(here.bending, here.bending.T)
+        assert np.linalg.eigvalsh(here.bending).min() > -1e-12 * np.abs(here.bending).max()
+
+
+def test_plate_dimensions_reach_the_shell() -> None:
+    pair = gear_pair(read_case("nasa-12x36"))
+    teeth = pair_geometry(pair, (9, 7)).teeth
+    pinion, gear = shells(teeth, ElasticModel())
+    assert pinion.dimensions == tooth_dimensions(teeth, "pinion")
+    assert gear.dimensions.height_heel == pytest.approx(8.71, abs=0.01)
+
+
+@pytest.mark.parametrize("torques", [[], [0.0], [-1.0], [float("nan")]])
+def test_torques_must_be_positive(torques: list[float]) -> None:
+    with pytest.raises(InputError, match="torque"):
+        analyze(small(), torques=torques)
+
+
+def test_contact_problems_are_kept_with_their_solutions() -> None:
+    analysis = analyze_in_full(small(mesh_positions=3), torques=[100.0])
+    assert len(analysis.cases) == 3
+    for case in analysis.cases:
+        assert case.problem.torque == pytest.approx(1e3 * 3.0 * 100.0)
+        gap = case.problem.gap(case.solution.force, case.solution.rotation)
+        assert gap.min() > -1e-12

@@ -1,0 +1,388 @@
+"""Pictures: what is drawn follows from the result, and every file is written whole or not at all."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.image import imread
+from matplotlib.path import Path as Outline
+from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+from easeoff import analyze, read_case
+from easeoff.contact.curves import boundary_distance
+from easeoff.contact.solvers import Status
+from easeoff.core.errors import InputError
+from easeoff.study.plot import PICTURES, write_pictures
+from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
+from easeoff.study.plot.ease_off import contour_levels, ease_off_map
+from easeoff.study.plot.load_sharing import mean_pairs_in_contact, share_passage
+from easeoff.study.plot.mesh_cycle import envelope, pairs_in_view, passage
+from easeoff.study.plot.page import evenly_chosen, small_print
+from easeoff.study.plot.pressure_map import Line, loaded_part, pressure_map, surface
+from easeoff.study.plot.tooth_view import ToothView, tooth_view
+from easeoff.study.plot.transmission_error import two_cycles, unloaded_curves
+
+
+@pytest.fixture(scope="module", params=["drive", "coast"])
+def tree(request: pytest.FixtureRequest) -> xr.DataTree:
+    return analyze(read_case("nasa-12x36"), flank=request.param)
+
+
+@pytest.fixture(scope="module")
+def view(tree: xr.DataTree) -> ToothView:
+    return tooth_view(tree)
+
+
+def changed(tree: xr.DataTree, group: str, change: Callable[[xr.Dataset], xr.Dataset]) -> xr.DataTree:
+    """A copy of a tree with another dataset in one group."""
+    groups = {path: node.to_dataset() for path, node in tree.to_dict().items() for node in [tree[path]]}
+    groups[f"/{group}"] = change(tree[group].to_dataset())
+    return xr.DataTree.from_dict(groups)
+
+
+def without(dataset: xr.Dataset, positions: list[int], torque: int | None = None) -> xr.Dataset:
+    """The loaded group as if mesh positions had no certified solution."""
+    result = dataset.copy(deep=True)
+    for variable in result.data_vars.values():
+        dims = [d for d in ("torque", "mesh_position") if d in variable.dims]
+        if dims != ["torque", "mesh_position"]:
+            continue
+        at = {"mesh_position": positions} | ({} if torque is None else {"torque": torque})
+        variable[at] = Status.NOT_CERTIFIED if variable.dtype.kind == "i" else np.nan
+    return result
+
+
+# --- the files
+
+
+def test_every_picture_is_written_and_shows_something(tree: xr.DataTree, tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "pictures"
+    written = write_pictures(tree, folder)
+    assert [path.name for path in written] == [f"{name}.png" for name in PICTURES]
+    assert sorted(folder.iterdir()) == sorted(written)  # nothing temporary is left
+    for path in written:
+        pixels = imread(path)[..., :3]
+        assert min(pixels.shape[:2]) > 500
+        assert np.unique((255 * pixels.reshape(-1, 3)).round(), axis=0).shape[0] > 50
+        assert np.all(pixels[[0, -1]] == 1.0)  # nothing runs off the page
+        assert np.all(pixels[:, [0, -1]] == 1.0)
+
+
+@pytest.mark.parametrize("missing", [[], [0], [3, 4, 20], list(range(32))])
+def test_uncertified_positions_leave_gaps(tree: xr.DataTree, tmp_path: Path, missing: list[int]) -> None:
+    assert len(write_pictures(changed(tree, "loaded", lambda ds: without(ds, missing)), tmp_path)) == len(PICTURES)
+
+
+def test_missing_values_of_the_unloaded_contact_leave_gaps(tree: xr.DataTree, tmp_path: Path) -> None:
+    def hole(dataset: xr.Dataset) -> xr.Dataset:
+        return dataset.where(~dataset["mesh_position"].isin(dataset["mesh_position"][10:14])).assign(
+            carrying_pair=dataset["carrying_pair"]
+        )
+
+    assert len(write_pictures(changed(tree, "unloaded", hole), tmp_path)) == len(PICTURES)
+    nothing = changed(tree, "unloaded", lambda ds: (ds * np.nan).assign(carrying_pair=ds["carrying_pair"]))
+    assert len(write_pictures(nothing, tmp_path)) == len(PICTURES)
+
+
+@pytest.mark.parametrize("torques", [[0], [1] * 100])
+def test_any_number_of_torques_can_be_drawn(tree: xr.DataTree, tmp_path: Path, torques: list[int]) -> None:
+    many = changed(tree, "loaded", lambda ds: ds.isel(torque=torques))
+    assert len(write_pictures(many, tmp_path)) == len(PICTURES)
+
+
+def test_few_mesh_positions_can_be_drawn(tree: xr.DataTree, tmp_path: Path) -> None:
+    for step in (16, 32):
+        few = tree
+        for group in ("unloaded", "loaded"):
+            few = changed(few, group, lambda ds, step=step: ds.isel(mesh_position=slice(None, None, step)))
+        assert len(write_pictures(few, tmp_path)) == len(PICTURES)
+
+
+def test_title_is_plain_text(tree: xr.DataTree, tmp_path: Path) -> None:
+    odd = tree.copy()
+    odd.attrs = {**tree.attrs, "title": r"$\frac{1}{ 5 $ of a_pair" + 200 * " long"}
+    assert len(write_pictures(odd, tmp_path)) == len(PICTURES)
+
+
+def test_a_folder_that_cannot_be_made_is_the_users_mistake(tree: xr.DataTree, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_pictures(tree, tmp_path / "file")
+    assert list(tmp_path.iterdir()) == [tmp_path / "file"]
+
+
+def test_a_picture_that_cannot_replace_another_leaves_nothing_behind(tree: xr.DataTree, tmp_path: Path) -> None:
+    (tmp_path / "ease_off.png").mkdir()
+    with pytest.raises(InputError, match=r"ease_off\.png cannot be written"):
+        write_pictures(tree, tmp_path)
+    assert list(tmp_path.iterdir()) == [tmp_path / "ease_off.png"]
+
+
+def test_drawing_is_loaded_late_and_keeps_no_global_state() -> None:
+    code = "import sys, easeoff.study.plot; assert 'matplotlib' not in sys.modules; "
+    code += "import easeoff.study.plot.pressure; assert 'matplotlib.pyplot' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+# --- the flank
+
+
+def test_flank_is_drawn_true_to_scale(tree: xr.DataTree, view: ToothView) -> None:
+    """Distances between nodes are those in the gear's axial plane, toe left and tip up."""
+    flanks = tree["flanks"].to_dataset()
+    position = flanks["position"].sel(member="gear").values
+    section = np.stack([position[..., 2], np.hypot(position[..., 0], position[..., 1])])
+    grid = np.stack(np.meshgrid(flanks["lengthwise"], flanks["profile"], indexing="ij"))
+    drawn = view.place(grid)
+    for axis in (1, 2):
+        np.testing.assert_allclose(
+            np.linalg.norm(np.diff(drawn, axis=axis), axis=0),
+            np.linalg.norm(np.diff(section, axis=axis), axis=0),
+            rtol=1e-9,
+        )
+    assert np.all(np.diff(drawn[0], axis=0) > 0.0)
+    assert np.all(np.diff(drawn[1], axis=1) > 0.0)
+
+
+def test_missing_nodes_do_not_move_the_flank(tree: xr.DataTree, view: ToothView) -> None:
+    holes = changed(tree, "flanks", lambda ds: ds.where(ds["profile"] > 0.12))
+    np.testing.assert_allclose(tooth_view(holes).coefficients, view.coefficients, atol=1e-9)
+
+
+def test_common_flank_holds_the_usable_nodes_and_no_others(tree: xr.DataTree, view: ToothView) -> None:
+    ease_off = tree["ease_off"].to_dataset()
+    grid = np.stack(np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij"))
+    distance = boundary_distance(view.fields, grid)
+    clear = np.abs(distance) > 0.02  # farther from the boundary than the fine grid resolves
+    enclosed = view.outline(view.common).contains_points(view.place(grid).reshape(2, -1).T, radius=1e-6)
+    np.testing.assert_array_equal(enclosed.reshape(distance.shape)[clear], distance[clear] > 0.0)
+
+
+def test_ease_off_of_the_picture_is_that_of_the_result(tree: xr.DataTree, view: ToothView) -> None:
+    ease_off = tree["ease_off"].to_dataset()
+    grid, gap, inside = ease_off_map(view)
+    at_nodes = xr.DataArray(gap, coords={"lengthwise": grid[0][:, 0], "profile": grid[1][0]}, dims=("lengthwise", "profile"))
+    again = at_nodes.interp(lengthwise=ease_off["lengthwise"], profile=ease_off["profile"])
+    usable = ease_off["inside"] == 1
+    np.testing.assert_allclose(again.values[usable], ease_off["ease_off"].values[usable], atol=0.02)
+    assert 0.5 < np.mean(inside) <= 1.0
+
+
+@pytest.mark.parametrize("gap", [np.zeros(5), np.linspace(-0.3, 156.0, 50), np.linspace(0.0, 0.02, 50), np.zeros(0)])
+def test_contour_levels_cover_the_ease_off_in_even_round_steps(gap: np.ndarray) -> None:
+    levels = contour_levels(gap)
+    assert 2 <= levels.size <= 20
+    np.testing.assert_allclose(np.diff(levels), levels[1] - levels[0])
+    if gap.size:
+        assert levels[0] <= gap.min()
+        assert levels[-1] >= gap.max()
+
+
+# --- the mesh cycle
+
+
+def test_passage_joins_the_pairs_without_a_break() -> None:
+    """A parabola of the pinion's rotation, cut into cycles, comes back as one parabola."""
+    per_cycle, pairs = 8, np.array([-1, 0, 1])
+    rotation = np.arange(per_cycle)[None, :] - per_cycle * pairs[:, None]
+    course = passage(pairs, 0.1 * (rotation - 4.0) ** 2)
+    np.testing.assert_allclose(course.values, 0.1 * (course.steps - 4.0) ** 2)
+    times = np.linspace(0.0, 2.0, 2 * per_cycle + 1)
+    lowest = envelope(course, times)
+    expected = np.min([0.1 * (times * per_cycle - per_cycle * k - 4.0) ** 2 for k in range(-1, 4)], axis=0)
+    np.testing.assert_allclose(lowest, expected)
+    assert pairs_in_view(course, 2.0) == range(-1, 4)
+
+
+def test_values_beside_missing_ones_are_kept_and_nothing_is_made_up() -> None:
+    course = passage(np.array([0]), np.array([[1.0, np.nan, 3.0, 4.0]]))
+    np.testing.assert_array_equal(course.at(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 2.5, 3.0, 3.5])), [
+        np.nan, 1.0, np.nan, np.nan, 3.0, 3.5, 4.0, np.nan,
+    ])  # fmt: skip
+
+
+def test_two_cycles_are_continuous() -> None:
+    times, values = two_cycles(np.array([3.0, 1.0, 2.0]))
+    np.testing.assert_allclose(times, np.arange(7) / 3.0)
+    np.testing.assert_array_equal(values, [3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0])
+
+
+def test_drawn_envelope_is_that_of_the_result_and_periodic(tree: xr.DataTree) -> None:
+    unloaded = tree["unloaded"].to_dataset()
+    stored = unloaded["transmission_error_envelope"].values
+    course, times, lowest = unloaded_curves(unloaded)
+    between = (times.size - 1) // (2 * stored.size)
+    np.testing.assert_allclose(lowest[::between], two_cycles(stored)[1])
+    np.testing.assert_allclose(lowest[: stored.size * between], lowest[stored.size * between : -1], atol=1e-9)
+    for pair in pairs_in_view(course, 2):
+        own = course.at((times - pair) * course.per_cycle)
+        assert not np.any(own < lowest - 1e-9)
+
+
+def test_shares_of_all_pairs_add_up_at_any_time(tree: xr.DataTree) -> None:
+    at_torque = tree["loaded"].to_dataset().isel(torque=1)
+    course = share_passage(at_torque)
+    steps = np.arange(2 * course.per_cycle + 1)
+    total = sum(np.nan_to_num(course.at(steps - pair * course.per_cycle)) for pair in pairs_in_view(course, 2))
+    np.testing.assert_allclose(total, 1.0, rtol=1e-9)
+
+
+def test_mean_number_of_pairs_counts_those_under_load() -> None:
+    share = xr.Dataset({"load_share": (("pair", "mesh_position"), [[0.5, 0.0], [0.5, 1.0]])}, coords={"pair": [0, 1]})
+    assert mean_pairs_in_contact(share) == 1.5
+    assert np.isnan(mean_pairs_in_contact(share.where(share["load_share"] != 1.0).isel(mesh_position=[1])))
+
+
+# --- the contact pattern
+
+
+def test_pattern_lies_on_the_flank_and_within_its_outline(tree: xr.DataTree, view: ToothView) -> None:
+    pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    assert len(pattern.ranges) == 1
+    span = pattern.ranges[0]
+    for points in (span.outline, span.path):
+        assert points.min() >= 0.0
+        assert points.max() <= 1.0
+    outline = Outline(span.outline.T)
+    inner = np.moveaxis(pattern.lines[pattern.carrying][:, :, 1:-1], 1, -1).reshape(-1, 2)
+    assert np.mean(outline.contains_points(inner, radius=1e-3) | outline.contains_points(inner, radius=-1e-3)) > 0.99
+    # The pinion's and the gear's edges end the pattern.
+    assert np.min(boundary_distance(view.fields, span.outline)) > -0.01
+    assert np.min(boundary_distance(view.fields, span.path)) > -0.01
+
+
+def test_carrying_range_is_one_pitch_long(tree: xr.DataTree, view: ToothView) -> None:
+    """From the pair before to the pair after it, the roll angle on the path grows by the pinion's pitch."""
+    unloaded = tree["unloaded"].to_dataset()
+    pattern = contact_pattern(unloaded, view.fields)
+    assert np.sum(pattern.carrying) == unloaded.sizes["mesh_position"]
+    span = pattern.ranges[0]
+    assert span.path.shape[1] == unloaded.sizes["mesh_position"] + 2
+    count = 17
+    first, last = span.outline[:, -count:], span.outline[:, span.path.shape[1] : span.path.shape[1] + count]
+    roll = [float(np.mean(view.fields("roll_angle", line))) for line in (first, last)]
+    assert abs(abs(roll[1] - roll[0]) / (2 * np.pi / tree.attrs["pinion_teeth"]) - 1.0) < 1e-3
+
+
+def test_contact_lines_bend_with_the_roll_angle(tree: xr.DataTree, view: ToothView) -> None:
+    pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    lines = np.moveaxis(pattern.lines[np.isfinite(pattern.lines[:, 0, 0])], 1, 0)
+    roll = view.fields("roll_angle", lines)
+    assert np.max(np.ptp(roll, axis=-1)) < 1e-3
+    nothing = bent_lines(view.fields, np.full((2, 2, 2), np.nan))
+    assert np.all(np.isnan(nothing))
+
+
+# --- the pressure
+
+
+def test_surface_is_nowhere_below_a_segment(tree: xr.DataTree, view: ToothView) -> None:
+    """At the middle of every loaded segment the surface has at least its pressure, and its greatest is the result's."""
+    loaded = tree["loaded"].to_dataset()
+    for index in range(loaded.sizes["torque"]):
+        at_torque = loaded.isel(torque=index)
+        shape = pressure_map(at_torque)
+        assert shape.peak == pytest.approx(float(loaded["max_pressure"][index]))
+        drawn = view.place(shape.points)
+        mesh = Triangulation(drawn[0], drawn[1], shape.triangles)
+        pressure = at_torque["pressure"].values
+        carries = pressure > 1e-3 * shape.peak
+        places = view.place(np.stack([at_torque["lengthwise"].values, at_torque["profile"].values])[:, carries])
+        at_segments = LinearTriInterpolator(mesh, shape.pressure)(places[0], places[1]).filled(np.nan)
+        found = np.isfinite(at_segments)  # rounding may put a place on the rim just outside
+        assert np.mean(found) > 0.95
+        np.testing.assert_array_less(pressure[carries][found] - 1e-6 * shape.peak, at_segments[found])
+
+
+def test_nothing_is_coloured_where_nothing_is_loaded(tree: xr.DataTree, view: ToothView) -> None:
+    """Middles of unloaded segments lie outside the surface, but for those on the way to the next mesh position."""
+    at_torque = tree["loaded"].to_dataset().isel(torque=0)
+    shape = pressure_map(at_torque)
+    drawn = view.place(shape.points)
+    mesh = Triangulation(drawn[0], drawn[1], shape.triangles)
+    free = at_torque["pressure"].values == 0.0
+    places = view.place(np.stack([at_torque["lengthwise"].values, at_torque["profile"].values])[:, free])
+    values = LinearTriInterpolator(mesh, shape.pressure)(places[0], places[1]).filled(0.0)
+    assert np.max(values) < 0.05 * shape.peak
+
+
+def test_triangles_do_not_overlap(tree: xr.DataTree, view: ToothView) -> None:
+    """Their areas have one sign, and no side belongs to more than two of them."""
+    for index in range(tree["loaded"].sizes["torque"]):
+        shape = pressure_map(tree["loaded"].to_dataset().isel(torque=index))
+        corners = view.place(shape.points)[:, shape.triangles]
+        sides = corners[..., 1:] - corners[..., :1]
+        area = np.abs(sides[0, :, 0] * sides[1, :, 1] - sides[0, :, 1] * sides[1, :, 0]) / 2.0
+        hull = np.ptp(corners[0]) * np.ptp(corners[1])
+        assert area.sum() < hull
+        pairs = np.sort(shape.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        assert np.max(np.unique(pairs, axis=0, return_counts=True)[1]) <= 2
+
+
+def straight(pressure: list[float], at: float, turned: bool = False) -> Line:
+    """A contact line along the face at some profile fraction."""
+    points = np.stack([np.linspace(0.2, 0.8, len(pressure)), np.full(len(pressure), at)])
+    line = Line(points, np.array(pressure))
+    return Line(line.points[:, ::-1], line.pressure[::-1]) if turned else line
+
+
+def test_load_ends_where_the_squared_pressure_leads_to_zero() -> None:
+    x = np.linspace(-1.0, 1.0, 41)
+    for half in (0.52, 0.63, 0.71):
+        load = np.maximum(1.0 - (x / half) ** 2, 0.0)
+        part = loaded_part(Line(np.stack([x, np.zeros_like(x)]), np.sqrt(load)))
+        assert part is not None
+        assert part.pressure[0] == part.pressure[-1] == 0.0
+        np.testing.assert_allclose([part.points[0, 0], part.points[0, -1]], [-half, half], atol=0.02)
+    assert loaded_part(straight([0.0, 0.0, 0.0], 0.5)) is None
+    whole = loaded_part(straight([1.0, 2.0, 3.0], 0.5))  # loaded to both ends of the line
+    assert whole is not None
+    assert whole.points.shape == (2, 3)
+
+
+def test_missing_step_leaves_a_gap_and_turned_lines_are_joined() -> None:
+    lines = {
+        step: [straight([0.0, 2.0, 5.0, 4.0, 0.0], 0.1 * step, turned=step % 2 == 0)] for step in (1, 2, 3, 5, 6)
+    }
+    shape = surface(lines)
+    rows = np.round(shape.points[1][shape.triangles] / 0.1).astype(int)
+    assert set(np.ptp(rows, axis=1)) <= {0, 1}
+    assert not np.any((rows.min(axis=1) >= 3) & (rows.max(axis=1) <= 5) & (np.ptp(rows, axis=1) == 1) & (rows.min(axis=1) == 3))
+    centre = shape.points[0][shape.triangles]
+    assert np.max(np.ptp(centre, axis=1)) < 0.35  # no triangle reaches across from one end to the other
+
+
+def test_load_comes_to_a_point_before_an_unloaded_line() -> None:
+    free = straight([0.0] * 5, 0.2)
+    shape = surface({0: [straight([0.0, 3.0, 6.0, 3.0, 0.0], 0.0)], 1: [straight([0.0, 2.0, 4.0, 2.0, 0.0], 0.1)], 2: [free]})
+    top = shape.points[1].max()
+    assert 0.1 < top <= 0.2
+    assert np.all(shape.pressure[shape.points[1] > 0.1] == 0.0)
+    assert surface({0: [free]}).triangles.shape == (0, 3)
+    assert np.isnan(surface({}).peak)
+
+
+# --- the small things
+
+
+def test_torques_are_chosen_evenly_with_both_ends() -> None:
+    torques = np.array([500.0, 10.0, 300.0, 20.0, 400.0, 100.0, 200.0, 50.0])
+    chosen = evenly_chosen(torques)
+    assert chosen.size == 6
+    assert np.all(np.diff(torques[chosen]) > 0.0)
+    assert (torques[chosen[0]], torques[chosen[-1]]) == (10.0, 500.0)
+    assert evenly_chosen(np.array([7.0])).tolist() == [0]
+
+
+def test_small_print_names_flanks_and_misalignment(tree: xr.DataTree) -> None:
+    text = " ".join(small_print({**tree.attrs, "misalignment_pinion_axial_mm": -0.12, "misalignment_shaft_angle_rad": 0.0}))
+    assert tree.attrs["flank"] in text
+    assert "P −0.12 mm" in text
+    assert "E" not in text.split("misalignment")[1].split("easeoff")[0]
+    assert "misalignment none" in " ".join(small_print({"flank": "coast"}))

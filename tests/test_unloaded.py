@@ -1,0 +1,199 @@
+"""Unloaded contact: against conventional contact analysis, closed forms and its own grid."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from easeoff.cases import gear_pair, read_case
+from easeoff.contact.curves import arc_length, boundary_distance, contact_fields, trace
+from easeoff.contact.fields import fit
+from easeoff.contact.harmonics import harmonics, peak_to_peak, rms
+from easeoff.contact.segments import closest_approach, gauss_points, lines_in_mesh
+from easeoff.contact.unloaded import unloaded_contact
+from easeoff.core.errors import InputError
+from easeoff.geometry import GearPair, PairGeometry, pair_geometry
+from pairs import conjugate_pair
+from test_ease_off import contact_path
+
+
+@pytest.fixture(scope="module")
+def nasa() -> tuple[GearPair, PairGeometry]:
+    pair = gear_pair(read_case("nasa-12x36"))
+    return pair, pair_geometry(pair)
+
+
+@pytest.fixture(scope="module")
+def conjugate() -> tuple[GearPair, PairGeometry]:
+    pair = conjugate_pair()
+    return pair, pair_geometry(pair, (25, 17))
+
+
+def with_ease_off(geometry: PairGeometry, angle: np.ndarray) -> xr.Dataset:
+    """The same pair with another ease-off, as a gear rotation over the grid."""
+    changed = geometry.ease_off.copy()
+    changed["ease_off_angle"] = (("lengthwise", "profile"), angle)
+    return changed
+
+
+def test_agrees_with_conventional_contact_analysis(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """Transmission error within 0.1 arc seconds and path within 0.02 mm of the five-equation solution."""
+    pair, geometry = nasa
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 24))
+    own = result.sel(pair=0)
+    rotations = np.degrees(own["pinion_rotation"].values)
+    exact, _ = contact_path(pair, rotations)
+    pinion = pair.pinion.section.fractions(exact.pinion_position[2], np.hypot(*exact.pinion_position[:2]))
+    # A point contact is the end of the story only where both members really have a flank.
+    inside = exact.converged & (np.abs(pinion[1] - 0.5) < 0.5) & (np.abs(pinion[0] - 0.5) < 0.5)
+    assert inside.sum() > 12
+    zero = geometry.ease_off.attrs["first_contact_rad"]
+    difference = 1e6 * (exact.closing_angle - zero) - own["transmission_error"].values
+    assert np.abs(difference[inside]).max() < 0.48
+    t, h = pair.gear.section.fractions(exact.gear_position[2], np.hypot(*exact.gear_position[:2]))
+    assert 25.4 * np.abs(t - own["path_lengthwise"].values)[inside].max() < 0.02
+    assert 7.5 * np.abs(h - own["path_profile"].values)[inside].max() < 0.02
+
+
+def test_without_the_closest_approach_correction_it_would_not_agree(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """The correction next to the level set is worth microradians on a pair with a steep ease-off."""
+    pair, geometry = nasa
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 8)
+    plain = fields("ease_off_angle", mesh.lines.points)
+    corrected = closest_approach(fields, mesh.lines.points).separation_angle
+    assert np.all(corrected <= plain + 1e-15)
+    assert 1e6 * np.abs(plain - corrected).max() > 5.0
+
+
+def test_conjugate_pair_has_no_transmission_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
+    pair, geometry = conjugate
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12))
+    assert np.nanmax(np.abs(result["transmission_error"].values)) < 1e-6
+    assert result.attrs["peak_to_peak_urad"] < 1e-6
+
+
+def test_parabolic_ease_off_gives_a_parabolic_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
+    """With a = (1/2) k Q^2 over the roll angle Q the error is (1/2) k q^2 / (1 + k/c), c the separation curvature."""
+    pair, geometry = conjugate
+    roll = geometry.ease_off["roll_angle"].values
+    k = 4e-4
+    fields = contact_fields(geometry.flanks, with_ease_off(geometry, 0.5 * k * roll**2))
+    pitch = pair.assembly.pinion_pitch
+    result = unloaded_contact(fields, lines_in_mesh(fields, pitch, 16))
+    q = result["pinion_rotation"].values
+    moving = np.abs(q) > 1e-9
+    ratio = result["transmission_error"].sel(pair=0).values[moving] / (1e6 * 0.5 * k * q[moving] ** 2)
+    curvature = geometry.ease_off["separation_curvature"].values
+    assert 1.0 / (1.0 + k / curvature.min()) - 1e-9 < ratio.min()
+    assert ratio.max() < 1.0 / (1.0 + k / curvature.max()) + 1e-9
+    assert result.attrs["peak_to_peak_urad"] == pytest.approx(1e6 * 0.5 * k * (pitch / 2) ** 2, rel=1e-2)
+
+
+def test_crossing_of_adjacent_pairs_is_the_largest_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
+    pair, geometry = conjugate
+    roll = geometry.ease_off["roll_angle"].values
+    fields = contact_fields(geometry.flanks, with_ease_off(geometry, 2e-4 * roll**2))
+    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
+    envelope = result["transmission_error_envelope"].values
+    assert np.all(envelope <= np.nanmin(result["transmission_error"].values, axis=0) + 1e-12)
+    assert int(np.argmax(envelope)) == 0  # half a pitch from the middle, where two pairs carry alike
+    assert set(result["carrying_pair"].values.tolist()) <= {-1, 0}
+
+
+def test_error_converges_with_the_grid(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """Between grids the error shrinks by far more than the fourth order; the default is within 0.1 %."""
+    pair, _ = nasa
+    levels = {}
+    for nodes in ((9, 7), (13, 9), (17, 13), (31, 21), (61, 41)):
+        geometry = pair_geometry(pair, nodes)
+        fields = contact_fields(geometry.flanks, geometry.ease_off)
+        result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
+        levels[nodes] = result.attrs["peak_to_peak_urad"]
+    reference = levels.pop((61, 41))
+    errors = [abs(value / reference - 1.0) for value in levels.values()]
+    assert errors[3] < 1e-4
+    assert np.log2(errors[0] / errors[2]) > 4.0
+
+
+def test_lines_end_on_the_boundary(nasa: tuple[GearPair, PairGeometry]) -> None:
+    pair, geometry = nasa
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    lines = lines_in_mesh(fields, pair.assembly.pinion_pitch, 9).lines
+    for end in (0, -1):
+        points = lines.points[:, :, end]
+        on_gear_edge = np.min(np.minimum(points, 1.0 - points), axis=0)
+        distance = np.minimum(boundary_distance(fields, points), on_gear_edge)
+        assert np.abs(distance).max() < 1e-6
+    inner = lines.points[:, :, 1:-1]
+    assert boundary_distance(fields, inner).min() > -1e-9
+
+
+def test_points_of_a_line_share_its_roll_angle_and_are_evenly_spaced(nasa: tuple[GearPair, PairGeometry]) -> None:
+    _, geometry = nasa
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    levels = np.linspace(-0.5, 0.4, 7)
+    lines = trace(fields, levels)
+    roll = fields("roll_angle", lines.points)
+    np.testing.assert_allclose(roll, np.repeat(levels[lines.level][:, None], roll.shape[1], 1), rtol=0, atol=2e-7)
+    np.testing.assert_allclose(roll[:, 1:-1] - roll[:, [32]], 0.0, rtol=0, atol=1e-10)  # its ends stop at the flank's edge
+    steps = np.diff(arc_length(fields, lines.points), axis=1)
+    np.testing.assert_allclose(steps / steps.mean(axis=1, keepdims=True), 1.0, rtol=0, atol=2e-3)
+    points, weights = gauss_points(lines, 20)
+    roll = fields("roll_angle", points)
+    np.testing.assert_allclose(roll, np.repeat(levels[lines.level][:, None], roll.shape[1], 1), rtol=0, atol=1e-7)
+    assert weights.sum() == pytest.approx(1.0)
+
+
+def test_arc_length_of_a_known_curve() -> None:
+    """A circle of radius 50 mm drawn on the flank, to fourth order in the number of points."""
+    t = h = np.linspace(0.0, 1.0, 25)
+    grid_t, grid_h = np.meshgrid(t, h, indexing="ij")
+    angle = 0.6 * grid_t
+    position = np.stack([50 * np.cos(angle), 50 * np.sin(angle), 8 * grid_h], axis=-1)
+    fields = fit(t, h, {"position": position})
+    errors = []
+    for count in (9, 17):
+        points = np.stack([np.linspace(0, 1, count), np.full(count, 0.5)])[:, None, :]
+        errors.append(abs(float(arc_length(fields, points)[0, -1]) - 30.0))
+    assert errors[1] < 1e-6
+    assert errors[0] / max(errors[1], 1e-12) > 6.0
+
+
+def test_holes_are_bridged_but_never_read() -> None:
+    t, h = np.linspace(0, 1, 15), np.linspace(0, 1, 11)
+    values = np.sin(2 * t)[:, None] * np.cos(h)[None, :]
+    values[3, 4] = np.nan
+    fields = fit(t, h, {"a": values})
+    hole = np.array([[t[3] + 0.01], [h[4] - 0.01]])
+    assert fields.in_hole(hole).all()
+    away = np.array([[0.8], [0.8]])
+    assert not fields.in_hole(away).any()
+    assert fields("a", away)[0] == pytest.approx(np.sin(1.6) * np.cos(0.8), abs=1e-6)
+    values[:, :6] = np.nan
+    with pytest.raises(InputError, match="too few"):
+        fit(t, h, {"a": values})
+
+
+def test_harmonics_of_a_known_cycle() -> None:
+    phase = 2 * np.pi * np.arange(32) / 32
+    cycle = 3.0 + 8.3 * np.cos(phase + 0.4) + 3.7 * np.cos(2 * phase) + 2.0 * np.sin(3 * phase)
+    amplitudes = harmonics(cycle)
+    np.testing.assert_allclose(amplitudes, [8.3, 3.7, 2.0], rtol=1e-12)
+    assert rms(amplitudes) == pytest.approx(9.3, abs=0.05)  # as the dissertation's Table 4.2 adds them up
+    assert peak_to_peak(np.array([1.0, 4.0, 2.0])) == 3.0
+
+
+def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, PairGeometry]) -> None:
+    pair, geometry = nasa
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12), separation=6.0)
+    middle = result.sel(pair=0)
+    ends = np.stack([middle["line_lengthwise"].values, middle["line_profile"].values])
+    closest = closest_approach(fields, ends)
+    excess = 1e3 * closest.lever_arm * (closest.separation_angle - 1e-6 * middle["transmission_error"].values[:, None])
+    edge = np.minimum(boundary_distance(fields, ends), np.min(np.minimum(ends, 1 - ends), axis=0)) < 1e-3
+    assert np.all((np.abs(excess - 6.0) < 0.1) | edge)
+    assert np.all(excess < 6.1)
