@@ -240,7 +240,10 @@ class ComplianceTable(Table):
 
 
 class TargetTable(Table):
-    """Ease-off that the pinion's settings were fitted to, all at the edges of the gear flank."""
+    """Ease-off that the pinion's settings were fitted to, in the case's own misalignment; all at the flank's edges.
+
+    A record: the analysis uses the settings.
+    """
 
     lengthwise_crowning: Number = _number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
     profile_crowning: Number = _number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
@@ -259,6 +262,13 @@ class TargetTable(Table):
     )
 
 
+class TargetsTable(Table):
+    """Targets of the two sides."""
+
+    drive: TargetTable | None = None
+    coast: TargetTable | None = None
+
+
 class Case(Table):
     """A whole case file."""
 
@@ -271,7 +281,7 @@ class Case(Table):
     misalignment: MisalignmentTable = MisalignmentTable()
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
-    target: TargetTable | None = None
+    target: TargetsTable = TargetsTable()
     _text: str = PrivateAttr(default="")
 
     @property

@@ -1,4 +1,4 @@
-"""Loaded contact over a mesh cycle: forces, pressures, transmission error at every torque (Kolivand 2009, chapter 3)."""
+"""Loaded contact over a mesh cycle: forces, pressures, transmission error at every torque (Kolivand 2009, ch. 3)."""
 
 from __future__ import annotations
 

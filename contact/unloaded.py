@@ -84,7 +84,9 @@ def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float 
     mesh_positions = mesh.rotations.size
     closest = closest_approach(fields, lines.points)
     error, index = _smallest(closest.separation_angle)
-    place = _at(lines.points + closest.shift, index)
+    # At the flank's edge the contact stays on the edge.
+    at_edge = (index <= 0.0) | (index >= lines.points.shape[2] - 1)
+    place = _at(lines.points + np.where(at_edge[:, None], 0.0, closest.shift), index)
     ends_t, ends_h, length = _line_ends(lines, closest, error, index, 1e-3 * separation)
 
     pairs = np.unique(pair)

@@ -1,10 +1,11 @@
 """Write the tables of keys in ``case_file.md`` from the schema that checks case files.
 
-``python docs/make_case_reference.py`` updates the page; with ``--print`` it prints the tables and leaves the page alone.
+``python docs/make_case_reference.py`` updates the page; with ``--print`` it only prints the tables.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -12,12 +13,12 @@ from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
-from easeoff.cases import model
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from easeoff.cases import model
+
 PAGE = Path(__file__).with_name("case_file.md")
-BLOCK = "case keys"
 
 # What the schema itself says nothing about, because a type or a table says it there: (meaning, unit).
 MEANINGS = {
@@ -33,14 +34,10 @@ MEANINGS = {
 SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
 
 
-def spliced(page: str, name: str, content: str) -> str:
-    """Page with the text between the two comments that mark the generated block ``name`` replaced."""
-    begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
-    head, found, rest = page.partition(begin)
-    _, closed, tail = rest.partition(end)
-    if not (found and closed):
-        raise SystemExit(f"the page has no block between {begin!r} and {end!r}")
-    return f"{head}{begin}\n\n{content}\n\n{end}{tail}"
+def updated(page: str) -> str:
+    """The page with its generated part, between two comments, made anew."""
+    begin, end = "<!-- begin generated: case keys -->", "<!-- end generated: case keys -->"
+    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{case_tables()}\n\n{end}", page, flags=re.DOTALL)
 
 
 def case_tables() -> str:
@@ -131,7 +128,7 @@ def main() -> None:
     if "--print" in sys.argv[1:]:
         print(case_tables())
         return
-    PAGE.write_text(spliced(PAGE.read_text(encoding="utf-8"), BLOCK, case_tables()), encoding="utf-8")
+    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,20 +1,20 @@
 """Write the tables of variables in ``results.md`` from an actual analysis, a coarse one of a shipped case.
 
-``python docs/make_result_reference.py`` updates the page; with ``--print`` it prints the tables and leaves the page alone.
+``python docs/make_result_reference.py`` updates the page; with ``--print`` it only prints the tables.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
-import easeoff
 import xarray as xr
+
+import easeoff
 from easeoff.cases.model import ContactTable
-from make_case_reference import spliced
 
 PAGE = Path(__file__).with_name("results.md")
-BLOCK = "variables"
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
@@ -47,13 +47,19 @@ def variables(group: xr.Dataset) -> str:
     return "\n".join(rows)
 
 
+def updated(page: str, tree: xr.DataTree) -> str:
+    """The page with its generated part, between two comments, made anew."""
+    begin, end = "<!-- begin generated: variables -->", "<!-- end generated: variables -->"
+    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{result_tables(tree)}\n\n{end}", page, flags=re.DOTALL)
+
+
 def main() -> None:
     """Print the tables or update the page."""
-    tables = result_tables(coarse_analysis())
+    tree = coarse_analysis()
     if "--print" in sys.argv[1:]:
-        print(tables)
+        print(result_tables(tree))
         return
-    PAGE.write_text(spliced(PAGE.read_text(encoding="utf-8"), BLOCK, tables), encoding="utf-8")
+    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8"), tree), encoding="utf-8")
 
 
 if __name__ == "__main__":

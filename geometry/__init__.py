@@ -1,6 +1,7 @@
 """Tooth flanks, blanks, ease-off and surface of roll angle: geometry alone, no loads."""
 
 from .assembly import Assembly, Misalignment
+from .basic_settings import blank_section, formate_gear
 from .blade import Blade
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
@@ -26,9 +27,11 @@ __all__ = [
     "PairGeometry",
     "Synthesis",
     "blank_dimensions",
+    "blank_section",
     "conjugate_pinion",
     "ease_off",
     "fit_pinion",
     "flank",
+    "formate_gear",
     "pair_geometry",
 ]

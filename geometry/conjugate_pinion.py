@@ -55,7 +55,7 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     tip_center = machine_to_member(settings, still, center[:, None], point=True)[:, 0]
     axis = machine_to_member(settings, still, (spin @ frame[:, 2])[:, None], point=False)[:, 0]
 
-    # The pinion's cutter reaches from the gear's body towards the pinion; its machine frame is (x, y, -z) of the gear's.
+    # The pinion's cutter reaches from the gear's body to the pinion; its machine frame is the gear's with z reversed.
     tip_center = tip_center - blade_height * axis
     towards_pinion = np.array([-axis[0], -axis[1], axis[2]])
     point_radius = gear.blade.point_radius + gear.blade.side_sign * blade_height * np.tan(gear.blade.pressure_angle)

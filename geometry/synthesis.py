@@ -50,8 +50,9 @@ FREE = (
 
 @dataclass(frozen=True)
 class EaseOffTarget:
-    """Wanted ease-off on the gear flank, up to a constant [mm]; with t, h from -1 to 1 lengthwise and up the profile:
+    """Wanted ease-off on the gear flank, up to a constant [mm].
 
+    With t and h from -1 to 1 lengthwise and up the profile it is
     ``lengthwise_crowning t^2 + profile_crowning h^2 - bias t h + spiral_angle_error t + pressure_angle_error h``.
 
     Parameters

@@ -1,8 +1,8 @@
 """The tooth behind a flank: its thickness, its middle surface, and where a contact force meets that surface.
 
-A contact force acts along the flank normal. Sliding it along its own line to the middle of the tooth changes nothing, and
-there, at the foot of the normal, it loads the tooth as a plate: this module gives the foot's coordinates, the direction
-of the force in the plate's axes and the distance to the foot.
+A contact force acts along the flank normal. Sliding it along its own line to the middle of the tooth changes nothing,
+and there, at the foot of the normal, it loads the tooth as a plate: this module gives the foot's coordinates, the
+direction of the force in the plate's axes and the distance to the foot.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class ToothBody:
     turn
         Sense of rotation about the member's axis from the loaded flank into the tooth, +1 or -1.
     trace_arc
-        Coefficients of the arc length along the trace at mid height [mm] as a Legendre series in the lengthwise fraction.
+        Arc length along the trace at mid height [mm] as a Legendre series in the lengthwise fraction.
     trace_radius
         Radius of normal curvature of the middle surface along the trace at mid face [mm].
     convex
@@ -71,7 +71,7 @@ class ToothBody:
     height
         Tooth height above the root cone at toe and heel (2) [mm].
     thickness
-        Normal thickness at (toe/heel, root cone/tip) (2, 2) [mm] of the plate with evenly varying thickness that fits best.
+        Normal thickness at (toe/heel, root cone/tip) (2, 2) [mm] of the evenly varying plate that fits best.
     """
 
     section: BlankSection
@@ -146,8 +146,8 @@ def tooth_body(
     teeth
         Number of teeth of the member.
     mean_angle
-        Angular thickness of the tooth in the middle of the flank [rad]. ``None`` where both flanks are cut in one machine
-        set-up, so that their distance follows from the cutter.
+        Angular thickness of the tooth in the middle of the flank [rad]. ``None`` where both flanks are cut in one
+        machine set-up, so that their distance follows from the cutter.
 
     Raises
     ------
@@ -173,7 +173,8 @@ def tooth_body(
     series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, ORDERS)
 
     def fit(values: Array) -> Array:
-        return np.linalg.lstsq(series, values[usable], rcond=None)[0].reshape(ORDERS[0] + 1, ORDERS[1] + 1)
+        found = np.linalg.lstsq(series, values[usable], rcond=None)[0]
+        return np.asarray(found).reshape(ORDERS[0] + 1, ORDERS[1] + 1)
 
     # Normals of both flanks turned to azimuth zero, where they vary slowly.
     normal = rotate(Z_AXIS, -_azimuth(front), front.normal) - rotate(Z_AXIS, -_azimuth(back), back.normal)
@@ -214,11 +215,11 @@ def _plate(section: BlankSection, nodes: Array, axial: Array, radial: Array, thi
     along = nodes[0]
     up = section.height_above_root(axial, radial) / (heights[0] * (1 - along) + heights[1] * along)
     matrix = np.stack([(1 - along) * (1 - up), (1 - along) * up, along * (1 - up), along * up], axis=1)
-    return heights, np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
+    return np.asarray(heights), np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
 
 
 def _azimuth(flank: Flank) -> Array:
-    return np.arctan2(flank.position[1], flank.position[0])
+    return np.asarray(np.arctan2(flank.position[1], flank.position[0]))
 
 
 def _middle(values: Array) -> float:

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from easeoff.geometry import (
     Assembly,
-    BlankSection,
     Blade,
+    BlankSection,
     GearPair,
     GeneratingSurface,
     MachineSettings,
@@ -19,15 +19,31 @@ from easeoff.geometry.flank_surface import Hand
 
 # A face-milled 11 x 41 hypoid pair with offset 20 and a Formate gear: rounded ISO 23509 Method 1 blanks.
 PINION_BLANK = BlankSection(
-    pitch_angle=math.radians(17.05), face_angle=math.radians(22.38), root_angle=math.radians(15.71),
-    pitch_apex=2.86, face_apex=-4.42, root_apex=1.76, outer_cone_distance=113.36, face_width=32.75, clearance=0.98,
+    pitch_angle=math.radians(17.05),
+    face_angle=math.radians(22.38),
+    root_angle=math.radians(15.71),
+    pitch_apex=2.86,
+    face_apex=-4.42,
+    root_apex=1.76,
+    outer_cone_distance=113.36,
+    face_width=32.75,
+    clearance=0.98,
 )
 GEAR_BLANK = BlankSection(
-    pitch_angle=math.radians(72.595), face_angle=math.radians(73.95), root_angle=math.radians(67.16),
-    pitch_apex=0.37, face_apex=-0.37, root_apex=2.38, outer_cone_distance=111.0, face_width=29.8, clearance=0.98,
+    pitch_angle=math.radians(72.595),
+    face_angle=math.radians(73.95),
+    root_angle=math.radians(67.16),
+    pitch_apex=0.37,
+    face_apex=-0.37,
+    root_apex=2.38,
+    outer_cone_distance=111.0,
+    face_width=29.8,
+    clearance=0.98,
 )
 GEAR_MACHINE = MachineSettings(
-    radial_distance=98.04, cradle_angle=math.radians(58.63), machine_root_angle=math.radians(67.16),
+    radial_distance=98.04,
+    cradle_angle=math.radians(58.63),
+    machine_root_angle=math.radians(67.16),
     machine_center_to_crossing_point=2.38,
 )
 DRIVE_BLADE = Blade(93.76, math.radians(17.1), "inside")
@@ -43,6 +59,4 @@ def conjugate_pair(pinion_hand: Hand = "left", *, coast: bool = False) -> GearPa
         drive, other = other, drive
     assembly = Assembly(11, 41, pinion_hand, math.pi / 2, 20.0)
     pinion, pinion_other = (conjugate_pinion(surface, assembly, 9.83) for surface in (drive, other))
-    return GearPair(
-        Member(11, PINION_BLANK, pinion, pinion_other), Member(41, GEAR_BLANK, drive, other), assembly
-    )
+    return GearPair(Member(11, PINION_BLANK, pinion, pinion_other), Member(41, GEAR_BLANK, drive, other), assembly)

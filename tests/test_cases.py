@@ -6,6 +6,7 @@ import math
 import re
 
 import pytest
+
 from easeoff.cases import gear_pair, parse_case, read_case, shipped_cases
 from easeoff.cases.model import Case
 from easeoff.cases.reading import case_text
@@ -29,8 +30,9 @@ def test_shipped_cases_make_a_pair(name: str) -> None:
 
 
 def test_settings_arrive_in_radians_and_as_polynomial_coefficients() -> None:
-    case = parse_case(changed(r"^ratio_of_roll = .*$", "ratio_of_roll = 3.2\nmodified_roll_2c = 0.04\n"
-                              "modified_roll_6d = 0.6"))
+    case = parse_case(
+        changed(r"^ratio_of_roll = .*$", "ratio_of_roll = 3.2\nmodified_roll_2c = 0.04\nmodified_roll_6d = 0.6")
+    )
     settings = gear_pair(case).pinion.loaded.settings
     assert settings.cradle_angle == pytest.approx(math.radians(63.9420304635))
     assert settings.modified_roll == pytest.approx((0.02, 0.1))
@@ -42,7 +44,8 @@ def test_formate_centre_in_cartesian_coordinates() -> None:
     radial, cradle = 72.6427312, math.radians(59.2342023)
     cartesian = re.sub(
         r"radial_distance = 72\.64.*\ncradle_angle = 59\.2.*\n",
-        f"horizontal_distance = {radial * math.cos(cradle)}\nvertical_distance = {radial * math.sin(cradle)}\n", formate,
+        f"horizontal_distance = {radial * math.cos(cradle)}\nvertical_distance = {radial * math.sin(cradle)}\n",
+        formate,
     )
     one, two = (gear_pair(c).gear.loaded.settings for c in (polar, parse_case(cartesian)))
     assert two.radial_distance == pytest.approx(one.radial_distance, abs=1e-6)
@@ -52,15 +55,26 @@ def test_formate_centre_in_cartesian_coordinates() -> None:
 
 MISTAKES = {
     "missing key": (r"^number_of_teeth = 12$", "", ["pinion.number_of_teeth", "missing"]),
-    "unknown key": (r"^number_of_teeth = 12$", "number_of_teeth = 12\nteeth = 12", ["pinion.teeth", "known are",
-                                                                                    "number_of_teeth"]),
+    "unknown key": (
+        r"^number_of_teeth = 12$",
+        "number_of_teeth = 12\nteeth = 12",
+        ["pinion.teeth", "known are", "number_of_teeth"],
+    ),
     "unknown table": (r"^\[pair\]$", "[gears]\n[pair]", ["gears", "known are", "pinion"]),
-    "negative tooth count": (r"^number_of_teeth = 12$", "number_of_teeth = -12", ["number_of_teeth", "-12", "at least"]),
+    "negative tooth count": (
+        r"^number_of_teeth = 12$",
+        "number_of_teeth = -12",
+        ["number_of_teeth", "-12", "at least"],
+    ),
     "fractional tooth count": (r"^number_of_teeth = 12$", "number_of_teeth = 12.5", ["number_of_teeth", "12.5"]),
     "not a number": (r"^radial_distance = .*$", "radial_distance = nan", ["radial_distance", "nan", "finite"]),
     "infinite": (r"^radial_distance = .*$", "radial_distance = inf", ["radial_distance", "inf"]),
-    "text for a number": (r"^radial_distance = .*$", 'radial_distance = "large"', ["radial_distance", "large", "number"]),
-    "wrong hand": (r'^hand_of_spiral = .*$', 'hand_of_spiral = "up"', ["hand_of_spiral", "up", "left", "right"]),
+    "text for a number": (
+        r"^radial_distance = .*$",
+        'radial_distance = "large"',
+        ["radial_distance", "large", "number"],
+    ),
+    "wrong hand": (r"^hand_of_spiral = .*$", 'hand_of_spiral = "up"', ["hand_of_spiral", "up", "left", "right"]),
     "out of range": (r"^shaft_angle = .*$", "shaft_angle = 190.0", ["shaft_angle", "190", "175"]),
     "cones the wrong way": (r"^face_angle = .*$", "face_angle = 10.0", ["face_angle", "10", "root_angle"]),
     "face too wide": (r"^face_width = .*$", "face_width = 100.0", ["face_width", "100", "outer_cone_distance"]),
@@ -85,7 +99,9 @@ def test_mistakes_name_key_value_and_what_is_allowed(name: str) -> None:
 
 
 def test_several_mistakes_come_in_one_message() -> None:
-    text = NASA.replace("number_of_teeth = 12", "number_of_teeth = 1").replace("shaft_angle = 90.0", "shaft_angle = 0.0")
+    text = NASA.replace("number_of_teeth = 12", "number_of_teeth = 1").replace(
+        "shaft_angle = 90.0", "shaft_angle = 0.0"
+    )
     with pytest.raises(InputError, match="2 mistakes") as caught:
         parse_case(text)
     assert len(str(caught.value).splitlines()) == 3
@@ -111,9 +127,12 @@ def test_flanks_that_the_case_does_not_have() -> None:
 def test_a_case_with_the_loaded_flanks_alone_runs() -> None:
     """The other flank is then assumed; the teeth differ little from the true ones."""
     case = read_case("nasa-12x36")
-    bare = case.model_copy(update={
-        "gear": case.gear.model_copy(update={"concave": None}), "pinion": case.pinion.model_copy(update={"convex": None}),
-    })
+    bare = case.model_copy(
+        update={
+            "gear": case.gear.model_copy(update={"concave": None}),
+            "pinion": case.pinion.model_copy(update={"convex": None}),
+        }
+    )
     true, assumed = (pair_geometry(gear_pair(c), (9, 7)).teeth["plate_thickness"] for c in (case, bare))
     change = abs(assumed / true - 1.0)
     assert change.sel(plate_edge="root").max() < 0.1

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pairs import conjugate_pair
+
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import Blade, EaseOffTarget, GearPair, GeneratingSurface, MachineSettings, Member, Misalignment
@@ -19,7 +21,6 @@ from easeoff.geometry.pair import ease_off, grid
 from easeoff.geometry.section import BlankSection
 from easeoff.geometry.synthesis import fit_pinion, with_settings
 from easeoff.geometry.vectors import cross, dot
-from pairs import conjugate_pair
 
 ARC_SECOND = math.pi / 180 / 3600
 
@@ -108,7 +109,7 @@ def test_swapping_both_hands_mirrors_everything() -> None:
 
 
 def test_misalignment_is_a_rigid_motion_of_the_members() -> None:
-    """On a conjugate pair an axial shift of the gear opens the flanks by the gear normal's axial part, to first order."""
+    """On a conjugate pair an axial shift of the gear opens the flanks by the normal's axial part, to first order."""
     pair = conjugate_pair()
     errors = []
     for shift in (0.02, 0.01):
@@ -140,7 +141,7 @@ def test_separation_curvature_is_the_relative_curvature_across_the_contact_line(
         step = (t if axis == 0 else h)[1] - (t if axis == 0 else h)[0]
         weights = np.array([1, -8, 0, 8, -1]) / (12 * step)
         picked = field[..., 2:7, 4] if axis == 0 else field[..., 4, 2:7]
-        return picked @ weights
+        return np.asarray(picked @ weights)
 
     tangents = np.stack([derivative(gear.position, 0), derivative(gear.position, 1)], axis=1)
     gradient = np.array([derivative(result.roll_angle, 0), derivative(result.roll_angle, 1)])
@@ -176,9 +177,10 @@ def contact_path(pair: GearPair, rotations: np.ndarray) -> tuple[PointContact, E
     inside = np.flatnonzero(start.inside)
     q = np.radians(rotations) + motion.center
     # Start each rotation from the node that the ease-off method calls closest at that rotation.
-    gap = start.angle[inside] + 0.5 * start.separation_curvature[inside] * (
-        q[:, None] - motion.center - start.roll_angle[inside]
-    ) ** 2
+    gap = (
+        start.angle[inside]
+        + 0.5 * start.separation_curvature[inside] * (q[:, None] - motion.center - start.roll_angle[inside]) ** 2
+    )
     node = inside[np.argmin(gap, axis=1)]
     found = point_contact(
         motion, pair.gear.loaded, q, gear.parameters[:, node], start.pinion_parameters[:, node], gap.min(axis=1)
@@ -188,15 +190,17 @@ def contact_path(pair: GearPair, rotations: np.ndarray) -> tuple[PointContact, E
 
 # An independent program's conventional contact analysis of the pair: pinion rotation [deg], transmission error
 # [arc seconds], then lengthwise and profile fractions on gear and pinion.
-NASA_PATH = np.array([
-    [-12.5, 89.7629, 0.68785, 0.14320, 0.67130, 0.88733],
-    [-10.0, 70.7170, 0.68317, 0.21357, 0.66947, 0.78633],
-    [-5.0, 34.1230, 0.67103, 0.35571, 0.66250, 0.59374],
-    [0.0, 0.0, 0.65514, 0.50000, 0.65110, 0.41658],
-    [5.0, -31.0563, 0.63540, 0.64684, 0.63538, 0.25887],
-    [10.0, -58.4260, 0.61172, 0.79670, 0.61546, 0.12519],
-    [15.0, -81.4717, 0.58405, 0.95016, 0.59153, 0.02052],
-])
+NASA_PATH = np.array(
+    [
+        [-12.5, 89.7629, 0.68785, 0.14320, 0.67130, 0.88733],
+        [-10.0, 70.7170, 0.68317, 0.21357, 0.66947, 0.78633],
+        [-5.0, 34.1230, 0.67103, 0.35571, 0.66250, 0.59374],
+        [0.0, 0.0, 0.65514, 0.50000, 0.65110, 0.41658],
+        [5.0, -31.0563, 0.63540, 0.64684, 0.63538, 0.25887],
+        [10.0, -58.4260, 0.61172, 0.79670, 0.61546, 0.12519],
+        [15.0, -81.4717, 0.58405, 0.95016, 0.59153, 0.02052],
+    ]
+)
 
 
 def nasa_path(pair: GearPair) -> tuple[np.ndarray, np.ndarray]:
@@ -257,7 +261,7 @@ def test_synthesis_returns_to_the_conjugate_settings() -> None:
 
 
 def test_larger_cutter_radius_gives_lengthwise_crowning_of_second_order() -> None:
-    """Moving the cutter centre back along its radius keeps the middle; toe and heel open by the difference of curvature."""
+    """Moving the cutter centre back along its radius keeps the middle; toe and heel open by curvature."""
     pair = conjugate_pair()
     crowned = []
     for change in (0.5, 1.0, 2.0):
@@ -265,7 +269,8 @@ def test_larger_cutter_radius_gives_lengthwise_crowning_of_second_order() -> Non
         surface = with_settings(exact, {"point_radius": exact.blade.point_radius + change})
         target = EaseOffTarget(lengthwise_crowning=0.0)
         fitted = fit_pinion(
-            replace(pair, pinion=replace(pair.pinion, loaded=surface)), target,
+            replace(pair, pinion=replace(pair.pinion, loaded=surface)),
+            target,
             free=("radial_distance", "cradle_angle", "cutter_tilt", "cutter_swivel"),
         )
         crowned.append(float(np.ptp(fitted.residual)))
@@ -275,8 +280,10 @@ def test_larger_cutter_radius_gives_lengthwise_crowning_of_second_order() -> Non
 
 def test_flanks_that_cannot_meet_say_so() -> None:
     pair = conjugate_pair()
-    wrong = replace(pair, pinion=replace(pair.pinion, section=replace(pair.pinion.section, outer_cone_distance=60.0,
-                                                                      face_width=10.0)))
+    wrong = replace(
+        pair,
+        pinion=replace(pair.pinion, section=replace(pair.pinion.section, outer_cone_distance=60.0, face_width=10.0)),
+    )
     with pytest.raises(GeometryError):
         ease_off(wrong)
 

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pairs import GEAR_BLANK, PINION_BLANK, conjugate_pair
+
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import BlankSection, NodeStatus, flank
 from easeoff.geometry.curvature import principal_curvatures, shape_operator
 from easeoff.geometry.flank_surface import solve_flank
 from easeoff.geometry.vectors import dot
-from pairs import GEAR_BLANK, PINION_BLANK, conjugate_pair
 
 INCH = 25.4
 
@@ -157,9 +158,13 @@ def test_random_settings_never_crash_and_never_leave_unmasked_garbage() -> None:
         shake = rng.normal(size=6) * scale * np.array([10.0, 0.3, 0.3, 10.0, 0.3, 0.5])
         old = member.loaded.settings
         settings = replace(
-            old, radial_distance=abs(old.radial_distance + shake[0]), cradle_angle=old.cradle_angle + shake[1],
-            machine_root_angle=old.machine_root_angle + shake[2], work_offset=old.work_offset + shake[3],
-            cutter_tilt=shake[4], ratio_of_roll=abs((old.ratio_of_roll or 1.0) + shake[5]) + 0.01,
+            old,
+            radial_distance=abs(old.radial_distance + shake[0]),
+            cradle_angle=old.cradle_angle + shake[1],
+            machine_root_angle=old.machine_root_angle + shake[2],
+            work_offset=old.work_offset + shake[3],
+            cutter_tilt=shake[4],
+            ratio_of_roll=abs((old.ratio_of_roll or 1.0) + shake[5]) + 0.01,
         )
         try:
             nodes = replace(member, loaded=replace(member.loaded, settings=settings)).flank(t, h)

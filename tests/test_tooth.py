@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
+from pairs import conjugate_pair
+
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import GearPair
 from easeoff.geometry.pair import bodies
 from easeoff.geometry.tooth import ToothBody, tooth_body
 from easeoff.geometry.vectors import dot
-from numpy.polynomial import legendre
-from pairs import conjugate_pair
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +98,7 @@ def test_force_pushes_into_the_tooth_and_towards_the_root(pair: GearPair) -> Non
 
 
 def test_trace_radius_of_a_formate_gear_is_that_of_its_cutter(pair: GearPair) -> None:
-    """Normal curvature of the middle surface along the face: cutter radius over cos(pressure angle), within the taper."""
+    """Normal curvature of the middle surface along the face: the cutter radius, within taper and pressure angle."""
     _, body = bodies(pair)
     assert body.trace_radius == pytest.approx(95.25, rel=0.05)
     assert body.trace_length == pytest.approx(29.8 / math.cos(math.radians(28.5)), rel=0.02)

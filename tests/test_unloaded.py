@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
+from pairs import conjugate_pair
+from test_ease_off import contact_path
+
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact.curves import arc_length, boundary_distance, contact_fields, trace
 from easeoff.contact.fields import fit
@@ -13,8 +16,6 @@ from easeoff.contact.segments import closest_approach, gauss_points, lines_in_me
 from easeoff.contact.unloaded import unloaded_contact
 from easeoff.core.errors import InputError
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry
-from pairs import conjugate_pair
-from test_ease_off import contact_path
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +139,9 @@ def test_points_of_a_line_share_its_roll_angle_and_are_evenly_spaced(nasa: tuple
     lines = trace(fields, levels)
     roll = fields("roll_angle", lines.points)
     np.testing.assert_allclose(roll, np.repeat(levels[lines.level][:, None], roll.shape[1], 1), rtol=0, atol=2e-7)
-    np.testing.assert_allclose(roll[:, 1:-1] - roll[:, [32]], 0.0, rtol=0, atol=1e-10)  # its ends stop at the flank's edge
+    np.testing.assert_allclose(
+        roll[:, 1:-1] - roll[:, [32]], 0.0, rtol=0, atol=1e-10
+    )  # its ends stop at the flank's edge
     steps = np.diff(arc_length(fields, lines.points), axis=1)
     np.testing.assert_allclose(steps / steps.mean(axis=1, keepdims=True), 1.0, rtol=0, atol=2e-3)
     points, weights = gauss_points(lines, 20)

@@ -106,7 +106,7 @@ def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
     """
     beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
     if beyond.size:
-        beyond = beyond[boundary_distance(fields, path[beyond].T) < 0.0]
+        beyond = beyond[_outside(fields, path[beyond].T)]
     if beyond.size == 0:
         return path
     direction = (ends[beyond, 1] - ends[beyond, 0]).T
@@ -118,16 +118,22 @@ def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
     away = np.stack([reach, -reach], axis=1).ravel()  # ever further, to both sides
     outside = path[beyond].T
     tried = outside[..., None] + direction[..., None] * away
-    within = boundary_distance(fields, tried) >= 0.0
+    within = ~_outside(fields, tried)
     first = np.argmax(within, axis=1)
     inside = np.take_along_axis(tried, first[None, :, None], axis=2)[..., 0]
     for _ in range(30):
         middle = 0.5 * (inside + outside)
-        good = boundary_distance(fields, middle) >= 0.0
+        good = ~_outside(fields, middle)
         inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
     found = np.any(within, axis=1)
     result[beyond[found]] = inside[:, found].T
     return result
+
+
+def _outside(fields: FlankFields, points: Array) -> NDArray[np.bool_]:
+    """Whether points (2, ...) lie beyond the common flank (...)."""
+    beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
+    return np.asarray(beyond_gear | (boundary_distance(fields, points) < 0.0))
 
 
 def _transfer(error: Passage, step: int, direction: int) -> Array:

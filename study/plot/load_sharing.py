@@ -17,7 +17,7 @@ from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, even
 Array = NDArray[Any]
 
 CYCLES = 2
-NAME_ROOM = 0.1  # cycles left free at both ends of the axis when curves are named
+NAME_ROOM = 0.15  # cycles that a curve's crest needs for its name
 COLOURS = (BLUE, VERMILION, GREEN)
 
 
@@ -72,12 +72,8 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
         colour = COLOURS[pair % len(COLOURS)]
         axes.fill_between(times, 0.0, course.values, color=colour, alpha=0.10, linewidth=0)
         axes.plot(times, course.values, color=colour, linewidth=1.6)
-        visible = np.isfinite(course.values) & (times >= NAME_ROOM) & (times <= CYCLES - NAME_ROOM)
-        if named and np.any(visible):
-            top = int(np.argmax(np.where(visible, course.values, -1.0)))
-            if course.values[top] >= 0.5:
-                place = (float(times[top]), float(course.values[top]) - 0.07)
-                axes.text(*place, f"pair {pair}", ha="center", va="top", fontsize=SMALL_SIZE, color=colour)
+        if named:
+            _name(axes, pair, times, course.values, colour)
     plain_axes(axes)
     axes.set_xlim(0, CYCLES)
     axes.set_ylim(0, 1.05)
@@ -86,5 +82,18 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
     axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     pairs = mean_pairs_in_contact(at_torque)
-    text = f"{pairs:.2f} pairs under load on average" if np.isfinite(pairs) else "some mesh positions missing"
+    missing = "some mesh positions missing" if np.any(np.isfinite(course.values)) else "no certified solution"
+    text = f"{pairs:.2f} pairs under load on average" if np.isfinite(pairs) else missing
     axes.set_title(text, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def _name(axes: Axes, pair: int, times: Array, share: Array, colour: str) -> None:
+    """Write a pair's number under the crest of its curve, if there is room for it in view."""
+    seen = np.isfinite(share) & (times >= 0.0) & (times <= CYCLES)
+    if not np.any(seen):
+        return
+    height = float(np.max(share[seen]))
+    crest = times[seen][share[seen] >= 0.9 * height]
+    if height >= 0.5 and np.ptp(crest) >= NAME_ROOM:
+        text = f"pair {pair}".replace("-", "−")
+        axes.text(crest.mean(), 0.9 * height - 0.02, text, ha="center", va="top", fontsize=SMALL_SIZE, color=colour)

@@ -134,9 +134,10 @@ def save(figure: Figure, path: Path) -> Path:
         If the file cannot be written.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    canvas: Any = figure.canvas  # its own method, unlike that of the figure, does not draw everything twice
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(temporary, format="png", dpi=DPI, facecolor="white")
+        canvas.print_png(temporary)
         os.replace(temporary, path)
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
