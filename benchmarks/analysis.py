@@ -85,7 +85,8 @@ def main() -> None:
     totals = [sum(values[i] for values in times.values()) for i in range(repetitions)]
     total = statistics.median(totals)
     torques = len(case.contact.torques)
-    print(f"{name}: {torques} torques x {case.contact.mesh_positions} mesh positions, one BLAS thread, {repetitions} runs")
+    positions = case.contact.mesh_positions
+    print(f"{name}: {torques} torques x {positions} mesh positions, one BLAS thread, {repetitions} runs")
     print(f"{platform.machine()}, Python {platform.python_version()}, numpy {np.__version__}\n")
     rows = [(stage, statistics.median(v), min(v), 100 * statistics.median(v) / total) for stage, v in times.items()]
     rows.append(("all", total, min(totals), 100.0))

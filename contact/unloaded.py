@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from ..core.attributes import labelled
 from .curves import ContactLines
@@ -15,6 +16,7 @@ from .harmonics import harmonics, peak_to_peak, rms
 from .segments import ClosestApproach, MeshLines, closest_approach
 
 Array = NDArray[Any]
+FINER = 16  # rotations between two mesh positions at which the envelope is taken
 
 
 def _smallest(values: Array) -> tuple[Array, Array]:
@@ -60,6 +62,24 @@ def _line_ends(
     length = (ends[1] - ends[0]) / (count - 1) * lines.length
     place = np.stack([_at(lines.points, ends[side]) for side in range(2)], axis=-1)
     return place[0], place[1], length
+
+
+def _fine_envelope(errors: Array) -> Array:
+    """Error of the pair that carries at FINER times as many rotations, from the errors (pair, mesh position).
+
+    One tooth pair's error is a smooth function of its rotation, known over several pitches; the kink where the next pair
+    takes over, and with it the peak to peak, lies between the mesh positions.
+    """
+    pairs, positions = errors.shape
+    # Pair p at position k has turned k - p * positions steps beyond the followed pair's start.
+    step = (np.arange(positions)[None, :] - np.arange(pairs)[:, None] * positions).ravel()
+    order = np.argsort(step)
+    step, error = step[order], errors.ravel()[order]
+    known = np.isfinite(error)
+    single = PchipInterpolator(step[known], error[known], extrapolate=False)
+    fine = np.arange(positions * FINER) / FINER
+    candidates = np.stack([single(fine - p * positions) for p in range(pairs)])
+    return np.asarray(np.nanmin(candidates, axis=0))
 
 
 def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
@@ -113,7 +133,8 @@ def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float 
     errors = data["transmission_error"][1]
     envelope = np.nanmin(errors, axis=0)
     carrying = pairs[np.nanargmin(errors, axis=0)]
-    amplitudes = harmonics(envelope)
+    fine = _fine_envelope(errors)
+    amplitudes = harmonics(fine)
     dataset = xr.Dataset(
         {
             **data,
@@ -124,7 +145,7 @@ def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float 
         coords={"pair": pairs, "mesh_position": np.arange(mesh_positions) / mesh_positions},
         attrs={
             "separation_um": separation,
-            "peak_to_peak_urad": peak_to_peak(envelope),
+            "peak_to_peak_urad": peak_to_peak(fine),
             "harmonics_urad": amplitudes,
             "rms_urad": rms(amplitudes),
         },

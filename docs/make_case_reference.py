@@ -57,7 +57,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[misalignment]`", model.MisalignmentTable
     yield "### `[contact]`", model.ContactTable
     yield "### `[compliance]`", model.ComplianceTable
-    yield "### `[target]`", model.TargetTable
+    yield "### `[target.drive]` and `[target.coast]`", model.TargetTable
 
 
 def keys(table: type[BaseModel]) -> str:

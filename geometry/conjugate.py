@@ -2,8 +2,8 @@
 
 A pinion point is in contact with its conjugate gear at the pinion rotation where the relative velocity of the two
 members is at right angles to the normal (Kolivand 2009, Eq. 2.19 and 4.1). That condition is
-A cos q + B sin q = C and has two roots, some 100 degrees apart; the right one is chosen once, at the mean point,
-and followed by its sign over the whole flank.
+A cos q + B sin q = C and has two roots, tens of degrees apart; the right one is chosen once, at the mean point, and
+followed by its sign over the whole flank.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -32,7 +33,10 @@ SCALES = {
     "ratio_of_roll": 0.02,
     "modified_roll_2c": 0.02,
     "modified_roll_6d": 0.2,
+    "modified_roll_24e": 2.0,
+    "modified_roll_120f": 20.0,
 }
+MODIFIED_ROLL = {"modified_roll_2c": 2, "modified_roll_6d": 3, "modified_roll_24e": 4, "modified_roll_120f": 5}
 FAR = 1e9  # residual [um] of settings with which the flanks do not meet
 # Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
 FREE = (
@@ -105,20 +109,21 @@ def get_setting(surface: GeneratingSurface, name: str) -> float:
     """One setting of a generating surface by name (see ``SCALES``)."""
     if name in ("point_radius", "pressure_angle"):
         return float(getattr(surface.blade, name))
-    if name.startswith("modified_roll_"):
-        order = {"modified_roll_2c": 2, "modified_roll_6d": 3}[name]
-        roll = surface.settings.modified_roll
-        return float(roll[order - 2] * (2 if order == 2 else 6)) if len(roll) > order - 2 else 0.0
+    if name in MODIFIED_ROLL:
+        order, roll = MODIFIED_ROLL[name], surface.settings.modified_roll
+        return float(roll[order - 2] * math.factorial(order)) if len(roll) > order - 2 else 0.0
     return float(getattr(surface.settings, name))
 
 
 def with_settings(surface: GeneratingSurface, values: dict[str, float]) -> GeneratingSurface:
     """The same surface with some settings changed by name (see ``SCALES``)."""
     blade: dict[str, Any] = {k: v for k, v in values.items() if k in ("point_radius", "pressure_angle")}
-    roll = [get_setting(surface, name) for name in ("modified_roll_2c", "modified_roll_6d")]
-    roll = [values.get("modified_roll_2c", roll[0]) / 2.0, values.get("modified_roll_6d", roll[1]) / 6.0]
-    roll += surface.settings.modified_roll[2:]
-    machine: dict[str, Any] = {k: v for k, v in values.items() if k not in blade and not k.startswith("modified_roll_")}
+    roll = list(surface.settings.modified_roll)
+    for name in MODIFIED_ROLL.keys() & values.keys():
+        order = MODIFIED_ROLL[name]
+        roll += [0.0] * (order - 1 - len(roll))
+        roll[order - 2] = values[name] / math.factorial(order)
+    machine: dict[str, Any] = {k: v for k, v in values.items() if k not in blade and k not in MODIFIED_ROLL}
     settings = replace(surface.settings, **machine, modified_roll=tuple(roll))
     return replace(surface, blade=replace(surface.blade, **blade), settings=settings)
 
@@ -197,4 +202,16 @@ def fit_pinion(
     )
     values = dict(zip(free, (float(v) for v in origin + scale * found.x), strict=True))
     moved = {name: (float(o), values[name]) for name, o in zip(free, origin, strict=True)}
-    return Synthesis(with_settings(start, values), moved, 1e-3 * residual(found.x))
+    surface = with_settings(start, values)
+    left = 1e-3 * residual(found.x)
+    # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
+    fresh = compute(gear, surface, pair.pinion.section, pair.assembly)
+    error = (fresh.angle * fresh.lever_arm - wanted)[usable]
+    arm = lever[usable]
+    error = error - arm * float(arm @ error) / float(arm @ arm)
+    if not np.allclose(error, left, rtol=0.0, atol=1e-6):
+        raise GeometryError(
+            "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
+            f"settings than {', '.join(free)}, or start nearer to the target"
+        )
+    return Synthesis(surface, moved, left)

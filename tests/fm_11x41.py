@@ -1,8 +1,8 @@
 """The case fm-11x41, rebuilt from the dissertation's Table 2.1; run it to print the case file.
 
-Table 2.1 gives teeth, hands, spiral angles, offset and outer cone distances, but neither blank nor machine settings. The
-blank is taken from ISO 23509 Method 1 with a 95.25 mm cutter, the gear is Formate with a spread-blade cutter, and the
-pinion is fitted, in the misaligned position the dissertation analyses, to a target ease-off.
+Table 2.1 gives teeth, hands, spiral angles, offset and outer cone distances, but neither blank nor machine settings.
+The blank is taken from ISO 23509 Method 1 with a 95.25 mm cutter, the gear is Formate with a spread-blade cutter, and
+the pinion is fitted, in the misaligned position the dissertation analyses, to a target ease-off.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from easeoff.geometry import (
     formate_gear,
 )
 
-CUTTER_RADIUS = 95.25
+CUTTER_RADIUS = 95.25  # [mm]
+SPARE_DEPTH = 0.0  # [mm]
 MISALIGNMENT = Misalignment(offset=-0.15, pinion_axial=0.12)
 # Ease-off targets at the edges of the gear flank [mm]: lengthwise, profile, bias, spiral angle, pressure angle.
 DRIVE = EaseOffTarget(0.0170, 0.0180, 0.0155, 0.0015, -0.0043)
@@ -72,7 +73,8 @@ def rebuild() -> Rebuilt:
     dimensions = blank()
     convex, concave = formate_gear(dimensions, CUTTER_RADIUS, "right")
     assembly = Assembly(11, 41, "left", math.pi / 2, 20.0, MISALIGNMENT)
-    height = dimensions.gear.mean_dedendum + dimensions.pinion.mean_dedendum
+    # The fit tips the cutter a little out of the pinion's root: start it that much deeper.
+    height = dimensions.gear.mean_dedendum + dimensions.pinion.mean_dedendum + SPARE_DEPTH
     sections = [blank_section(m, dimensions.clearance) for m in (dimensions.pinion, dimensions.gear)]
     flanks = []
     for loaded, opposite, target in ((convex, concave, DRIVE), (concave, convex, COAST)):
@@ -145,14 +147,14 @@ def tables(rebuilt: Rebuilt) -> dict[str, dict[str, float]]:
 HEAD = """\
 # Face-milled hypoid pair 11 x 41, offset 20 mm: Formate gear, generated pinion.
 #
-# Rebuilt from Table 2.1 of M. Kolivand's dissertation (The Ohio State University, 2009), which prints teeth, hands, spiral
-# angles, offset and outer cone distances, but no blank and no machine settings. Blank: ISO 23509 Method 1, cutter 95.25 mm.
-# Pinion: the conjugate of the gear, its settings then fitted to the ease-off of [target] in the position of [misalignment].
-# tests/fm_11x41.py makes this file; the tests make the settings again from the target and compare.
+# Rebuilt from Table 2.1 of M. Kolivand's dissertation (The Ohio State University, 2009), which prints teeth, hands,
+# spiral angles, offset and outer cone distances, but no blank and no machine settings. Blank: ISO 23509 Method 1, cutter
+# radius 95.25 mm. Pinion: the conjugate of the gear, its settings then fitted to the ease-off of [target] in the
+# position of [misalignment]. tests/fm_11x41.py makes this file; the tests make the settings again and compare.
 easeoff_case = 1
 title = "FM 11x41 hypoid pair, offset 20 mm, Formate gear (rebuilt from Kolivand 2009, Table 2.1)"
-description = \"\"\"The dissertation's face-milled example with one fixed design of our own. The misalignment is that of its
-figures 2.9, 2.10, 3.6 and 3.7; its signs, which the dissertation does not state, are those that move the contact as it says.\"\"\"
+description = \"\"\"The dissertation's face-milled example with one fixed design of our own. The misalignment is that of
+its figures 2.9, 2.10, 3.6 and 3.7; the signs, which it does not state, are those that move the contact as it says.\"\"\"
 """
 
 

@@ -1,0 +1,236 @@
+"""The documentation cannot rot: its code runs, its tables are those of the code, its links lead somewhere."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+import shlex
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import easeoff
+from easeoff.cases import gear_pair, model, parse_case
+from easeoff.contact import read_problems, solve
+from easeoff.contact.solvers.settings import SOLVERS
+from easeoff.geometry import MachineSettings, ease_off
+from easeoff.geometry.machine import IncrementSense, cutter_frame, machine_to_member, work_rotation
+from easeoff.geometry.vectors import rotate_z
+from easeoff.study.cli import main
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
+WITH_CODE = ("index", "results", "contact_problems", "python")
+
+
+def text(name: str) -> str:
+    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
+
+
+def blocks(page: str, *languages: str) -> list[tuple[str, str]]:
+    """Language and code of the fenced blocks of a page."""
+    found = re.findall(r"^```(\w+)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
+    return [(language, code) for language, code in found if language in languages]
+
+
+def rows(page: str, heading: str) -> list[list[str]]:
+    """Cells of the first table behind a heading, without its head."""
+    table = page.split(f"{heading}\n", 1)[1].split("\n| ", 1)[1].split("\n\n", 1)[0]
+    return [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in table.splitlines()[2:]]
+
+
+def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Run the commands and the code of a page in order, in one folder and one namespace."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    monkeypatch.chdir(folder)
+    namespace: dict[str, Any] = {}
+    for language, code in blocks(page, "sh", "python"):
+        if language == "python":
+            exec(compile(code, "documentation", "exec"), namespace)
+            continue
+        for line in code.splitlines():
+            command, *arguments = shlex.split(line, comments=True)
+            assert command == "easeoff"
+            outcome = CliRunner().invoke(main, arguments)
+            assert outcome.exit_code == 0, outcome.output
+    return namespace
+
+
+@pytest.mark.parametrize("name", WITH_CODE)
+def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    namespace = run(text(name), tmp_path, monkeypatch)
+    if name == "contact_problems":
+        # The script that knows nothing of the package finds the answer of the package.
+        solution = solve(read_problems(tmp_path / "problems.nc")[0])
+        assert namespace["rotation"] == pytest.approx(solution.rotation, rel=1e-12)
+        np.testing.assert_allclose(namespace["force"], solution.force, rtol=0, atol=1e-9 * solution.force.max())
+        np.testing.assert_allclose(namespace["gap"], solution.gap, rtol=0, atol=1e-9 * solution.gap.max())
+
+
+def test_every_page_with_code_is_run() -> None:
+    assert {page.stem for page in DOCS.glob("*.md") if blocks(text(page.stem), "python")} <= set(WITH_CODE)
+
+
+def test_links_lead_somewhere() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#\s]*(?:#[^)\s]*)?)\)", page.read_text(encoding="utf-8")):
+            if target.startswith("http"):
+                continue
+            file, _, anchor = target.partition("#")
+            other = page if not file else page.parent / file
+            assert other.exists(), f"{page.name}: {target}"
+            if anchor:
+                headings = re.findall(r"^#+ (.*)$", other.read_text(encoding="utf-8"), flags=re.MULTILINE)
+                assert anchor in {re.sub(r"[^\w\- ]", "", h).lower().replace(" ", "-") for h in headings}, target
+
+
+def script(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(DOCS)
+    return importlib.import_module(name)
+
+
+def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_case_reference.py."""
+    reference = script("make_case_reference", monkeypatch)
+    page = text("case_file")
+    assert page == reference.updated(page)
+    assert reference.case_tables() in page
+    described = {table for _, table in reference.sections()}
+    for _, table in inspect.getmembers(model, lambda m: inspect.isclass(m) and issubclass(m, model.Table)):
+        keys = [k for k, field in table.model_fields.items() if not reference.sub_table(field.annotation)]
+        assert table in described or not keys or any(issubclass(other, table) for other in described), table
+
+
+def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """If not: run docs/make_result_reference.py."""
+    reference = script("make_result_reference", monkeypatch)
+    page, tree = text("results"), reference.coarse_analysis()
+    assert page == reference.updated(page, tree)
+    assert reference.result_tables(tree) in page
+
+    # And what stands in the file is what stands in the page.
+    easeoff.write_result(tree, tmp_path / "result.nc")
+    with netCDF4.Dataset(tmp_path / "result.nc") as file:
+        assert all(f"`{name}`" in page for name in file.ncattrs())
+        for group in file.groups.values():
+            listed = {row[0].split("`")[1]: row[1:] for row in rows(page, f"### `/{group.name}`")}
+            assert set(group.variables) == set(listed)
+            for name, variable in group.variables.items():
+                dimensions = [d for d in variable.dimensions if not d.startswith("string")]
+                assert listed[name][0] == ", ".join(dimensions)
+                assert listed[name][1] == getattr(variable, "units", "")
+            assert all(f"`{name}`" in page for name in group.ncattrs())
+
+
+def test_example_case_is_a_case() -> None:
+    whole, formate = (code for _, code in blocks(text("case_file"), "toml"))
+    case = parse_case(whole)
+    middle = ease_off(gear_pair(case), (7, 7))
+    assert np.mean(middle["inside"].values) > 0.5
+    machine = model.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])
+    assert machine.ratio_of_roll is None
+
+
+def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from easeoff.contact import write_problems
+    from easeoff.contact.solvers.problem_classes import problems
+
+    labels = {"pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
+    write_problems([*problems("plain", 2), *problems("random_dense", 2)], tmp_path / "problems.nc", labels)
+    listed: dict[str, tuple[str, str]] = {}
+    for names, dimensions, units, _ in rows(text("contact_problems"), "## The file"):
+        for name, unit in zip(names.split(", "), units.split(", "), strict=True):
+            listed[name.strip("`")] = (dimensions, unit)
+    with netCDF4.Dataset(tmp_path / "problems.nc") as file:
+        assert set(file.variables) == set(listed)
+        for name, variable in file.variables.items():
+            assert ", ".join(variable.dimensions) == listed[name][0]
+            assert getattr(variable, "units", listed[name][1]) == listed[name][1]
+
+
+def test_table_of_solvers_is_that_of_the_code() -> None:
+    listed = {row[0].strip("`"): (row[1], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
+    expected = {
+        name: (entry.kind, "easeoff" if not entry.package or entry.package in always else entry.requirement)
+        for name, entry in SOLVERS.items()
+    }
+    assert listed == expected
+
+
+def spin(axis: str, angle: float) -> np.ndarray[Any, Any]:
+    """Homogeneous rotation about a coordinate axis."""
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    matrix = np.eye(4)
+    matrix[i, i] = matrix[j, j] = np.cos(angle)
+    matrix[i, j], matrix[j, i] = -np.sin(angle), np.sin(angle)
+    return matrix
+
+
+def shift(axis: str, distance: float) -> np.ndarray[Any, Any]:
+    """Homogeneous translation along a coordinate axis."""
+    matrix = np.eye(4)
+    matrix["xyz".index(axis), 3] = distance
+    return matrix
+
+
+@pytest.mark.parametrize("number", range(4))
+@pytest.mark.parametrize("increment", [0.0, 0.21, -0.4])
+def test_machine_has_the_signs_of_the_conventions_page(number: int, increment: float) -> None:
+    """The other program's chain of joints, with the table's signs, puts the cutter where ours does."""
+    who, *cells = rows(text("conventions"), "### The same in HypoidFaceMilled")[number]
+    tilt, swivel, offset, *orders = (1 if cell == "+" else -1 for i, cell in enumerate(cells) if i != 3)
+    cradle = (-1.1 if cells[3].startswith("−") else 1.1) + increment
+    pinion = who.startswith("pinion")
+    left = who.endswith("left-hand") or (not pinion and "right-hand pinion" in who)
+    # A gear has no tilt here: the page says why.
+    i, j = (0.2, -0.6) if pinion else (0.0, 0.0)
+    ours = MachineSettings(75.0, 1.1, 0.3, 4.0, 0.7, -1.3, i, j, 3.2, (0.03, 0.02, 0.05))
+
+    powers = sum(s * c * increment ** (k + 2) for k, (s, c) in enumerate(zip(orders, ours.modified_roll, strict=True)))
+    chain = (
+        spin("z", -3.2 * (increment + powers)) @ shift("z", 1.3) @ spin("y", 0.3) @ shift("x", 0.7)
+        @ shift("y", 4.0 * offset) @ spin("x", -cradle) @ shift("z", 75.0) @ spin("x", j * swivel) @ spin("z", i * tilt)
+        @ np.array([[0.0, 0, -1, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1]])
+    )  # fmt: skip
+
+    sense: IncrementSense = -1 if pinion else 1
+    turn = np.array([-increment if left else increment])
+    rotation, _ = work_rotation(ours, turn, sense)
+    center = rotate_z(ours.cradle_angle + turn, (np.array([75.0]), np.zeros(1), np.zeros(1)))
+    axis = rotate_z(ours.cradle_angle + turn, cutter_frame(ours)[:, [2]])
+    mirror = np.array([1.0, -1.0 if left else 1.0, 1.0])
+    found = machine_to_member(ours, rotation, center, point=True)[:, 0] * mirror
+    np.testing.assert_allclose(found, chain[:3, 3], rtol=0, atol=1e-12)
+    found = machine_to_member(ours, rotation, axis, point=False)[:, 0] * mirror
+    np.testing.assert_allclose(found, chain[:3, 2], rtol=0, atol=1e-13)
+
+
+def test_senses_of_rotation_are_those_of_the_conventions_page() -> None:
+    from easeoff.geometry.ease_off_surface import conjugate_motion
+
+    case = easeoff.read_case("nasa-12x36")
+    for hand, flanks, sense, seen in rows(text("conventions"), "## Hands, offset, flanks"):
+        pinion = case.pinion.model_copy(update={"hand_of_spiral": hand.removesuffix("-hand")})
+        pair = gear_pair(case.model_copy(update={"pinion": pinion}), "drive" if flanks == "drive" else "coast")
+        middle = pair.gear.middle().position[:, 0]
+        target = np.array([middle[2], np.hypot(middle[0], middle[1])])
+        motion = conjugate_motion(pair.pinion.loaded, pair.pinion.section, pair.assembly, target)
+        assert sense == ("in the positive sense" if motion.pinion_sense > 0 else "in the negative sense")
+        # Seen from the heel one looks against z, so that positive is counter-clockwise.
+        assert seen == ("counter-clockwise" if motion.pinion_sense > 0 else "clockwise")
+
+
+def test_index_lists_every_command() -> None:
+    listed = {row[0].strip("`").split()[1] for row in rows(text("index"), "The commands, each with `--help`:")}
+    assert listed == set(main.commands)

@@ -1,0 +1,159 @@
+"""The rebuilt hypoid case: its settings follow from its target, and its contact compares with the dissertation."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import fm_11x41
+import numpy as np
+import pytest
+import xarray as xr
+from easeoff.cases import Case, gear_pair, read_case
+from easeoff.geometry import Misalignment
+from easeoff.geometry.pair import bodies
+from easeoff.study.analysis import analyze
+
+# Kolivand 2009: Table 3.1 and figure 3.6 at 50, 250 and 500 N m, Table 4.2 at 200 N m; mean levels read off the figures.
+TORQUES = [50.0, 200.0, 250.0, 500.0]
+MEAN_LEVEL = np.array([110.0, 240.0, 290.0, 600.0])
+PEAK_TO_PEAK = np.array([12.8, 14.2, 15.9, 21.9])
+UNLOADED_PEAK_TO_PEAK = 21.1
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return read_case("fm-11x41")
+
+
+@cache
+def analysis(offset: float = -0.15, pinion_axial: float = 0.12) -> xr.DataTree:
+    """Analysis at a misalignment [mm]."""
+    return analyze(
+        read_case("fm-11x41"), torques=TORQUES, misalignment=Misalignment(offset=offset, pinion_axial=pinion_axial)
+    )
+
+
+def group(name: str, **position: float) -> xr.Dataset:
+    return analysis(**position)[name].to_dataset()
+
+
+def test_settings_follow_from_the_target(case: Case) -> None:
+    """Blank, gear and both pinion flanks made again agree with the file to well below a micrometre on the flank."""
+    for name, table in fm_11x41.tables(fm_11x41.rebuild()).items():
+        stored: Any = case
+        for part in name.split("."):
+            stored = getattr(stored, part)
+        for key, value in table.items():
+            tolerance = 1e-5 if name.startswith("pinion.c") else 1e-9
+            assert getattr(stored, key) == pytest.approx(value, rel=tolerance, abs=tolerance), f"{name}.{key}"
+
+
+def test_file_records_the_target(case: Case) -> None:
+    for side, target in (("drive", fm_11x41.DRIVE), ("coast", fm_11x41.COAST)):
+        recorded = getattr(case.target, side)
+        for key, value in vars(target).items():
+            assert getattr(recorded, key) == pytest.approx(1e3 * value)
+    assert case.misalignment.offset == fm_11x41.MISALIGNMENT.offset
+
+
+def test_ease_off_is_the_target_within_the_fit(case: Case) -> None:
+    """What nine settings leave of the target: under 3 um anywhere on the common flank, up to a rotation of the gear."""
+    ease_off = group("ease_off")
+    t, h = np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij")
+    inside = ease_off["inside"].values == 1
+    left = 1e-3 * ease_off["ease_off"].values - fm_11x41.DRIVE(t, h)
+    lever = ease_off["lever_arm"].values
+    left = (left - lever * (lever[inside] @ left[inside]) / (lever[inside] @ lever[inside]))[inside]
+    assert np.abs(left).max() < 3e-3
+    assert np.sqrt(np.mean(left**2)) < 1.5e-3
+
+
+def test_teeth_have_the_thickness_of_the_blank(case: Case) -> None:
+    """Mean normal thickness from the generated flanks against ISO 23509, at pitch height, within a tenth of a mm or so."""
+    blank = fm_11x41.blank()
+    for body, member in zip(bodies(gear_pair(case)), (blank.pinion, blank.gear), strict=True):
+        mean = body.thickness.mean(axis=0)
+        up = (member.mean_dedendum) / body.height.mean()
+        assert mean[0] * (1 - up) + mean[1] * up == pytest.approx(member.mean_normal_thickness, abs=0.35)
+
+
+def test_every_position_is_certified() -> None:
+    loaded = group("loaded")
+    assert np.all(loaded["status"].values == 0)
+    assert (
+        max(
+            float(loaded[n].max())
+            for n in ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
+        )
+        < 1e-9
+    )
+
+
+def test_mean_levels_compare_with_the_dissertation() -> None:
+    error = np.abs(group("loaded")["mean_level"].values / MEAN_LEVEL - 1.0)
+    assert np.all(error[:3] < 0.20)
+    assert error[3] < 0.30
+
+
+def test_peak_to_peak_compares_with_the_dissertation() -> None:
+    assert np.all(np.abs(group("loaded")["peak_to_peak"].values / PEAK_TO_PEAK - 1.0) < 0.35)
+
+
+def test_unloaded_error_is_a_parabola_like_the_dissertations() -> None:
+    """Near its peak to peak, and with harmonics falling as it prints them (8.3, 3.7, 2.0)."""
+    attrs = group("unloaded").attrs
+    assert attrs["peak_to_peak_urad"] == pytest.approx(UNLOADED_PEAK_TO_PEAK, rel=0.5)
+    assert np.all(np.diff(attrs["harmonics_urad"]) < 0.0)
+
+
+def on_the_edge(loaded: xr.Dataset, torque: float, edge: str) -> float:
+    """Greatest pressure [MPa] on the segments at one end of the lines, nearer to the tip or to the root."""
+    at = loaded.sel(torque=torque)
+    pressure, tooth, profile = (at[name].values for name in ("pressure", "tooth", "profile"))
+    greatest = 0.0
+    for k in range(pressure.shape[0]):
+        for pair in np.unique(tooth[k][np.isfinite(tooth[k])]):
+            own = np.flatnonzero(tooth[k] == pair)
+            end = own[np.argmax(profile[k, own]) if edge == "tip" else np.argmin(profile[k, own])]
+            greatest = max(greatest, float(pressure[k, end]))
+    return greatest
+
+
+def test_pattern_is_central_at_low_torque_and_reaches_tip_and_root_at_high() -> None:
+    loaded = group("loaded")
+    force = loaded["force"].sel(torque=50.0)
+    centre = float((force * loaded["lengthwise"].sel(torque=50.0)).sum() / force.sum())
+    assert 0.4 < centre < 0.65
+    middle = float(loaded["max_pressure"].sel(torque=50.0))
+    for edge in ("tip", "root"):
+        assert on_the_edge(loaded, 50.0, edge) < 0.25 * middle
+        assert on_the_edge(loaded, 500.0, edge) > 500.0
+
+
+def centre(**position: float) -> tuple[float, float]:
+    """Centre of the load at 50 N m on the gear flank, lengthwise and profile."""
+    loaded = group("loaded", **position).sel(torque=50.0)
+    total = float(loaded["force"].sum())
+    lengthwise, profile = (float((loaded["force"] * loaded[n]).sum()) / total for n in ("lengthwise", "profile"))
+    return lengthwise, profile
+
+
+def test_other_misalignments_move_the_pattern_as_the_dissertation_says() -> None:
+    """0.08 and 0.05 mm move it towards toe and root, 0.26 and 0.13 mm towards the heel with less pressure."""
+    base, toe, heel = centre(), centre(offset=-0.08, pinion_axial=0.05), centre(offset=-0.26, pinion_axial=0.13)
+    assert toe[0] < base[0] - 0.05
+    assert toe[1] < base[1]
+    assert heel[0] > base[0] + 0.05
+    pressure = group("loaded")["max_pressure"].sel(torque=50.0)
+    assert group("loaded", offset=-0.26, pinion_axial=0.13)["max_pressure"].sel(torque=50.0) < pressure
+
+
+@pytest.mark.parametrize("what", ["segments_per_line", "lengthwise_modes"])
+def test_defaults_are_converged_within_one_percent(case: Case, what: str) -> None:
+    """Error and greatest pressure against a much finer discretisation."""
+    table, fine = ("contact", 93) if what == "segments_per_line" else ("compliance", 25)
+    refined = case.model_copy(update={table: getattr(case, table).model_copy(update={what: fine})})
+    own, finer = (analyze(c, torques=[50.0, 250.0])["loaded"].to_dataset() for c in (case, refined))
+    assert np.abs(own["transmission_error"] / finer["transmission_error"] - 1.0).max() < 0.01
+    assert abs(float(own["max_pressure"][0] / finer["max_pressure"][0]) - 1.0) < 0.01
