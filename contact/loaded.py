@@ -27,6 +27,7 @@ from .solvers import ContactSolution, Status
 Array = NDArray[Any]
 CERTIFICATE = tuple(field.name for field in dataclass_fields(Certificate))
 ORDERS = 10
+SMALLEST_DEPTH = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
 SMALLEST_CURVATURE = 1e-5  # [1/mm]; flanks that fit closer than this make no line contact, and a wider band is no harm
 
 
@@ -114,7 +115,8 @@ def all_segments(
         bending = np.where(pairs[:, None] == pairs[None, :], factor.T @ factor, 0.0)
         lengths = length[chosen].ravel()
         radii = 1.0 / np.maximum(curvature, SMALLEST_CURVATURE)
-        contact = WeberLineContact(lengths, radii, pinion_depth, gear_depth, model.pinion, model.gear)
+        depths_at = (np.maximum(depth, SMALLEST_DEPTH) for depth in (pinion_depth, gear_depth))
+        contact = WeberLineContact(lengths, radii, *depths_at, model.pinion, model.gear)
         result.append(Segments(pairs, place[:, chosen].reshape(2, -1), angles, arms, lengths, radii, bending, contact))
     return result
 
@@ -290,7 +292,8 @@ def _dataset(segments: list[Segments | None], cases: list[LoadedCase], torques: 
     data["rms"] = ("torque", [rms(row[:3]) for row in amplitudes])
     data["harmonic"] = (("torque", "order"), amplitudes)
     pressure = per_segment["pressure"].reshape(torques.size, -1)
-    data["max_pressure"] = ("torque", np.where(np.isfinite(pressure), pressure, -np.inf).max(axis=1))
+    greatest = np.where(np.isfinite(pressure), pressure, -np.inf).max(axis=1)
+    data["max_pressure"] = ("torque", np.where(np.isfinite(greatest), greatest, np.nan))
     coords = {
         "torque": torques,
         "mesh_position": np.arange(rotations.size) / rotations.size,

@@ -67,8 +67,8 @@ def _line_ends(
 def _fine_envelope(errors: Array) -> Array:
     """Error of the pair that carries at FINER times as many rotations, from the errors (pair, mesh position).
 
-    One tooth pair's error is a smooth function of its rotation, known over several pitches; the kink where the next pair
-    takes over, and with it the peak to peak, lies between the mesh positions.
+    One tooth pair's error is a smooth function of its rotation, known over several pitches; the kink where the next
+    pair takes over, and with it the peak to peak, lies between the mesh positions.
     """
     pairs, positions = errors.shape
     # Pair p at position k has turned k - p * positions steps beyond the followed pair's start.
@@ -79,7 +79,13 @@ def _fine_envelope(errors: Array) -> Array:
     single = PchipInterpolator(step[known], error[known], extrapolate=False)
     fine = np.arange(positions * FINER) / FINER
     candidates = np.stack([single(fine - p * positions) for p in range(pairs)])
-    return np.asarray(np.nanmin(candidates, axis=0))
+    return _least(candidates)
+
+
+def _least(values: Array) -> Array:
+    """Smallest value along the first axis, NaN where there is none."""
+    least = np.where(np.isfinite(values), values, np.inf).min(axis=0)
+    return np.where(np.isfinite(least), least, np.nan)
 
 
 def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
@@ -131,8 +137,10 @@ def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float 
         table[row[order], position[order]] = ends[order]
         data[name] = ((*grid, "end"), table)
     errors = data["transmission_error"][1]
-    envelope = np.nanmin(errors, axis=0)
-    carrying = pairs[np.nanargmin(errors, axis=0)]
+    envelope = _least(errors)
+    carrying = np.where(
+        np.isfinite(envelope), pairs[np.argmin(np.where(np.isfinite(errors), errors, np.inf), axis=0)], np.nan
+    )
     fine = _fine_envelope(errors)
     amplitudes = harmonics(fine)
     dataset = xr.Dataset(

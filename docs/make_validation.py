@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import easeoff
 import numpy as np
 import xarray as xr
+from tabulate import tabulate
+
+import easeoff
 from easeoff.contact import available_solvers
 from easeoff.geometry import Misalignment
 from easeoff.study.plot import write_pictures
-from tabulate import tabulate
 
 HERE = Path(__file__).parent
 TORQUES = [50.0, 200.0, 250.0, 500.0]

@@ -23,6 +23,7 @@ Array = NDArray[Any]
 
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 NODES = (13, 9)  # where both flanks of a tooth are compared, lengthwise and profile
+NARROWEST_EDGE = 0.1  # of the root thickness
 ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those nodes
 
 
@@ -181,10 +182,10 @@ def tooth_body(
     normal = normal / np.sqrt(dot(normal, normal))
     # Chord between the flanks, measured across the middle surface.
     thickness = 2.0 * radial * np.sin(0.5 * angle) * np.abs(normal[1])
-    if np.nanmin(thickness) <= 0.0:
+    if _middle(thickness) <= 0.0 or np.nanmean(thickness > 0.0) < 0.8:
         raise GeometryError(
-            f"the tooth would be {np.nanmin(thickness):.3f} mm thick at its thinnest: check the thickness, the point "
-            "radii and the blade angles of both flanks"
+            f"the tooth would be {_middle(thickness):.3f} mm thick in its middle and {np.nanmin(thickness):.3f} mm where "
+            "it is thinnest: check the thickness, the point radii and the blade angles of both flanks"
         )
     middle_azimuth = fit(_azimuth(front) + 0.5 * turn * angle)
     middle_normal = np.stack([fit(component) for component in normal])
@@ -215,7 +216,10 @@ def _plate(section: BlankSection, nodes: Array, axial: Array, radial: Array, thi
     along = nodes[0]
     up = section.height_above_root(axial, radial) / (heights[0] * (1 - along) + heights[1] * along)
     matrix = np.stack([(1 - along) * (1 - up), (1 - along) * up, along * (1 - up), along * up], axis=1)
-    return np.asarray(heights), np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
+    plate = np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
+    # A tooth that ends in a point keeps a plate with a narrow edge.
+    plate[:, 1] = np.maximum(plate[:, 1], NARROWEST_EDGE * plate[:, 0])
+    return np.asarray(heights), plate
 
 
 def _azimuth(flank: Flank) -> Array:

@@ -73,10 +73,10 @@ def summary(tree: xr.DataTree) -> str:
     rows = [
         (
             f"{torque:g}",
-            loaded["mean_level"].values[i],
-            loaded["peak_to_peak"].values[i],
-            *loaded["harmonic"].values[i, :3],
-            loaded["max_pressure"].values[i],
+            f"{loaded['mean_level'].values[i]:.1f}",
+            f"{loaded['peak_to_peak'].values[i]:.2f}",
+            *(f"{amplitude:.2f}" for amplitude in loaded["harmonic"].values[i, :3]),
+            f"{loaded['max_pressure'].values[i]:.0f}",
             f"{np.max(worst[i]):.0e}",
             f"{int(np.sum(loaded['status'].values[i] == Status.CERTIFIED))} of {worst.shape[1]}",
         )
@@ -103,7 +103,7 @@ def summary(tree: xr.DataTree) -> str:
         "",
         f"Loaded contact, solver {solver}",
         "",
-        tabulate(rows, headers=headers, floatfmt=".2f", tablefmt="simple", colalign=("right",) * len(headers)),
+        tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)),
     ]
     notes = uncertified(tree)
     if attrs["opposite_flanks"] != "given":

@@ -148,13 +148,14 @@ HEAD = """\
 # Face-milled hypoid pair 11 x 41, offset 20 mm: Formate gear, generated pinion.
 #
 # Rebuilt from Table 2.1 of M. Kolivand's dissertation (The Ohio State University, 2009), which prints teeth, hands,
-# spiral angles, offset and outer cone distances, but no blank and no machine settings. Blank: ISO 23509 Method 1, cutter
-# radius 95.25 mm. Pinion: the conjugate of the gear, its settings then fitted to the ease-off of [target] in the
-# position of [misalignment]. tests/fm_11x41.py makes this file; the tests make the settings again and compare.
+# spiral angles, offset and outer cone distances, but no blank and no machine settings. Blank: ISO 23509 Method 1,
+# cutter radius 95.25 mm. Pinion: the conjugate of the gear, its settings then fitted to the ease-off of [target] in
+# the position of [misalignment]. tests/fm_11x41.py makes this file; the tests make the settings again and compare.
 easeoff_case = 1
 title = "FM 11x41 hypoid pair, offset 20 mm, Formate gear (rebuilt from Kolivand 2009, Table 2.1)"
-description = \"\"\"The dissertation's face-milled example with one fixed design of our own. The misalignment is that of
-its figures 2.9, 2.10, 3.6 and 3.7; the signs, which it does not state, are those that move the contact as it says.\"\"\"
+description = \"\"\"The dissertation's face-milled example with one fixed design of our own. The misalignment is
+that of its figures 2.9, 2.10, 3.6 and 3.7; the signs, which it does not state, are those that move the contact as it
+says.\"\"\"
 """
 
 
