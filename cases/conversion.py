@@ -10,7 +10,7 @@ from ..contact.compliance import ElasticFoundation, Material
 from ..core.errors import InputError
 from ..geometry.assembly import Assembly, Misalignment
 from ..geometry.blade import Blade
-from ..geometry.flank_surface import GeneratingSurface, Hand
+from ..geometry.generating_surface import GeneratingSurface, Hand
 from ..geometry.machine import MachineSettings
 from ..geometry.pair import FlankName, GearPair, Member
 from ..geometry.section import BlankSection

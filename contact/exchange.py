@@ -36,6 +36,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import InputError
+from ..core.files import whole_file
 from .problem import ContactProblem
 from .problem_dataset import ATTRIBUTES
 
@@ -69,19 +70,13 @@ def write_problems(
     dataset = _dataset(problems)
     for name, values in (labels or {}).items():
         dataset.coords[name] = ("problem", _label(name, values, len(problems)))
-    target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
         for name, variable in dataset.variables.items()
         if variable.dtype.kind in "fi"
     }
-    try:
+    with whole_file(path) as temporary:
         dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        os.replace(temporary, target)
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            temporary.unlink()
 
 
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:

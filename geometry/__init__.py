@@ -5,7 +5,8 @@ from .basic_settings import blank_section, formate_gear
 from .blade import Blade
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
-from .flank_surface import GeneratingSurface, NodeStatus
+from .flank_surface import NodeStatus
+from .generating_surface import GeneratingSurface
 from .machine import MachineSettings
 from .pair import GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
 from .section import BlankSection

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .flank_surface import Hand
+from .generating_surface import Hand
 from .vectors import column
 
 Array = NDArray[Any]

@@ -7,7 +7,7 @@ import math
 from ..core.errors import GeometryError
 from .blade import Blade
 from .blank import BlankDimensions
-from .flank_surface import GeneratingSurface, Hand
+from .generating_surface import GeneratingSurface, Hand
 from .iso23509_dimensions import MemberBlank
 from .machine import MachineSettings
 from .section import BlankSection

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
-from .flank_surface import GeneratingSurface
+from .generating_surface import GeneratingSurface
 from .vectors import column, cos_sin, cross, dot, rotate
 
 Array = NDArray[Any]

@@ -15,7 +15,7 @@ import numpy as np
 from ..core.errors import GeometryError
 from .assembly import Assembly
 from .blade import Blade, BladeSide
-from .flank_surface import GeneratingSurface, Hand
+from .generating_surface import GeneratingSurface, Hand
 from .machine import MachineSettings, cutter_frame, machine_to_member
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .conjugate import ConjugateMotion
-from .flank_surface import GeneratingSurface
+from .generating_surface import GeneratingSurface
 from .newton import complex_step
 from .vectors import column, rotate
 

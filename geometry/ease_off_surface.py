@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from ..core.errors import GeometryError
 from .assembly import Assembly
 from .conjugate import ConjugateMotion
-from .flank_surface import Flank, GeneratingSurface, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
+from .flank_surface import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
+from .generating_surface import GeneratingSurface
 from .newton import NewtonResult, complex_step, solve
 from .section import BlankSection
 

@@ -1,6 +1,6 @@
 """The cradle machine: from the cutter frame to the frame of the member being cut (Kolivand 2009, Eq. 2.7).
 
-Everything here describes a *right-hand* member; a left-hand one is its mirror image (see ``flank_surface``).
+Everything here describes a *right-hand* member; a left-hand one is its mirror image (see ``generating_surface``).
 
 Machine frame: z along the cradle axis, towards the blank; x along the root line when sliding base, machine centre to
 crossing point and work offset are zero. Member frame: z along the member's own axis, from the crossing point to the

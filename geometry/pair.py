@@ -13,7 +13,8 @@ from ..core.errors import InputError
 from .assembly import Assembly, Misalignment
 from .datasets import ease_off_dataset, flank_dataset, flanks_dataset, teeth_dataset
 from .ease_off_surface import EaseOff, compute
-from .flank_surface import Flank, GeneratingSurface, solve_flank
+from .flank_surface import Flank, solve_flank
+from .generating_surface import GeneratingSurface
 from .section import BlankSection
 from .tooth import ToothBody, opposite_surface, tooth_body
 

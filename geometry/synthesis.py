@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from ..core.errors import GeometryError, InputError
 from .ease_off_surface import compute
-from .flank_surface import GeneratingSurface
+from .generating_surface import GeneratingSurface
 from .pair import GearPair, grid
 
 Array = NDArray[Any]

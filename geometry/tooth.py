@@ -15,7 +15,8 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
-from .flank_surface import Flank, GeneratingSurface, solve_flank
+from .flank_surface import Flank, solve_flank
+from .generating_surface import GeneratingSurface
 from .section import BlankSection
 from .vectors import dot, rotate
 
@@ -184,8 +185,8 @@ def tooth_body(
     thickness = 2.0 * radial * np.sin(0.5 * angle) * np.abs(normal[1])
     if _middle(thickness) <= 0.0 or np.nanmean(thickness > 0.0) < 0.8:
         raise GeometryError(
-            f"the tooth would be {_middle(thickness):.3f} mm thick in its middle and {np.nanmin(thickness):.3f} mm where "
-            "it is thinnest: check the thickness, the point radii and the blade angles of both flanks"
+            f"the tooth would be {_middle(thickness):.3f} mm thick in its middle, {np.nanmin(thickness):.3f} mm at its "
+            "thinnest: check the thickness, the point radii and the blade angles of both flanks"
         )
     middle_azimuth = fit(_azimuth(front) + 0.5 * turn * angle)
     middle_normal = np.stack([fit(component) for component in normal])

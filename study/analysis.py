@@ -13,7 +13,8 @@ import xarray as xr
 
 from ..cases.conversion import elastic_model, gear_pair
 from ..cases.model import Case
-from ..contact.loaded import LoadedCase, loaded_contact, loaded_fields
+from ..contact.loaded import loaded_contact, loaded_fields
+from ..contact.loaded_cases import LoadedCase
 from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact

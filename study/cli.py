@@ -138,7 +138,8 @@ def _run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str) ->
 @click.option("--plots", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures.")
 def run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path, plots: Path | None) -> None:
     """Analyse CASE, a shipped name or a file, and write the result."""
-    from .result import check_writable, write_result
+    from ..core.files import check_writable
+    from .result import write_result
     from .show import uncertified
 
     check_writable(output)
@@ -173,8 +174,9 @@ def show(result: Path) -> None:
 @click.argument("folder", type=click.Path(path_type=Path))
 def plot(result: Path, folder: Path) -> None:
     """Draw the pictures of RESULT into FOLDER."""
+    from ..core.files import check_writable
     from .plot import write_pictures
-    from .result import check_writable, read_result
+    from .result import read_result
 
     tree = read_result(result)
     if folder.exists() and not folder.is_dir():
@@ -201,7 +203,7 @@ def cases() -> None:
 def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path) -> None:
     """Write the contact problems of every torque and mesh position of CASE, for other solvers."""
     from ..contact.exchange import write_problems
-    from .result import check_writable
+    from ..core.files import check_writable
 
     check_writable(output)
     analysis = _run(case, flank, torques, misalignment, solver)

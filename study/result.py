@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from pathlib import Path
 
 import xarray as xr
 
 from ..core.errors import InputError
+from ..core.files import whole_file
 
 GROUPS = ("flanks", "ease_off", "teeth", "unloaded", "loaded")
 
@@ -28,9 +28,6 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     InputError
         If the file cannot be written; nothing is left behind then.
     """
-    target = Path(path)
-    check_writable(target)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     encoding = {
         node.path: {
             str(name): {"zlib": True, "complevel": 1}
@@ -40,33 +37,8 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
         for node in tree.subtree
         if node.path != "/"
     }
-    try:
+    with whole_file(path) as temporary:
         tree.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        os.replace(temporary, target)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-
-
-def check_writable(path: str | os.PathLike[str]) -> None:
-    """Refuse an output path before any work is done for it.
-
-    Raises
-    ------
-    InputError
-        If the folder does not exist and cannot be made, may not be written to, or the path is a folder.
-    """
-    target = Path(path)
-    if target.is_dir():
-        raise InputError(f"{target} is a folder: give the name of a file")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
-    if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
-        raise InputError(f"{target} cannot be written: no permission")
 
 
 def read_result(path: str | os.PathLike[str]) -> xr.DataTree:

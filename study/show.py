@@ -8,13 +8,13 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
+from ..contact.loaded_cases import CERTIFICATE
 from ..contact.solvers import Status
 
 
 def _certificate(loaded: xr.Dataset) -> Any:
     """Worst residual of every torque and mesh position."""
-    names = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
-    return np.max(np.stack([loaded[name].values for name in names]), axis=0)
+    return np.max(np.stack([loaded[name].values for name in CERTIFICATE]), axis=0)
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:

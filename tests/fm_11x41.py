@@ -27,10 +27,9 @@ from easeoff.geometry import (
 )
 
 CUTTER_RADIUS = 95.25  # [mm]
-SPARE_DEPTH = 0.0  # [mm]
 MISALIGNMENT = Misalignment(offset=-0.15, pinion_axial=0.12)
 # Ease-off targets at the edges of the gear flank [mm]: lengthwise, profile, bias, spiral angle, pressure angle.
-DRIVE = EaseOffTarget(0.0170, 0.0180, 0.0155, 0.0015, -0.0043)
+DRIVE = EaseOffTarget(0.0105, 0.0210, 0.0107, 0.0038, -0.0107)
 COAST = EaseOffTarget(0.0200, 0.0150, 0.0, 0.0, -0.0050)
 
 
@@ -73,8 +72,7 @@ def rebuild() -> Rebuilt:
     dimensions = blank()
     convex, concave = formate_gear(dimensions, CUTTER_RADIUS, "right")
     assembly = Assembly(11, 41, "left", math.pi / 2, 20.0, MISALIGNMENT)
-    # The fit tips the cutter a little out of the pinion's root: start it that much deeper.
-    height = dimensions.gear.mean_dedendum + dimensions.pinion.mean_dedendum + SPARE_DEPTH
+    height = dimensions.gear.mean_dedendum + dimensions.pinion.mean_dedendum
     sections = [blank_section(m, dimensions.clearance) for m in (dimensions.pinion, dimensions.gear)]
     flanks = []
     for loaded, opposite, target in ((convex, concave, DRIVE), (concave, convex, COAST)):

@@ -37,9 +37,14 @@ def with_ease_off(geometry: PairGeometry, angle: np.ndarray) -> xr.Dataset:
     return changed
 
 
-def test_agrees_with_conventional_contact_analysis(nasa: tuple[GearPair, PairGeometry]) -> None:
-    """Transmission error within 0.1 arc seconds and path within 0.02 mm of the five-equation solution."""
-    pair, geometry = nasa
+@pytest.mark.parametrize(("name", "error", "distance"), [("nasa-12x36", 0.48, 0.02), ("fm-11x41", 0.1, 0.005)])
+def test_agrees_with_conventional_contact_analysis(name: str, error: float, distance: float) -> None:
+    """Transmission error [urad] and path [mm] against the five-equation solution, wherever both flanks exist.
+
+    0.48 urad are 0.1 arc seconds; that pair's transmission error is steep.
+    """
+    pair = gear_pair(read_case(name))
+    geometry = pair_geometry(pair)
     fields = contact_fields(geometry.flanks, geometry.ease_off)
     result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 24))
     own = result.sel(pair=0)
@@ -51,10 +56,10 @@ def test_agrees_with_conventional_contact_analysis(nasa: tuple[GearPair, PairGeo
     assert inside.sum() > 12
     zero = geometry.ease_off.attrs["first_contact_rad"]
     difference = 1e6 * (exact.closing_angle - zero) - own["transmission_error"].values
-    assert np.abs(difference[inside]).max() < 0.48
+    assert np.abs(difference[inside]).max() < error
     t, h = pair.gear.section.fractions(exact.gear_position[2], np.hypot(*exact.gear_position[:2]))
-    assert 25.4 * np.abs(t - own["path_lengthwise"].values)[inside].max() < 0.02
-    assert 7.5 * np.abs(h - own["path_profile"].values)[inside].max() < 0.02
+    assert pair.gear.section.face_width * np.abs(t - own["path_lengthwise"].values)[inside].max() < distance
+    assert 8.0 * np.abs(h - own["path_profile"].values)[inside].max() < distance
 
 
 def test_without_the_closest_approach_correction_it_would_not_agree(nasa: tuple[GearPair, PairGeometry]) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.files import whole_file
 
 DPI = 160
 WIDTH = 8.6  # [in]
@@ -133,15 +131,7 @@ def save(figure: Figure, path: Path) -> Path:
     InputError
         If the file cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     canvas: Any = figure.canvas  # its own method, unlike that of the figure, does not draw everything twice
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(path) as temporary:
         canvas.print_png(temporary)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
     return path
