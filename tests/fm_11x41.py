@@ -29,7 +29,7 @@ from easeoff.geometry import (
 CUTTER_RADIUS = 95.25  # [mm]
 MISALIGNMENT = Misalignment(offset=-0.15, pinion_axial=0.12)
 # Ease-off targets at the edges of the gear flank [mm]: lengthwise, profile, bias, spiral angle, pressure angle.
-DRIVE = EaseOffTarget(0.0105, 0.0210, 0.0107, 0.0038, -0.0107)
+DRIVE = EaseOffTarget(0.0103, 0.0226, 0.0133, 0.0029, -0.0071)
 COAST = EaseOffTarget(0.0200, 0.0150, 0.0, 0.0, -0.0050)
 
 
@@ -43,7 +43,7 @@ def blank() -> BlankDimensions:
             hypoid_offset=20.0,
             mean_spiral_angle=math.radians(40.5),
             gear_outer_pitch_diameter=211.8355,
-            gear_face_width=29.8,
+            gear_face_width=33.3,
             cutter_radius=CUTTER_RADIUS,
             nominal_drive_pressure_angle=math.radians(20.0),
             nominal_coast_pressure_angle=math.radians(20.0),

@@ -59,14 +59,14 @@ def test_file_records_the_target(case: Case) -> None:
 
 
 def test_ease_off_is_the_target_within_the_fit(case: Case) -> None:
-    """What nine settings leave of the target: under 3 um anywhere on the common flank, up to a rotation of the gear."""
+    """What nine settings leave of the target: under 4 um anywhere on the common flank, up to a rotation of the gear."""
     ease_off = group("ease_off")
     t, h = np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij")
     inside = ease_off["inside"].values == 1
     left = 1e-3 * ease_off["ease_off"].values - fm_11x41.DRIVE(t, h)
     lever = ease_off["lever_arm"].values
     left = (left - lever * (lever[inside] @ left[inside]) / (lever[inside] @ lever[inside]))[inside]
-    assert np.abs(left).max() < 3e-3
+    assert np.abs(left).max() < 4e-3
     assert np.sqrt(np.mean(left**2)) < 1.5e-3
 
 

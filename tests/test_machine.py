@@ -65,34 +65,47 @@ def test_normal_is_the_normal_of_the_generated_surface(side: str) -> None:
     np.testing.assert_allclose(np.abs(dot(area, normal)) / np.sqrt(dot(area, area)), 1.0, rtol=0, atol=1e-12)
 
 
-def test_meshing_condition_is_linear_along_the_blade_and_zero_at_the_solution() -> None:
-    """The triple product of the three derivatives vanishes at the distance found (Kolivand 2009, Eq. 2.8)."""
-    generated = surface()
+def triple_product(parameters: np.ndarray, distance: float) -> tuple[float, float]:
+    """Triple product of the derivatives by distance, cutter angle and cradle rotation (Kolivand 2009, Eq. 2.8).
+
+    By central differences on the family of blade points before the envelope is taken; with the product of the lengths.
+    """
     formate = replace(SETTINGS, ratio_of_roll=None, modified_roll=())
-    for column in PARAMETERS.T:
-        angle, rotation = column
-        distance = generated.evaluate(column[:, None])[2][0]
 
-        def work_point(angle: float, distance: float, rotation: float) -> np.ndarray:
-            # The same blade point on a machine whose cradle and work have turned: the family before the envelope.
-            turned = replace(formate, cradle_angle=SETTINGS.cradle_angle + rotation)
-            still = surface(turned).evaluate(np.array([[angle], [distance]]))[0][:, 0]
-            roll = float(work_rotation(SETTINGS, np.array(rotation), -1)[0])
-            c, s = math.cos(roll), math.sin(roll)
-            return np.array([c * still[0] + s * still[1], -s * still[0] + c * still[1], still[2]])
+    def work_point(angle: float, along: float, rotation: float) -> np.ndarray:
+        # The same blade point on a machine whose cradle and work have turned.
+        turned = replace(formate, cradle_angle=SETTINGS.cradle_angle + rotation)
+        still = surface(turned).evaluate(np.array([[angle], [along]]))[0][:, 0]
+        roll = float(work_rotation(SETTINGS, np.array(rotation), -1)[0])
+        c, s = math.cos(roll), math.sin(roll)
+        return np.array([c * still[0] + s * still[1], -s * still[0] + c * still[1], still[2]])
 
-        h = 1e-5
-        derivatives = [
-            (
-                work_point(*(np.array([angle, distance, rotation]) + h * e))
-                - work_point(*(np.array([angle, distance, rotation]) - h * e))
-            )
-            / (2 * h)
-            for e in np.eye(3)
-        ]
-        triple = np.dot(np.cross(derivatives[1], derivatives[0]), derivatives[2])
-        scale = np.prod([np.linalg.norm(d) for d in derivatives])
-        assert abs(triple / scale) < 1e-8
+    here, h = np.array([parameters[0], distance, parameters[1]]), 1e-5
+    derivatives = [(work_point(*(here + h * e)) - work_point(*(here - h * e))) / (2 * h) for e in np.eye(3)]
+    value = np.dot(np.cross(derivatives[1], derivatives[0]), derivatives[2])
+    return float(value), float(np.prod([np.linalg.norm(d) for d in derivatives]))
+
+
+def test_meshing_condition_vanishes_at_the_distance_found() -> None:
+    distances = surface().evaluate(PARAMETERS)[2]
+    for parameters, distance in zip(PARAMETERS.T, distances, strict=True):
+        for beyond, vanishes in ((0.0, True), (5.0, False)):
+            value, scale = triple_product(parameters, float(distance) + beyond)
+            assert (abs(value) < 1e-8 * scale) == vanishes
+
+
+def test_meshing_condition_is_quadratic_along_the_blade() -> None:
+    """Three distances give every other; one root is always the apex of the cutter cone and not a contact."""
+    apex = -OUTSIDE.point_radius / math.sin(OUTSIDE.pressure_angle)
+    for parameters in PARAMETERS.T:
+        distances = np.array([-3.0, 4.0, 11.0])
+        quadratic = np.polyfit(distances, [triple_product(parameters, s)[0] for s in distances], 2)
+        value, scale = triple_product(parameters, 25.0)
+        assert np.polyval(quadratic, 25.0) == pytest.approx(value, abs=1e-7 * scale)
+        roots = np.roots(quadratic)
+        assert np.abs(roots - apex).min() < 1e-3 * abs(apex)
+        found = surface().evaluate(parameters[:, None])[2][0]
+        assert np.abs(roots - found).min() < 1e-5
 
 
 @pytest.mark.parametrize("sense", [-1, 1])
