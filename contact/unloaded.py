@@ -152,10 +152,11 @@ def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float 
         },
         coords={"pair": pairs, "mesh_position": np.arange(mesh_positions) / mesh_positions},
         attrs={
-            "separation_um": separation,
-            "peak_to_peak_urad": peak_to_peak(fine),
-            "harmonics_urad": amplitudes,
-            "rms_urad": rms(amplitudes),
+            "separation": separation,
+            "attribute_units": "peak_to_peak, harmonics, rms: urad; separation: um",
+            "peak_to_peak": peak_to_peak(fine),
+            "harmonics": amplitudes,
+            "rms": rms(amplitudes),
         },
     )
     return labelled(dataset)

@@ -104,10 +104,10 @@ def against_the_dissertation() -> tuple[str, str, str]:
             "dissertation",
         ],
     )
-    own = " / ".join(f"{a:.1f}" for a in unloaded.attrs["harmonics_urad"])
+    own = " / ".join(f"{a:.1f}" for a in unloaded.attrs["harmonics"])
     third = table(
         [
-            ("ours", f"{unloaded.attrs['peak_to_peak_urad']:.1f}", own, f"{unloaded.attrs['rms_urad']:.1f}"),
+            ("ours", f"{unloaded.attrs['peak_to_peak']:.1f}", own, f"{unloaded.attrs['rms']:.1f}"),
             ("dissertation, Table 4.2", "21.1", "8.3 / 3.7 / 2.0", "9.3"),
         ],
         ["", "peak to peak [urad]", "harmonics 1 / 2 / 3 [urad]", "rms [urad]"],

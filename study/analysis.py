@@ -6,6 +6,7 @@ import datetime
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import xarray as xr
 
 from ..cases.conversion import elastic_model, gear_pair
 from ..cases.model import Case
+from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.loaded_cases import LoadedCase
 from ..contact.segments import lines_in_mesh
@@ -88,7 +90,7 @@ def analyze_in_full(
 
 
 def analyze(
-    case: Case,
+    case: Case | str | Path,
     *,
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
@@ -102,7 +104,7 @@ def analyze(
     Parameters
     ----------
     case
-        A checked case, see ``read_case``.
+        A checked case, or what ``read_case`` takes: the name of a shipped case or the path of a case file.
     flank
         ``drive``: pinion concave with gear convex; ``coast``: the other two.
     torques
@@ -130,8 +132,9 @@ def analyze(
     MissingSolverError
         If the solver's package is not installed.
     """
+    checked = case if isinstance(case, Case) else read_case(case)
     return analyze_in_full(
-        case, flank=flank, torques=torques, misalignment=misalignment, solver=solver, progress=progress, **options
+        checked, flank=flank, torques=torques, misalignment=misalignment, solver=solver, progress=progress, **options
     ).tree
 
 

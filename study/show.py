@@ -45,7 +45,7 @@ def summary(tree: xr.DataTree) -> str:
     loaded = tree["loaded"].to_dataset()
     inside = ease_off["inside"].values == 1
     gap = ease_off["ease_off"].values[inside]
-    harmonics = np.atleast_1d(unloaded.attrs["harmonics_urad"])
+    harmonics = np.atleast_1d(unloaded.attrs["harmonics"])
     sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
     errors = [
         ("E", attrs["misalignment_offset_mm"], "mm"),
@@ -64,7 +64,7 @@ def summary(tree: xr.DataTree) -> str:
         ("ease-off", f"up to {gap.max():.1f} um on the common flank"),
         (
             "unloaded transmission error",
-            f"{unloaded.attrs['peak_to_peak_urad']:.2f} urad peak to peak, harmonics "
+            f"{unloaded.attrs['peak_to_peak']:.2f} urad peak to peak, harmonics "
             + " / ".join(f"{a:.2f}" for a in harmonics),
         ),
     ]

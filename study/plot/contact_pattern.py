@@ -172,7 +172,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     """Draw the picture of a result on its gear flank."""
     unloaded = tree["unloaded"].to_dataset()
     pattern = contact_pattern(unloaded, view.fields)
-    separation = unloaded.attrs.get("separation_um", float("nan"))
+    separation = unloaded.attrs.get("separation", float("nan"))
     figure = page(
         tree,
         "Contact pattern without load, gear flank",

@@ -55,7 +55,7 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset) -> None:
     for pair in pairs_in_view(course, CYCLES):
         label = "each tooth pair" if pair == 0 else None
         axes.plot(course.steps / course.per_cycle + pair, course.values, color=FAINT, linewidth=1.1, label=label)
-    swing = unloaded.attrs.get("peak_to_peak_urad", np.nan)
+    swing = unloaded.attrs.get("peak_to_peak", np.nan)
     axes.plot(times, lowest, color=BLUE, linewidth=2.0, label=f"pair that carries,\npeak to peak {swing:.1f} µrad")
     finite = lowest[np.isfinite(lowest)]
     if finite.size:
