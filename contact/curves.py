@@ -2,8 +2,8 @@
 
 At a pinion rotation q the tooth pair can touch along the curve where the roll angle equals q (Kolivand 2009, section
 2.5). Where the ease-off changes across that curve the closest approach lies a little beside it; the gap next to the
-curve is (1/2) c (q - Q)^2 with the separation curvature c, so that the closest approach follows in closed form. The
-correction is of second order in the ease-off's slope and makes the method agree with conventional contact analysis.
+curve is (1/2) c (q - Q)^2 with the separation curvature c, and a term of third order. The correction is of second order
+in the ease-off's slope and makes the method agree with conventional contact analysis.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str,
         "ease_off_angle",
         "lever_arm",
         "separation_curvature",
+        "separation_skew",
         "pinion_lengthwise",
         "pinion_profile",
         "blade_distance",

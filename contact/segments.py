@@ -102,8 +102,9 @@ class ClosestApproach:
 def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     """Gap, place and curvature of the closest approach next to points of a contact curve.
 
-    Across the curve the gap is a(u) + (1/2) c u^2, where u is the roll angle beyond the curve's own, a the ease-off and
-    c the separation curvature. Its minimum is at u = -a'/(c + a'') and is a - (1/2) a'^2/(c + a'').
+    Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
+    the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
+    or where the way to it leaves the flank, the gap is evaluated.
 
     Parameters
     ----------
@@ -143,8 +144,11 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(opens, -by_roll / stiffness, 0.0)
     curvature = np.where(opens, value["lever_arm"] * stiffness * slope**2, 0.0)
-    separation = value["ease_off_angle"] + 0.5 * by_roll * step
-    return ClosestApproach(separation, across * step / slope, value["lever_arm"], curvature)
+    closest = np.clip(points + across * step / slope, 0.0, 1.0)
+    there = fields.evaluate(["roll_angle", "ease_off_angle", "separation_curvature", "separation_skew"], closest)
+    left = value["roll_angle"] - there["roll_angle"]
+    parting = 0.5 * there["separation_curvature"] * left**2 + there["separation_skew"] * left**3 / 6.0
+    return ClosestApproach(there["ease_off_angle"] + parting, closest - points, value["lever_arm"], curvature)
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:

@@ -39,6 +39,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     ),
     "lever_arm": ("mm", "arm of the normal force about the gear axis"),
     "separation_curvature": ("rad-1", "second derivative of the gap, as a gear rotation, by the pinion rotation"),
+    "separation_skew": ("rad-2", "third derivative of the gap, as a gear rotation, by the pinion rotation"),
     "pinion_lengthwise": ("1", "lengthwise fraction of the conjugate point on the pinion"),
     "pinion_profile": ("1", "profile fraction of the conjugate point on the pinion"),
     "blade_distance": ("mm", "distance from the blade tip along the blade that cuts here, the smaller of both members"),

@@ -110,6 +110,7 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
         "roll_angle": ease_off.roll_angle,
         "lever_arm": ease_off.lever_arm,
         "separation_curvature": ease_off.separation_curvature,
+        "separation_skew": ease_off.separation_skew,
         "pinion_lengthwise": ease_off.pinion_lengthwise,
         "pinion_profile": ease_off.pinion_profile,
         "blade_distance": ease_off.blade_distance,

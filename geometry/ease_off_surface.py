@@ -44,6 +44,8 @@ class EaseOff:
         Arm of the normal force about the gear axis [mm].
     separation_curvature
         Second derivative of the gap (a gear angle) by the pinion rotation at a fixed gear point [1/rad].
+    separation_skew
+        Third derivative of the gap by the pinion rotation at a fixed gear point [1/rad^2].
     pinion_lengthwise, pinion_profile
         Fractions of the conjugate point on the pinion flank.
     blade_distance
@@ -58,6 +60,7 @@ class EaseOff:
     angle: Array
     lever_arm: Array
     separation_curvature: Array
+    separation_skew: Array
     pinion_lengthwise: Array
     pinion_profile: Array
     blade_distance: Array
@@ -107,8 +110,33 @@ def conjugate_motion(
     return replace(motion, branch=(1.0, -1.0)[choice], center=float(roots[choice][0]))
 
 
-def _separation_curvature(motion: ConjugateMotion, parameters: Array, rotation: Array) -> Array:
-    """Second derivative of the gap by the pinion rotation, at fixed axial and radial coordinates on the gear."""
+SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 of it
+
+
+def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array]:
+    """Second and third derivative of the gap by the pinion rotation, at a fixed place on the gear."""
+    arguments = np.concatenate([parameters, rotation[None]])
+    curvature, first, second = _gap_curvature(motion, arguments)
+    along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
+    ahead, behind = (_gap_curvature(motion, arguments + sign * along)[0] for sign in (1.0, -1.0))
+    return curvature, (ahead - behind) / (2.0 * SKEW_STEP)
+
+
+def _gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
+    """Second derivative of the gap by the pinion rotation at a fixed place on the gear, at any rotation.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion.
+    arguments
+        Pinion parameters and pinion rotation (3, n).
+
+    Returns
+    -------
+    tuple
+        The derivative (n), and how both pinion parameters follow the rotation while the place stays fixed (n).
+    """
 
     def approach_and_place(p: Array) -> Array:
         position, normal = motion.action_point(p[:2], p[2])
@@ -116,13 +144,11 @@ def _separation_curvature(motion: ConjugateMotion, parameters: Array, rotation: 
         radial = np.sqrt(relative[0] ** 2 + relative[1] ** 2)
         return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
 
-    arguments = np.concatenate([parameters, rotation[None]])
     d = [complex_step(approach_and_place, arguments, index)[1] for index in range(3)]
     determinant = d[0][1] * d[1][2] - d[1][1] * d[0][2]
-    # How the pinion parameters follow the rotation while the place on the gear stays fixed.
     first = -(d[2][1] * d[1][2] - d[1][1] * d[2][2]) / determinant
     second = -(d[0][1] * d[2][2] - d[2][1] * d[0][2]) / determinant
-    return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second))
+    return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second)), first, second
 
 
 def compute(
@@ -204,7 +230,7 @@ def _classified(
         turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
         reference = turned[np.argmax(found.converged & usable)]
         turned = np.mod(turned - reference + np.pi, 2 * np.pi) - np.pi + reference
-        curvature = _separation_curvature(motion, parameters, roll_angle)
+        curvature, skew = _separation(motion, parameters, roll_angle)
     lengthwise, profile = section.fractions(position[2], np.hypot(position[0], position[1]))
 
     on_pinion = (lengthwise >= 0.0) & (lengthwise <= 1.0) & (profile >= 0.0) & (profile <= 1.0)
@@ -229,6 +255,7 @@ def _classified(
         angle=known(-motion.pinion_sense * turned),
         lever_arm=known(np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])),
         separation_curvature=known(curvature),
+        separation_skew=known(skew),
         pinion_lengthwise=known(lengthwise),
         pinion_profile=known(profile),
         blade_distance=known(np.minimum(distance, gear.blade_distance)),
