@@ -36,7 +36,7 @@ def section(blank: Blank) -> BlankSection:
     )
 
 
-def machine_settings(machine: Machine) -> MachineSettings:
+def machine_settings(machine: Machine, indexing_ratio: float = 0.0) -> MachineSettings:
     """Machine settings in mm and rad; modified roll as polynomial coefficients C = 2C / 2, D = 6D / 6, ..."""
     if machine.radial_distance is None or machine.cradle_angle is None:
         horizontal, vertical = machine.horizontal_distance or 0.0, machine.vertical_distance or 0.0
@@ -57,17 +57,25 @@ def machine_settings(machine: Machine) -> MachineSettings:
         cutter_swivel=math.radians(machine.cutter_swivel),
         ratio_of_roll=machine.ratio_of_roll,
         modified_roll=tuple(roll),
+        indexing_ratio=indexing_ratio,
     )
 
 
-def generating_surface(settings: FlankSettings, side: Side, hand: Hand, *, pinion: bool) -> GeneratingSurface:
+def generating_surface(
+    settings: FlankSettings, side: Side, hand: Hand, teeth: int, *, pinion: bool
+) -> GeneratingSurface:
     """What cuts one flank: the concave one is cut by an outside blade."""
+    cutter = settings.cutter
     blade = Blade(
-        settings.cutter.blade_point_radius,
-        math.radians(settings.cutter.blade_pressure_angle),
+        cutter.blade_point_radius,
+        math.radians(cutter.blade_pressure_angle),
         "outside" if side == "concave" else "inside",
+        math.radians(cutter.blade_offset_angle),
+        math.radians(cutter.blade_rake_angle),
+        math.radians(cutter.blade_hook_angle),
     )
-    return GeneratingSurface(blade, machine_settings(settings.machine), hand, -1 if pinion else 1)
+    machine = machine_settings(settings.machine, cutter.number_of_blade_groups / teeth)
+    return GeneratingSurface(blade, machine, hand, -1 if pinion else 1)
 
 
 def _member(table: MemberTable, loaded: Side, hand: Hand, *, pinion: bool) -> Member:
@@ -76,8 +84,10 @@ def _member(table: MemberTable, loaded: Side, hand: Hand, *, pinion: bool) -> Me
     return Member(
         teeth=table.number_of_teeth,
         section=section(table.blank),
-        loaded=generating_surface(settings, loaded, hand, pinion=pinion),
-        opposite=None if opposite is None else generating_surface(opposite, other, hand, pinion=pinion),
+        loaded=generating_surface(settings, loaded, hand, table.number_of_teeth, pinion=pinion),
+        opposite=None
+        if opposite is None
+        else generating_surface(opposite, other, hand, table.number_of_teeth, pinion=pinion),
         mean_thickness=table.mean_normal_circular_thickness,
     )
 

@@ -72,10 +72,32 @@ class Blank(Table):
 
 
 class Cutter(Table):
-    """Straight-edged blade of a face-milling cutter."""
+    """Straight-edged blade of a cutter."""
 
     blade_point_radius: Number = _number("radius of the blade tip", "mm", gt=1, lt=2000)
     blade_pressure_angle: Number = _number("angle between blade edge and cutter axis", "deg", gt=-45, lt=60)
+    number_of_blade_groups: Integer = _number(
+        "face hobbing: blade groups of the cutter; zero for face milling", "1", default=0, ge=0, le=100
+    )
+    blade_offset_angle: Number = _number(
+        "face hobbing: how far the blade tip stands off the radial direction", "deg", default=0.0, gt=-60, lt=60
+    )
+    blade_rake_angle: Number = _number(
+        "face hobbing: turn of the edge about the cutter axis", "deg", default=0.0, gt=-60, lt=60
+    )
+    blade_hook_angle: Number = _number(
+        "face hobbing: turn of the edge about the radial direction", "deg", default=0.0, gt=-60, lt=60
+    )
+
+    @model_validator(mode="after")
+    def _hobbing_has_groups(self) -> Self:
+        turned = (self.blade_offset_angle, self.blade_rake_angle, self.blade_hook_angle)
+        if self.number_of_blade_groups == 0 and any(turned):
+            raise ValueError(
+                "blade_offset_angle, blade_rake_angle and blade_hook_angle belong to face hobbing: give "
+                "number_of_blade_groups"
+            )
+        return self
 
 
 class Machine(Table):

@@ -1,4 +1,4 @@
-"""The cutter blade: the straight edge that sweeps the generating cone of a face-milling cutter."""
+"""The cutter blade: the straight edge that sweeps the generating cone of a face-milling cutter, or one that hobs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BladeSide = Literal["outside", "inside"]
 
 @dataclass(frozen=True)
 class Blade:
-    """Straight blade of a face-milling cutter.
+    """Straight blade.
 
     The cutter frame has its axis along z, pointing from the shank towards the blank, with the blade tips in the
     plane z = 0. The distance along the edge is counted from the tip, positive towards the shank.
@@ -27,6 +27,9 @@ class Blade:
         Angle between edge and cutter axis [rad], positive where the slot widens towards the shank.
     side
         An outside blade cuts the concave flank, an inside blade the convex one.
+    offset_angle, rake_angle, hook_angle
+        Where a face-hobbing blade stands off the radial direction, and how its edge is turned [rad]. A face-milling
+        blade sweeps a surface of revolution, for which only the pressure angle matters: zero.
 
     Raises
     ------
@@ -37,6 +40,9 @@ class Blade:
     point_radius: float
     pressure_angle: float
     side: BladeSide
+    offset_angle: float = 0.0
+    rake_angle: float = 0.0
+    hook_angle: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.point_radius > 0.0:
@@ -54,11 +60,20 @@ class Blade:
         return 1.0 if self.side == "outside" else -1.0
 
     @property
-    def edge(self) -> tuple[float, float]:
-        """Radial and axial component of the unit vector along the edge, tip to shank (Kolivand 2009, Eq. 2.5)."""
-        return self.side_sign * float(np.sin(self.pressure_angle)), -float(np.cos(self.pressure_angle))
+    def tip(self) -> tuple[float, float]:
+        """Radial and tangential component of the blade tip, in the frame that turns with the blade [mm]."""
+        return self.point_radius * float(np.cos(self.offset_angle)), self.point_radius * float(
+            np.sin(self.offset_angle)
+        )
 
     @property
-    def normal(self) -> tuple[float, float]:
-        """Radial and axial component of the cone's unit normal, out of the tooth that is cut, into the slot."""
-        return -self.side_sign * float(np.cos(self.pressure_angle)), -float(np.sin(self.pressure_angle))
+    def edge(self) -> tuple[float, float, float]:
+        """Unit vector along the edge, tip to shank: radial, tangential, axial (Kolivand 2009, Eq. 2.5 and 2.6a)."""
+        radial, axial = self.side_sign * np.sin(self.pressure_angle), -np.cos(self.pressure_angle)
+        # Rake about the cutter axis, then hook about the radial direction, then the offset of the blade.
+        radial, tangential = radial * np.cos(self.rake_angle), radial * np.sin(self.rake_angle)
+        cosine, sine = np.cos(self.hook_angle), np.sin(self.hook_angle)
+        tangential, axial = cosine * tangential - sine * axial, sine * tangential + cosine * axial
+        cosine, sine = np.cos(self.offset_angle), np.sin(self.offset_angle)
+        radial, tangential = cosine * radial - sine * tangential, sine * radial + cosine * tangential
+        return float(radial), float(tangential), float(axial)

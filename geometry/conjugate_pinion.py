@@ -1,13 +1,14 @@
 """The exactly conjugate pinion of a Formate gear, as settings of a cradle machine.
 
 Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose
-cutter is the gear's own generating cone, taken from the other side. The cradle then plays the gear, and the pinion is
-its envelope: the ease-off is zero everywhere. Machine root angle near zero and a large cutter tilt are the marks of
-this set-up.
+cutter is the gear's own blade, taken from the other side and, face-hobbed, turning in the same time. The cradle then
+plays the gear, and the pinion is its envelope: the ease-off is zero everywhere. Machine root angle near zero and a
+large cutter tilt are the marks of this set-up.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -48,21 +49,15 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
         )
     # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, axis towards the gear.
     turn = settings.cradle_angle
-    frame = cutter_frame(settings)
     spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
     center = spin @ np.array([settings.radial_distance, 0.0, 0.0])
     still = np.zeros(1)
     tip_center = machine_to_member(settings, still, center[:, None], point=True)[:, 0]
-    axis = machine_to_member(settings, still, (spin @ frame[:, 2])[:, None], point=False)[:, 0]
+    axis = machine_to_member(settings, still, (spin @ cutter_frame(settings)[:, 2])[:, None], point=False)[:, 0]
 
     # The pinion's cutter reaches from the gear's body to the pinion; its machine frame is the gear's with z reversed.
     tip_center = tip_center - blade_height * axis
     towards_pinion = np.array([-axis[0], -axis[1], axis[2]])
-    point_radius = gear.blade.point_radius + gear.blade.side_sign * blade_height * np.tan(gear.blade.pressure_angle)
-    if point_radius <= 0.0:
-        raise GeometryError(
-            f"the gear's cutter cone ends before the pinion's root, {blade_height} mm from its blade tip"
-        )
     cradle_angle = float(np.arctan2(tip_center[1], tip_center[0]))
     pinion_settings = MachineSettings(
         radial_distance=float(np.hypot(tip_center[0], tip_center[1])),
@@ -73,8 +68,26 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
         cutter_tilt=float(np.arccos(np.clip(towards_pinion[2], -1.0, 1.0))),
         cutter_swivel=cradle_angle - float(np.arctan2(towards_pinion[0], -towards_pinion[1])),
         ratio_of_roll=assembly.ratio,
+        indexing_ratio=settings.indexing_ratio * assembly.ratio,
     )
-    side: BladeSide = "outside" if gear.blade.side == "inside" else "inside"
-    blade = Blade(point_radius, gear.blade.pressure_angle, side)
     hand: Hand = "left" if gear.hand == "right" else "right"
-    return replace(gear, blade=blade, settings=pinion_settings, hand=hand, sense=-1)
+    return replace(gear, blade=_other_side(gear.blade, blade_height), settings=pinion_settings, hand=hand, sense=-1)
+
+
+def _other_side(blade: Blade, height: float) -> Blade:
+    """The same edge as a blade that points the other way, its tip ``height`` further up along the cutter axis."""
+    (tip_r, tip_t), (edge_r, edge_t, edge_z) = blade.tip, blade.edge
+    along = -height / edge_z
+    tip = complex(tip_r + along * edge_r, tip_t + along * edge_t)
+    if blade.offset_angle == 0.0 and tip.real <= 0.0:
+        raise GeometryError(f"the gear's cutter cone ends before the pinion's root, {height} mm from its blade tip")
+    # The edge from the new tip to the new shank, its radial and tangential part counted from the new tip's radius.
+    lateral = complex(-edge_r, -edge_t) * abs(tip) / tip
+    side: BladeSide = "outside" if blade.side == "inside" else "inside"
+    return Blade(
+        point_radius=abs(tip),
+        pressure_angle=-blade.side_sign * math.asin(lateral.real),
+        side=side,
+        offset_angle=math.atan2(tip.imag, tip.real),
+        hook_angle=math.atan2(lateral.imag, -edge_z),
+    )

@@ -48,33 +48,6 @@ class GeneratingSurface:
     def _frame(self) -> Array:
         return cutter_frame(self.settings)
 
-    def _blade_in_cradle(self, cutter_angle: Array) -> tuple[Array, Array, Array]:
-        """Cone normal, blade direction and blade tip (3, n) in the frame that turns with the cradle."""
-        cosine, sine = cos_sin(cutter_angle)
-        x_axis, y_axis, axis = (column(self._frame[:, i], cosine[None]) for i in range(3))
-        radial = x_axis * cosine + y_axis * sine
-        (normal_r, normal_z), (edge_r, edge_z) = self.blade.normal, self.blade.edge
-        center = column(np.array([self.settings.radial_distance, 0.0, 0.0]), cosine[None])
-        tip = center + self.blade.point_radius * radial
-        return normal_r * radial + normal_z * axis, edge_r * radial + edge_z * axis, tip
-
-    def _edge_distance(self, blade: tuple[Array, Array, Array], cradle_rotation: Array) -> Array:
-        """Distance along the blade [mm] where the generated flank touches it, from the equation of meshing.
-
-        The cone normal is constant along the edge and the relative velocity is linear in the distance, so the
-        condition normal . velocity = 0 is linear too (its other solution is always the apex of the cone).
-        """
-        normal, edge, tip = blade
-        direction, crossing_point = work_axis(self.settings)
-        _, ratio = work_rotation(self.settings, cradle_rotation, self.sense)
-        # The work axis seen from the cradle; the relative velocity is that of the cradle less that of the work.
-        back = -(self.settings.cradle_angle + cradle_rotation)
-        axis, origin = rotate_z(back, tuple(direction)), rotate_z(back, tuple(crossing_point))
-        spin = -ratio * axis
-        spin[2] += 1.0
-        shift = ratio * cross(axis, origin)
-        return np.asarray(-dot(normal, cross(spin, tip) + shift) / dot(normal, cross(spin, edge)))
-
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
         """Flank at given parameters; analytic, so that it can be differentiated by complex step.
 
@@ -89,16 +62,37 @@ class GeneratingSurface:
             Position (3, n) [mm] and outward unit normal (3, n) in the member frame, distance along the blade (n) [mm].
         """
         cutter_angle, second = parameters
-        blade = self._blade_in_cradle(cutter_angle)
-        if self.settings.generated:
-            cradle_rotation, distance = second, self._edge_distance(blade, second)
-        else:
-            cradle_rotation, distance = np.zeros_like(second), second
-        normal, edge, tip = blade
-        cradle = self.settings.cradle_angle + cradle_rotation
-        rotation, _ = work_rotation(self.settings, cradle_rotation, self.sense)
-        position = machine_to_member(self.settings, rotation, rotate_z(cradle, tip + distance * edge), point=True)
-        normal = machine_to_member(self.settings, rotation, rotate_z(cradle, normal), point=False)
+        settings = self.settings
+        cradle_rotation = second if settings.generated else np.zeros_like(second)
+        cradle = settings.cradle_angle + cradle_rotation
+        rotation, ratio = work_rotation(settings, cradle_rotation, self.sense)
+
+        # Blade and work axis in the frame that turns with the cradle.
+        cosine, sine = cos_sin(cutter_angle)
+        x_axis, y_axis, cutter_axis = (column(self._frame[:, i], cosine[None]) for i in range(3))
+        radial, tangential = x_axis * cosine + y_axis * sine, y_axis * cosine - x_axis * sine
+        center = column(np.array([settings.radial_distance, 0.0, 0.0]), cosine[None])
+        (tip_r, tip_t), (edge_r, edge_t, edge_z) = self.blade.tip, self.blade.edge
+        tip = center + tip_r * radial + tip_t * tangential
+        edge = edge_r * radial + edge_t * tangential + edge_z * cutter_axis
+        direction, crossing_point = work_axis(settings)
+        axis, origin = rotate_z(-cradle, tuple(direction)), rotate_z(-cradle, tuple(crossing_point))
+
+        # Velocity of a blade point relative to the work, as spin x point + shift: by cutter angle, by cradle rotation.
+        indexing = settings.indexing_ratio
+        by_cutter = (cutter_axis + indexing * axis, -cross(cutter_axis, center) - indexing * cross(axis, origin))
+        distance = second
+        if settings.generated:
+            spin = -ratio * axis
+            spin[2] += 1.0
+            distance = _edge_distance(tip, edge, by_cutter, (spin, ratio * cross(axis, origin)))
+        point = tip + distance * edge
+        normal = -self.blade.side_sign * cross(edge, cross(by_cutter[0], point) + by_cutter[1])
+        normal = normal / np.sqrt(dot(normal, normal))
+
+        rotation = rotation - indexing * cutter_angle
+        position = machine_to_member(settings, rotation, rotate_z(cradle, point), point=True)
+        normal = machine_to_member(settings, rotation, rotate_z(cradle, normal), point=False)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
         return position, normal, distance
@@ -123,3 +117,26 @@ class GeneratingSurface:
         _, second = complex_step(position, parameters, 1)
         _, normal, _ = self.evaluate(parameters)
         return np.asarray(dot(cross(first, second), normal))
+
+
+def _edge_distance(tip: Array, edge: Array, by_cutter: tuple[Array, Array], by_cradle: tuple[Array, Array]) -> Array:
+    """Distance along the blade [mm] where the generated flank touches it: the equation of meshing in closed form.
+
+    Blade, velocity by the cutter and velocity by the cradle lie in one plane there (Kolivand 2009, Eq. 2.8). Both
+    velocities are linear in the distance, so the condition is quadratic. Its other root is far away: for a face-milling
+    cutter it is always the apex of the cone.
+
+    Parameters
+    ----------
+    tip, edge
+        Blade tip [mm] and direction (3, n).
+    by_cutter, by_cradle
+        Velocities of a point, as (spin, shift) with velocity = spin x point + shift.
+    """
+    at_tip = [cross(spin, tip) + shift for spin, shift in (by_cutter, by_cradle)]
+    along = [cross(spin, edge) for spin, _ in (by_cutter, by_cradle)]
+    constant = dot(edge, cross(at_tip[0], at_tip[1]))
+    linear = dot(edge, cross(along[0], at_tip[1]) + cross(at_tip[0], along[1]))
+    quadratic = dot(edge, cross(along[0], along[1]))
+    root = np.sqrt(linear * linear - 4.0 * constant * quadratic)
+    return np.asarray(-2.0 * constant / (linear + np.sign(linear.real) * root))

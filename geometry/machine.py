@@ -46,6 +46,9 @@ class MachineSettings:
     modified_roll
         Coefficients (C, D, E, ...) of work rotation = ratio (p - C p^2 - D p^3 - ...), p the cradle increment;
         C in rad^-1, D in rad^-2 and so on.
+    indexing_ratio
+        Face hobbing: blade groups over teeth, N_t / N; the work turns by this times the cutter angle, against it. Zero
+        for face milling (Kolivand 2009, Eq. 2.1).
     """
 
     radial_distance: float
@@ -58,6 +61,7 @@ class MachineSettings:
     cutter_swivel: float = 0.0
     ratio_of_roll: float | None = None
     modified_roll: tuple[float, ...] = ()
+    indexing_ratio: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):

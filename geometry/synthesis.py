@@ -43,7 +43,6 @@ FREE = (
     "point_radius",
     "pressure_angle",
     "radial_distance",
-    "cradle_angle",
     "work_offset",
     "machine_center_to_crossing_point",
     "ratio_of_roll",

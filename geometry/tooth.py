@@ -183,7 +183,7 @@ def tooth_body(
     normal = normal / np.sqrt(dot(normal, normal))
     # Chord between the flanks, measured across the middle surface.
     thickness = 2.0 * radial * np.sin(0.5 * angle) * np.abs(normal[1])
-    if _middle(thickness) <= 0.0 or np.nanmean(thickness > 0.0) < 0.8:
+    if _middle(thickness) <= 0.0 or np.mean(thickness[usable] > 0.0) < 0.8:
         raise GeometryError(
             f"the tooth would be {_middle(thickness):.3f} mm thick in its middle, {np.nanmin(thickness):.3f} mm at its "
             "thinnest: check the thickness, the point radii and the blade angles of both flanks"

@@ -29,7 +29,7 @@ from easeoff.geometry import (
 CUTTER_RADIUS = 95.25  # [mm]
 MISALIGNMENT = Misalignment(offset=-0.15, pinion_axial=0.12)
 # Ease-off targets at the edges of the gear flank [mm]: lengthwise, profile, bias, spiral angle, pressure angle.
-DRIVE = EaseOffTarget(0.0103, 0.0226, 0.0133, 0.0029, -0.0071)
+DRIVE = EaseOffTarget(0.0102, 0.0228, 0.0138, 0.0026, -0.0066)
 COAST = EaseOffTarget(0.0200, 0.0150, 0.0, 0.0, -0.0050)
 
 

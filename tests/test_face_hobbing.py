@@ -1,0 +1,157 @@
+"""Face hobbing: one formulation with face milling, exact conjugacy, and a whole analysis of a face-hobbed pair."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pairs import GEAR_BLANK, GEAR_MACHINE, PINION_BLANK
+
+from easeoff.cases import parse_case, read_case
+from easeoff.cases.conversion import gear_pair
+from easeoff.cases.reading import case_text
+from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields
+from easeoff.core.errors import InputError
+from easeoff.geometry import (
+    Assembly,
+    Blade,
+    EaseOffTarget,
+    GearPair,
+    GeneratingSurface,
+    MachineSettings,
+    Member,
+    conjugate_pinion,
+    fit_pinion,
+    pair_geometry,
+)
+from easeoff.geometry.ease_off_surface import compute
+from easeoff.geometry.generating_surface import Hand
+from easeoff.geometry.machine import cutter_frame, work_axis, work_rotation
+from easeoff.geometry.pair import grid
+from easeoff.geometry.vectors import column, cross, dot, rotate_z
+
+GROUPS = 13
+DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))
+COAST = Blade(96.74, math.radians(22.9), "outside", math.radians(11.0), math.radians(-2.0), math.radians(4.0))
+GENERATED = MachineSettings(
+    radial_distance=75.0,
+    cradle_angle=1.1,
+    machine_root_angle=0.3,
+    work_offset=4.0,
+    sliding_base=0.7,
+    machine_center_to_crossing_point=-1.1,
+    cutter_tilt=0.15,
+    cutter_swivel=-0.4,
+    ratio_of_roll=3.2,
+    modified_roll=(0.02, -0.03),
+)
+PARAMETERS = np.array([[-2.1, -2.0, -1.9, -2.3], [-0.1, 0.0, 0.15, 0.3]])
+
+
+def hobbed_pair(hand: Hand, *, coast: bool = False) -> GearPair:
+    """A Formate gear and the pinion that is conjugate to it, both face-hobbed."""
+    other_hand: Hand = "right" if hand == "left" else "left"
+    gear = GeneratingSurface(DRIVE, replace(GEAR_MACHINE, indexing_ratio=GROUPS / 41), other_hand, 1)
+    flanks = [gear, replace(gear, blade=COAST)]
+    if coast:
+        flanks.reverse()
+    assembly = Assembly(11, 41, hand, math.pi / 2, 20.0)
+    pinion = [conjugate_pinion(flank, assembly, 9.83) for flank in flanks]
+    return GearPair(
+        Member(11, PINION_BLANK, pinion[0], pinion[1]), Member(41, GEAR_BLANK, flanks[0], flanks[1]), assembly
+    )
+
+
+def test_face_milling_is_the_case_without_indexing() -> None:
+    """The general quadratic gives the classical linear solution s = -(N . V0) / (N . V1) of a cone, to rounding."""
+    surface = GeneratingSurface(Blade(75.0, math.radians(18.0), "outside"), GENERATED, "right", -1)
+    angle, cradle_rotation = PARAMETERS
+    frame = cutter_frame(GENERATED)
+    x_axis, y_axis, axis = (column(frame[:, i], angle[None]) for i in range(3))
+    radial = x_axis * np.cos(angle) + y_axis * np.sin(angle)
+    sine, cosine = math.sin(surface.blade.pressure_angle), math.cos(surface.blade.pressure_angle)
+    normal, edge = -cosine * radial - sine * axis, sine * radial - cosine * axis
+    tip = column(np.array([75.0, 0.0, 0.0]), radial) + 75.0 * radial
+    back = -(GENERATED.cradle_angle + cradle_rotation)
+    work, origin = (rotate_z(back, tuple(v)) for v in work_axis(GENERATED))
+    _, ratio = work_rotation(GENERATED, cradle_rotation, -1)
+    spin = -ratio * work
+    spin[2] += 1.0
+    classical = -dot(normal, cross(spin, tip) + ratio * cross(work, origin)) / dot(normal, cross(spin, edge))
+    _, found_normal, found = surface.evaluate(PARAMETERS)
+    np.testing.assert_allclose(found, classical, rtol=1e-12, atol=1e-12)
+    turned = replace(surface, blade=replace(surface.blade, side="outside"), settings=replace(GENERATED))
+    np.testing.assert_array_equal(turned.evaluate(PARAMETERS)[1], found_normal)
+
+
+def test_edge_is_a_unit_vector_and_plain_without_turns() -> None:
+    for blade in (DRIVE, COAST):
+        assert np.linalg.norm(blade.edge) == pytest.approx(1.0, abs=1e-15)
+        assert math.hypot(*blade.tip) == pytest.approx(blade.point_radius)
+    plain = Blade(90.0, 0.3, "outside")
+    assert plain.edge == pytest.approx((math.sin(0.3), 0.0, -math.cos(0.3)))
+
+
+@pytest.mark.parametrize("blade", [DRIVE, COAST])
+def test_hobbed_flank_satisfies_the_equation_of_meshing(blade: Blade) -> None:
+    """Distance, cutter and cradle derivatives of the blade points lie in one plane (Kolivand 2009, Eq. 2.8)."""
+    settings = replace(GENERATED, indexing_ratio=GROUPS / 11)
+    surface = GeneratingSurface(blade, settings, "right", -1)
+    still = replace(settings, ratio_of_roll=None, modified_roll=())
+
+    def family(angle: float, distance: float, cradle: float) -> np.ndarray:
+        turned = replace(surface, settings=replace(still, cradle_angle=settings.cradle_angle + cradle))
+        point = turned.evaluate(np.array([[angle], [distance]]))[0]
+        roll, _ = work_rotation(settings, np.array([cradle]), -1)
+        return rotate_z(-roll, point)[:, 0]
+
+    distances = surface.evaluate(PARAMETERS)[2]
+    for (angle, cradle), distance in zip(PARAMETERS.T, distances, strict=True):
+        here, h = np.array([angle, distance, cradle]), 1e-5
+        d = [(family(*(here + h * e)) - family(*(here - h * e))) / (2 * h) for e in np.eye(3)]
+        triple = np.dot(np.cross(d[1], d[0]), d[2]) / np.prod([np.linalg.norm(v) for v in d])
+        assert abs(triple) < 1e-8
+        normal = surface.evaluate(np.array([[angle], [cradle]]))[1][:, 0]
+        assert max(abs(v @ normal) / np.linalg.norm(v) for v in d) < 1e-7
+
+
+@pytest.mark.parametrize("coast", [False, True])
+@pytest.mark.parametrize("hand", ["left", "right"])
+def test_hobbed_conjugate_pinion_has_no_ease_off(hand: Hand, coast: bool) -> None:
+    pair = hobbed_pair(hand, coast=coast)
+    t, h = grid((9, 7))
+    result = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    known = np.isfinite(result.angle)
+    assert known.mean() > 0.8
+    values = result.angle[known] * result.lever_arm[known]
+    lever = result.lever_arm[known]
+    values = values - lever * (lever @ values) / (lever @ lever)
+    assert np.abs(values).max() < 1e-9
+
+
+def test_hobbed_pair_goes_through_the_whole_analysis() -> None:
+    """Crowned by a fit, then unloaded and loaded: certified at every position."""
+    pair = hobbed_pair("left")
+    fitted = fit_pinion(pair, EaseOffTarget(0.02, 0.015, 0.0, 0.0, -0.005))
+    assert np.abs(fitted.residual).max() < 0.02  # a straight blade cannot give a hobbed flank every form
+    crowned = replace(pair, pinion=replace(pair.pinion, loaded=fitted.surface))
+    geometry = pair_geometry(crowned, (17, 13))
+    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
+    loaded, _ = loaded_contact(fields, geometry.teeth, mesh, ratio=41 / 11, torques=np.array([100.0, 300.0]))
+    assert np.all(loaded["status"].values == 0)
+    assert np.all(np.diff(loaded["mean_level"].values) > 0.0)
+
+
+def test_case_file_takes_hobbing_data() -> None:
+    text = case_text("fm-11x41").replace(
+        "[gear.convex.cutter]", "[gear.convex.cutter]\nnumber_of_blade_groups = 13\nblade_offset_angle = 12.0"
+    )
+    surface = gear_pair(parse_case(text)).gear.loaded
+    assert surface.settings.indexing_ratio == pytest.approx(13 / 41)
+    assert surface.blade.offset_angle == pytest.approx(math.radians(12.0))
+    assert gear_pair(read_case("fm-11x41")).gear.loaded.settings.indexing_ratio == 0.0
+    with pytest.raises(InputError, match="number_of_blade_groups"):
+        parse_case(text.replace("number_of_blade_groups = 13\n", ""))
