@@ -14,7 +14,7 @@ from ..geometry.generating_surface import GeneratingSurface, Hand
 from ..geometry.machine import MachineSettings
 from ..geometry.pair import FlankName, GearPair, Member
 from ..geometry.section import BlankSection
-from .model import Blank, Case, FlankSettings, Machine, MemberTable, MisalignmentTable
+from .model import Blank, Case, FlankSettings, Machine, MemberTable, MisalignmentTable, Motions
 
 Side = Literal["concave", "convex"]
 
@@ -58,7 +58,18 @@ def machine_settings(machine: Machine, indexing_ratio: float = 0.0) -> MachineSe
         ratio_of_roll=machine.ratio_of_roll,
         modified_roll=tuple(roll),
         indexing_ratio=indexing_ratio,
+        motions=_motions(machine.motions),
     )
+
+
+def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    """Polynomial coefficients of the settings that move, angles in rad."""
+    result = []
+    for name, derivatives in motions:
+        unit = math.radians(1.0) if name in ("machine_root_angle", "cutter_tilt", "cutter_swivel") else 1.0
+        if any(derivatives):
+            result.append((name, tuple(unit * d / math.factorial(n) for n, d in enumerate(derivatives, start=1))))
+    return tuple(result)
 
 
 def generating_surface(

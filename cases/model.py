@@ -100,6 +100,24 @@ class Cutter(Table):
         return self
 
 
+Derivatives = Annotated[tuple[Number, ...], Field(strict=False, max_length=6)]
+
+
+class Motions(Table):
+    """Higher-order motions of a generated member: derivatives of settings by the cradle increment, first to sixth.
+
+    A setting is then its basic value plus the sum of derivative times increment^n / n!.
+    """
+
+    radial_distance: Derivatives = _number("radial motion", "mm/rad^n", default=())
+    work_offset: Derivatives = _number("vertical motion", "mm/rad^n", default=())
+    sliding_base: Derivatives = _number("helical motion", "mm/rad^n", default=())
+    machine_center_to_crossing_point: Derivatives = _number("axial motion", "mm/rad^n", default=())
+    machine_root_angle: Derivatives = _number("angular motion", "deg/rad^n", default=())
+    cutter_tilt: Derivatives = _number("tilt motion", "deg/rad^n", default=())
+    cutter_swivel: Derivatives = _number("swivel motion", "deg/rad^n", default=())
+
+
 class Machine(Table):
     """Basic settings of the cradle machine, standard Gleason meaning."""
 
@@ -141,6 +159,7 @@ class Machine(Table):
     modified_roll_24e: Number = _number("fourth-order modified roll, 24E", "1", default=0.0, gt=-1000, lt=1000)
     modified_roll_120f: Number = _number("fifth-order modified roll, 120F", "1", default=0.0, gt=-1e4, lt=1e4)
     modified_roll_720g: Number = _number("sixth-order modified roll, 720G", "1", default=0.0, gt=-1e5, lt=1e5)
+    motions: Motions = Motions()
 
     @model_validator(mode="after")
     def _one_way_to_say_it(self) -> Self:
@@ -164,6 +183,8 @@ class Machine(Table):
             )
         if self.ratio_of_roll is None and any(self.modified_roll):
             raise ValueError("modified roll is given without ratio_of_roll: a Formate member does not roll")
+        if self.ratio_of_roll is None and any(self.motions.model_dump().values()):
+            raise ValueError("motions are given without ratio_of_roll: nothing moves while a Formate member is cut")
         return self
 
     @property

@@ -52,6 +52,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[pinion]` and `[gear]`", model.PinionTable
     yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
     yield "### `[pinion.concave.machine]`, and so on for every flank", model.Machine
+    yield "### `[pinion.concave.machine.motions]`, and so on for every generated flank", model.Motions
     yield "### `[pinion.concave.cutter]`, and so on for every flank", model.Cutter
     yield "### `[pinion.material]` and `[gear.material]`", model.Steel
     yield "### `[misalignment]`", model.MisalignmentTable
@@ -95,6 +96,9 @@ def allowed(field: FieldInfo) -> str:
         for limit in field.metadata
         if (sign := SIGNS.get(type(limit).__name__))
     ]
+    lengths = [limit for limit in field.metadata if isinstance(limit, MinLen | MaxLen)]
+    if len(lengths) == 1 and isinstance(lengths[0], MaxLen) and field.annotation is not str:
+        return f"up to {lengths[0].max_length} numbers"
     count = " to ".join(
         str(limit.min_length if isinstance(limit, MinLen) else limit.max_length)
         for limit in field.metadata

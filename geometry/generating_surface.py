@@ -8,16 +8,16 @@ parameters (cutter angle, distance along the blade).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .blade import Blade
-from .machine import IncrementSense, MachineSettings, cutter_frame, machine_to_member, work_axis, work_rotation
+from .machine import IncrementSense, MachineSettings
+from .machine_pose import machine_pose
 from .newton import complex_step
-from .vectors import column, cos_sin, cross, dot, rotate_z
+from .vectors import cos_sin, cross, dot
 
 Array = NDArray[Any]
 Hand = Literal["left", "right"]
@@ -44,10 +44,6 @@ class GeneratingSurface:
     hand: Hand
     sense: IncrementSense
 
-    @cached_property
-    def _frame(self) -> Array:
-        return cutter_frame(self.settings)
-
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
         """Flank at given parameters; analytic, so that it can be differentiated by complex step.
 
@@ -62,37 +58,30 @@ class GeneratingSurface:
             Position (3, n) [mm] and outward unit normal (3, n) in the member frame, distance along the blade (n) [mm].
         """
         cutter_angle, second = parameters
-        settings = self.settings
-        cradle_rotation = second if settings.generated else np.zeros_like(second)
-        cradle = settings.cradle_angle + cradle_rotation
-        rotation, ratio = work_rotation(settings, cradle_rotation, self.sense)
+        cradle_rotation = second if self.settings.generated else np.zeros_like(second)
+        pose = machine_pose(self.settings, cradle_rotation, self.sense)
 
-        # Blade and work axis in the frame that turns with the cradle.
         cosine, sine = cos_sin(cutter_angle)
-        x_axis, y_axis, cutter_axis = (column(self._frame[:, i], cosine[None]) for i in range(3))
+        x_axis, y_axis, cutter_axis = pose.frame
         radial, tangential = x_axis * cosine + y_axis * sine, y_axis * cosine - x_axis * sine
-        center = column(np.array([settings.radial_distance, 0.0, 0.0]), cosine[None])
         (tip_r, tip_t), (edge_r, edge_t, edge_z) = self.blade.tip, self.blade.edge
-        tip = center + tip_r * radial + tip_t * tangential
+        tip = pose.center + tip_r * radial + tip_t * tangential
         edge = edge_r * radial + edge_t * tangential + edge_z * cutter_axis
-        direction, crossing_point = work_axis(settings)
-        axis, origin = rotate_z(-cradle, tuple(direction)), rotate_z(-cradle, tuple(crossing_point))
 
-        # Velocity of a blade point relative to the work, as spin x point + shift: by cutter angle, by cradle rotation.
-        indexing = settings.indexing_ratio
-        by_cutter = (cutter_axis + indexing * axis, -cross(cutter_axis, center) - indexing * cross(axis, origin))
+        # Velocity of a blade point relative to the work, by the cutter angle, as spin x point + shift.
+        indexing = self.settings.indexing_ratio
+        spin = cutter_axis + indexing * pose.axis
+        shift = -cross(cutter_axis, pose.center) - indexing * cross(pose.axis, pose.origin)
         distance = second
-        if settings.generated:
-            spin = -ratio * axis
-            spin[2] += 1.0
-            distance = _edge_distance(tip, edge, by_cutter, (spin, ratio * cross(axis, origin)))
+        if self.settings.generated:
+            distance = _edge_distance(tip, edge, (spin, shift), (pose.spin, pose.shift))
         point = tip + distance * edge
-        normal = -self.blade.side_sign * cross(edge, cross(by_cutter[0], point) + by_cutter[1])
+        normal = -self.blade.side_sign * cross(edge, cross(spin, point) + shift)
         normal = normal / np.sqrt(dot(normal, normal))
 
-        rotation = rotation - indexing * cutter_angle
-        position = machine_to_member(settings, rotation, rotate_z(cradle, point), point=True)
-        normal = machine_to_member(settings, rotation, rotate_z(cradle, normal), point=False)
+        turned = -indexing * cutter_angle
+        position = pose.to_member(point, turned, point=True)
+        normal = pose.to_member(normal, turned, point=False)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
         return position, normal, distance

@@ -19,6 +19,15 @@ from ..core.errors import InputError
 from .vectors import column, rotate_z
 
 Array = NDArray[Any]
+MOVING = (
+    "radial_distance",
+    "machine_root_angle",
+    "work_offset",
+    "sliding_base",
+    "machine_center_to_crossing_point",
+    "cutter_tilt",
+    "cutter_swivel",
+)
 
 
 @dataclass(frozen=True)
@@ -49,6 +58,9 @@ class MachineSettings:
     indexing_ratio
         Face hobbing: blade groups over teeth, N_t / N; the work turns by this times the cutter angle, against it. Zero
         for face milling (Kolivand 2009, Eq. 2.1).
+    motions
+        Higher-order motions: names of settings and coefficients (c1, c2, ...) of setting + c1 p + c2 p^2 + ..., p the
+        cradle increment [rad]. ``sliding_base`` is helical motion, ``work_offset`` vertical motion.
     """
 
     radial_distance: float
@@ -62,13 +74,23 @@ class MachineSettings:
     ratio_of_roll: float | None = None
     modified_roll: tuple[float, ...] = ()
     indexing_ratio: float = 0.0
+    motions: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
     def __post_init__(self) -> None:
+        for name, coefficients in self.motions:
+            if name not in MOVING:
+                raise InputError(f"motion of {name!r}: allowed are {', '.join(MOVING)}")
+            if not np.all(np.isfinite(coefficients)):
+                raise InputError(f"motion of {name} = {coefficients}: must be finite numbers")
         for field in fields(self):
+            if field.name == "motions":
+                continue
             value = getattr(self, field.name)
             values = () if value is None else np.atleast_1d(value)
             if not np.all(np.isfinite(values)):
                 raise InputError(f"{field.name} = {value}: must be a finite number")
+        if self.ratio_of_roll is None and self.motions:
+            raise InputError("motions are given but ratio_of_roll is not: nothing moves while a Formate member is cut")
         if self.ratio_of_roll is None and self.modified_roll:
             raise InputError("modified_roll is given but ratio_of_roll is not: a Formate member has no generating roll")
 

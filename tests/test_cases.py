@@ -38,6 +38,16 @@ def test_settings_arrive_in_radians_and_as_polynomial_coefficients() -> None:
     assert settings.modified_roll == pytest.approx((0.02, 0.1))
 
 
+def test_motions_arrive_as_polynomial_coefficients() -> None:
+    text = changed(
+        r"^\[pinion.concave.cutter\]$",
+        "[pinion.concave.machine.motions]\nsliding_base = [1.2, -0.6]\ncutter_tilt = [2.0]\n\n[pinion.concave.cutter]",
+    )
+    motions = dict(gear_pair(parse_case(text)).pinion.loaded.settings.motions)
+    assert motions["sliding_base"] == pytest.approx((1.2, -0.3))
+    assert motions["cutter_tilt"] == pytest.approx((math.radians(2.0),))
+
+
 def test_formate_centre_in_cartesian_coordinates() -> None:
     formate = re.sub(r"ratio_of_roll = 1\.0516.*\n", "", NASA)
     polar = parse_case(formate)

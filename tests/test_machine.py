@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings
 from easeoff.geometry.conjugate import ConjugateMotion
 from easeoff.geometry.machine import work_rotation
 from easeoff.geometry.newton import complex_step
-from easeoff.geometry.vectors import cross, dot
+from easeoff.geometry.vectors import cross, dot, rotate_z
 
 SETTINGS = MachineSettings(
     radial_distance=75.0,
@@ -63,6 +64,51 @@ def test_normal_is_the_normal_of_the_generated_surface(side: str) -> None:
     normal = generated.evaluate(PARAMETERS)[1]
     area = cross(first, second)
     np.testing.assert_allclose(np.abs(dot(area, normal)) / np.sqrt(dot(area, area)), 1.0, rtol=0, atol=1e-12)
+
+
+MOTIONS = (
+    ("sliding_base", (1.5, -0.8, 0.3)),
+    ("work_offset", (-2.0, 1.1)),
+    ("radial_distance", (0.9, 0.0, -1.4, 0.2, 0.1, -0.3)),
+    ("machine_center_to_crossing_point", (0.4,)),
+    ("machine_root_angle", (0.02, -0.03)),
+    ("cutter_tilt", (0.05, 0.02)),
+    ("cutter_swivel", (-0.1, 0.04)),
+)
+
+
+@pytest.mark.parametrize("sense", [-1, 1])
+@pytest.mark.parametrize("motions", [*((motion,) for motion in MOTIONS), MOTIONS], ids=lambda m: f"{len(m)} {m[0][0]}")
+def test_moving_settings_satisfy_the_equation_of_meshing(motions: tuple[Any, ...], sense: Any) -> None:
+    """Central differences of the blade points on machines whose settings stand where the motion has brought them."""
+    moving = surface(replace(SETTINGS, motions=motions, indexing_ratio=1.3), sense=sense)
+
+    def family(angle: float, distance: float, cradle: float) -> np.ndarray:
+        increment = sense * cradle
+        now = {n: getattr(SETTINGS, n) + sum(c * increment**k for k, c in enumerate(cs, 1)) for n, cs in motions}
+        still = replace(SETTINGS, **now, cradle_angle=SETTINGS.cradle_angle + cradle, ratio_of_roll=None,
+                        modified_roll=(), indexing_ratio=1.3)  # fmt: skip
+        point = surface(still, sense=sense).evaluate(np.array([[angle], [distance]]))[0]
+        roll, _ = work_rotation(SETTINGS, np.array([cradle]), sense)
+        return rotate_z(-roll, point)[:, 0]
+
+    position, normal, distances = moving.evaluate(PARAMETERS)
+    for k, ((angle, cradle), distance) in enumerate(zip(PARAMETERS.T, distances, strict=True)):
+        here, h = np.array([angle, distance, cradle]), 1e-5
+        np.testing.assert_allclose(family(*here), position[:, k], rtol=0, atol=1e-10)
+        d = [(family(*(here + h * e)) - family(*(here - h * e))) / (2 * h) for e in np.eye(3)]
+        assert max(abs(v @ normal[:, k]) / np.linalg.norm(v) for v in d) < 1e-7
+
+
+def test_motions_of_zero_change_nothing_and_others_are_refused() -> None:
+    still = surface().evaluate(PARAMETERS)
+    moved = surface(replace(SETTINGS, motions=(("sliding_base", (0.0, 0.0)),))).evaluate(PARAMETERS)
+    for one, other in zip(still, moved, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12)
+    with pytest.raises(InputError, match="allowed are"):
+        replace(SETTINGS, motions=(("cradle_angle", (0.1,)),))
+    with pytest.raises(InputError, match="Formate"):
+        replace(SETTINGS, motions=MOTIONS, ratio_of_roll=None, modified_roll=())
 
 
 def triple_product(parameters: np.ndarray, distance: float) -> tuple[float, float]:
