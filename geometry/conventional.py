@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .conjugate import ConjugateMotion
 from .generating_surface import GeneratingSurface
-from .newton import complex_step
+from .newton import complex_steps
 from .vectors import column, rotate
 
 Array = NDArray[Any]
@@ -79,13 +79,13 @@ def point_contact(
         Contact points, NaN where not converged.
     """
     assembly = motion.assembly
-    start = np.concatenate([gear_start, pinion_start, closing_start[None]])
-    unknowns = start.copy()
+    # The five unknowns, and below them the given rotation.
+    values = np.concatenate([gear_start, pinion_start, closing_start[None], pinion_rotation[None]])
 
     def mismatch(values: Array) -> Array:
-        p, n_p = motion.action_point(values[2:4], pinion_rotation)
+        p, n_p = motion.action_point(values[2:4], values[5])
         g, n_g, _ = gear_surface.evaluate(values[:2])
-        turn = pinion_rotation / assembly.ratio - values[4]
+        turn = values[5] / assembly.ratio - values[4]
         g = rotate(motion.gear_axis, turn, g) + column(assembly.gear_origin, g)
         n_g = rotate(motion.gear_axis, turn, n_g)
         return np.concatenate([p - g, n_p + n_g])
@@ -94,29 +94,26 @@ def point_contact(
     converged = np.zeros(pinion_rotation.shape, dtype=bool)
     with np.errstate(all="ignore"):
         for _ in range(iterations):
-            columns = []
-            for index in range(5):
-                value, derivative = complex_step(mismatch, unknowns, index)
-                columns.append(derivative)
+            value, derivatives = complex_steps(mismatch, values)
             # Two of the three normal equations are independent; least squares keeps the symmetry between them.
-            jacobian = np.stack(columns, axis=-1).transpose(1, 0, 2)
+            jacobian = np.array(derivatives[:5].transpose(2, 1, 0))
             finite = np.all(np.isfinite(jacobian), axis=(1, 2))
             jacobian[~finite] = 0.0
             residual = np.where(finite, value, 0.0)
             step = -(np.linalg.pinv(jacobian) @ residual.T[..., None])[..., 0].T
             converged = finite & (np.max(np.abs(value), axis=0) < 1e-10)
             step = step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
-            unknowns = unknowns + step
+            values[:5] += step
             if np.all(converged | ~finite):
                 break
-        gear_position, _, _ = gear_surface.evaluate(unknowns[:2])
-        pinion_position, _, _ = motion.surface.evaluate(unknowns[2:4])
+        gear_position, _, _ = gear_surface.evaluate(values[:2])
+        pinion_position, _, _ = motion.surface.evaluate(values[2:4])
     blank = np.where(converged, 1.0, np.nan)
     return PointContact(
         pinion_rotation,
-        unknowns[4] * blank,
-        unknowns[:2] * blank,
-        unknowns[2:4] * blank,
+        values[4] * blank,
+        values[:2] * blank,
+        values[2:4] * blank,
         gear_position * blank,
         pinion_position * blank,
         converged,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .flank_surface import Flank
-from .newton import complex_step
+from .newton import complex_steps
 from .vectors import dot
 
 Array = NDArray[Any]
@@ -52,9 +52,8 @@ def shape_operator(flank: Flank) -> tuple[Array, Array, Array]:
 
     parameters = flank.parameters.reshape(2, -1)
     with np.errstate(all="ignore"):
-        derivatives = [complex_step(position_and_normal, parameters, index)[1] for index in range(2)]
-    tangents = np.stack([d[:3] for d in derivatives], axis=1)
-    turning = np.stack([d[3:] for d in derivatives], axis=1)
+        _, derivatives = complex_steps(position_and_normal, parameters)
+    tangents, turning = derivatives[:, :3].swapaxes(0, 1), derivatives[:, 3:].swapaxes(0, 1)
     first = np.einsum("ian,ibn->abn", tangents, tangents)
     second = np.einsum("ian,ibn->abn", turning, tangents)
     return tangents, first, 0.5 * (second + second.transpose(1, 0, 2))

@@ -19,7 +19,7 @@ from .assembly import Assembly
 from .conjugate import ConjugateMotion
 from .flank_surface import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
 from .generating_surface import GeneratingSurface
-from .newton import NewtonResult, complex_step, solve
+from .newton import NewtonResult, complex_steps, solve
 from .section import BlankSection
 
 Array = NDArray[Any]
@@ -144,7 +144,7 @@ def _gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Ar
         radial = np.sqrt(relative[0] ** 2 + relative[1] ** 2)
         return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
 
-    d = [complex_step(approach_and_place, arguments, index)[1] for index in range(3)]
+    _, d = complex_steps(approach_and_place, arguments)
     determinant = d[0][1] * d[1][2] - d[1][1] * d[0][2]
     first = -(d[2][1] * d[1][2] - d[1][1] * d[2][2]) / determinant
     second = -(d[0][1] * d[2][2] - d[2][1] * d[0][2]) / determinant

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..core.errors import GeometryError
 from .generating_surface import GeneratingSurface
-from .newton import complex_step, solve
+from .newton import complex_steps, solve
 from .section import BlankSection
 
 Array = NDArray[Any]
@@ -138,9 +138,8 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array)
     reach = float(np.max(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))
     orientation = float(np.sign(surface.orientation(mean))[0])
     # Linear reach of each parameter, doubled: contact may use more than the blank, and the flank is curved.
-    _, first = complex_step(surface.axial_and_radial, mean, 0)
-    _, second = complex_step(surface.axial_and_radial, mean, 1)
-    inverse = np.linalg.inv(np.stack([first[:, 0], second[:, 0]], axis=1))
+    _, derivatives = complex_steps(surface.axial_and_radial, mean)
+    inverse = np.linalg.inv(derivatives[:, :, 0].T)
     span = 2.0 * reach * np.linalg.norm(inverse, axis=1)
     span = np.minimum(span, surface.max_step * np.array([4.0, 6.0]))
     axes = [np.linspace(-s, s, 25) + m for s, m in zip(span, mean[:, 0], strict=True)]

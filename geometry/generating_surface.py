@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .blade import Blade
 from .machine import IncrementSense, MachineSettings
 from .machine_pose import machine_pose
-from .newton import complex_step
+from .newton import complex_steps
 from .vectors import cos_sin, cross, dot
 
 Array = NDArray[Any]
@@ -102,8 +102,7 @@ class GeneratingSurface:
         def position(p: Array) -> Array:
             return self.evaluate(p)[0]
 
-        _, first = complex_step(position, parameters, 0)
-        _, second = complex_step(position, parameters, 1)
+        _, (first, second) = complex_steps(position, parameters)
         _, normal, _ = self.evaluate(parameters)
         return np.asarray(dot(cross(first, second), normal))
 

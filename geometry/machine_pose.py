@@ -105,20 +105,20 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
         np.stack([-sin_j * sin_i, -cos_j * sin_i, cos_i]),
     )
     center = np.stack([value["radial_distance"], zero, zero])
-    turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
 
     cos_g, sin_g = cos_sin(value["machine_root_angle"])
-    along, across = np.stack([cos_g, zero, sin_g]), np.stack([-sin_g, zero, cos_g])
-    distance, tilting = value["machine_center_to_crossing_point"], rate["machine_root_angle"]
-    origin = distance * along + np.stack([zero, value["work_offset"], value["sliding_base"]])
-    moving = rate["machine_center_to_crossing_point"] * along + distance * tilting * across
-    moving = moving + np.stack([zero, rate["work_offset"], rate["sliding_base"]])
-
-    axis, origin, moving, pivot = (
-        rotate_z(-cradle, tuple(v)) for v in (along, origin, moving, np.stack([zero, tilting, zero]))
-    )
-    of_work = ratio * axis - pivot
-    spin = turning - of_work
+    distance, along = value["machine_center_to_crossing_point"], np.stack([cos_g, zero, sin_g])
+    crossing_point = distance * along + np.stack([zero, value["work_offset"], value["sliding_base"]])
+    axis, origin = rotate_z(-cradle, tuple(along)), rotate_z(-cradle, tuple(crossing_point))
+    spin, shift = -ratio * axis, ratio * cross(axis, origin)
     spin[2] = spin[2] + 1.0
-    shift = np.stack([rate["radial_distance"], zero, zero]) - cross(turning, center) + cross(of_work, origin) - moving
+    if settings.motions:
+        turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
+        tilting = rate["machine_root_angle"]
+        moving = rate["machine_center_to_crossing_point"] * along + distance * tilting * np.stack([-sin_g, zero, cos_g])
+        moving = moving + np.stack([zero, rate["work_offset"], rate["sliding_base"]])
+        pivot = rotate_z(-cradle, (zero, tilting, zero))
+        spin = spin + turning + pivot
+        shift = shift - cross(turning, center) - cross(pivot, origin) - rotate_z(-cradle, tuple(moving))
+        shift[0] = shift[0] + rate["radial_distance"]
     return MachinePose(frame, center, axis, origin, spin, shift, cradle, value["machine_root_angle"], work)

@@ -17,8 +17,8 @@ Array = NDArray[Any]
 STEP = 1e-30
 
 
-def complex_step(function: Callable[[Array], Array], parameters: Array, index: int) -> tuple[Array, Array]:
-    """Value and derivative of ``function`` by one of its parameters.
+def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tuple[Array, Array]:
+    """Value and derivatives of ``function`` by each of its m parameters, in one call.
 
     Parameters
     ----------
@@ -26,18 +26,19 @@ def complex_step(function: Callable[[Array], Array], parameters: Array, index: i
         Analytic function of an array (m, n); the n columns are independent of one another.
     parameters
         Where to differentiate (m, n).
-    index
-        Row of the parameter to differentiate by.
 
     Returns
     -------
     tuple
-        Value and derivative, both shaped as the function's result.
+        Value (..., n) and derivatives (m, ..., n).
     """
-    stepped = parameters.astype(complex)
-    stepped[index] += 1j * STEP
+    count, n = parameters.shape
+    stepped = np.tile(parameters.astype(complex), count)
+    for index in range(count):
+        stepped[index, index * n : (index + 1) * n] += 1j * STEP
     result = function(stepped)
-    return result.real, result.imag / STEP
+    derivatives = np.stack(np.split(result.imag / STEP, count, axis=-1))
+    return result[..., :n].real, derivatives
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def solve(
     max_step: Array,
     *,
     tolerance: float = 1e-11,
-    iterations: int = 40,
+    iterations: int = 20,
 ) -> NewtonResult:
     """Solve ``function(parameters) = target`` column by column.
 
@@ -90,8 +91,7 @@ def solve(
     with np.errstate(all="ignore"):
         for _ in range(iterations):
             here = parameters[:, active]
-            value, first = complex_step(function, here, 0)
-            _, second = complex_step(function, here, 1)
+            value, (first, second) = complex_steps(function, here)
             residual = target[:, active] - value
             determinant = first[0] * second[1] - first[1] * second[0]
             step = np.stack(

@@ -13,7 +13,7 @@ from easeoff.core.errors import InputError
 from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings
 from easeoff.geometry.conjugate import ConjugateMotion
 from easeoff.geometry.machine import work_rotation
-from easeoff.geometry.newton import complex_step
+from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.vectors import cross, dot, rotate_z
 
 SETTINGS = MachineSettings(
@@ -59,8 +59,7 @@ def test_normal_is_the_normal_of_the_generated_surface(side: str) -> None:
     """The envelope's tangents, differentiated with the meshing solution, are at right angles to the cone's normal."""
     blade = Blade(75.0, 0.3, side)  # type: ignore[arg-type]
     generated = surface(blade=blade)
-    _, first = complex_step(lambda p: generated.evaluate(p)[0], PARAMETERS, 0)
-    _, second = complex_step(lambda p: generated.evaluate(p)[0], PARAMETERS, 1)
+    _, (first, second) = complex_steps(lambda p: generated.evaluate(p)[0], PARAMETERS)
     normal = generated.evaluate(PARAMETERS)[1]
     area = cross(first, second)
     np.testing.assert_allclose(np.abs(dot(area, normal)) / np.sqrt(dot(area, area)), 1.0, rtol=0, atol=1e-12)
