@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .conjugate import ConjugateMotion
+from .ease_off_surface import EaseOff
+from .flank_surface import Flank
 from .generating_surface import GeneratingSurface
 from .newton import complex_steps
 from .vectors import column, rotate
@@ -117,4 +119,31 @@ def point_contact(
         gear_position * blank,
         pinion_position * blank,
         converged,
+    )
+
+
+def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
+    """Points of contact at the given pinion rotations, each started from the node that is nearest to touching.
+
+    Parameters
+    ----------
+    gear
+        The gear flank on its nodes.
+    ease_off
+        Ease-off at these nodes.
+    rotations
+        Pinion rotations (n) in the drive sense, from the middle of the pinion [rad].
+    """
+    motion = ease_off.motion
+    inside = np.flatnonzero(ease_off.inside)
+    beyond = rotations[:, None] - ease_off.roll_angle[inside]
+    gap = ease_off.angle[inside] + 0.5 * ease_off.separation_curvature[inside] * beyond**2
+    node = inside[np.argmin(gap, axis=1)]
+    return point_contact(
+        motion,
+        gear.surface,
+        rotations + motion.center,
+        gear.parameters[:, node],
+        ease_off.pinion_parameters[:, node],
+        gap.min(axis=1),
     )

@@ -13,7 +13,7 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import Blade, EaseOffTarget, GearPair, GeneratingSurface, MachineSettings, Member, Misalignment
 from easeoff.geometry.conjugate import ConjugateMotion
-from easeoff.geometry.conventional import PointContact, point_contact
+from easeoff.geometry.conventional import PointContact, path_of_contact
 from easeoff.geometry.curvature import shape_operator
 from easeoff.geometry.ease_off_surface import EaseOff, compute
 from easeoff.geometry.flank_surface import Flank
@@ -170,22 +170,9 @@ def test_separation_curvature_is_the_relative_curvature_across_the_contact_line(
     assert position.shape == (3, 81)
 
 
-def contact_path(pair: GearPair, rotations: np.ndarray) -> tuple[PointContact, EaseOff]:
-    """Conventional point contact from the middle of the flanks outwards, rotations in degrees from the mean point."""
-    gear, start = surfaces(pair, (13, 9))
-    motion = start.motion
-    inside = np.flatnonzero(start.inside)
-    q = np.radians(rotations) + motion.center
-    # Start each rotation from the node that the ease-off method calls closest at that rotation.
-    gap = (
-        start.angle[inside]
-        + 0.5 * start.separation_curvature[inside] * (q[:, None] - motion.center - start.roll_angle[inside]) ** 2
-    )
-    node = inside[np.argmin(gap, axis=1)]
-    found = point_contact(
-        motion, pair.gear.loaded, q, gear.parameters[:, node], start.pinion_parameters[:, node], gap.min(axis=1)
-    )
-    return found, start
+def contact_path(pair: GearPair, rotations: np.ndarray) -> PointContact:
+    """Conventional point contact, rotations in degrees from the middle of the pinion."""
+    return path_of_contact(*surfaces(pair, (13, 9)), np.radians(rotations))
 
 
 # An independent program's conventional contact analysis of the pair: pinion rotation [deg], transmission error
@@ -206,7 +193,7 @@ NASA_PATH = np.array(
 def nasa_path(pair: GearPair) -> tuple[np.ndarray, np.ndarray]:
     """Rotations [deg], and (error [arc seconds], gear t, gear h, pinion t, pinion h) relative to gear mid height."""
     rotations = np.linspace(-30.0, 24.0, 541)
-    found, _ = contact_path(pair, rotations)
+    found = contact_path(pair, rotations)
     gear = pair.gear.section.fractions(found.gear_position[2], np.hypot(*found.gear_position[:2]))
     pinion = pair.pinion.section.fractions(found.pinion_position[2], np.hypot(*found.pinion_position[:2]))
     good = found.converged & (gear[1] > -0.2) & (gear[1] < 1.2)

@@ -51,7 +51,7 @@ def test_agrees_with_conventional_contact_analysis(
     result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 24))
     own = result.sel(pair=0)
     rotations = np.degrees(own["pinion_rotation"].values)
-    exact, _ = contact_path(pair, rotations)
+    exact = contact_path(pair, rotations)
     pinion = pair.pinion.section.fractions(exact.pinion_position[2], np.hypot(*exact.pinion_position[:2]))
     # A point contact is the end of the story only where both members really have a flank.
     inside = exact.converged & (np.abs(pinion[1] - 0.5) < 0.5) & (np.abs(pinion[0] - 0.5) < 0.5)
