@@ -20,7 +20,6 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "order": ("1", "harmonic order of the mesh frequency"),
     "pair": ("1", "tooth pair: 0 the pair followed, negative before it, positive after it"),
     "segment": ("1", "contact segment, counted over all contact lines"),
-    "line": ("1", "contact line"),
     "member": ("", "member of the pair"),
     "xyz": ("", "component in the member's frame: z along its axis from the crossing point to the heel"),
     # flanks
@@ -61,7 +60,6 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "plate_edge": ("", "edge of the plate"),
     "principal": ("1", "number of the principal curvature"),
     "end": ("1", "end of the contact line"),
-    "thickness": ("mm", "normal thickness of the tooth"),
     # unloaded
     "transmission_error": ("urad", "transmission error as a rotation of the gear, positive where the gear lags"),
     "transmission_error_envelope": ("urad", "transmission error of the pair that carries"),

@@ -17,7 +17,8 @@ from ..core.errors import GeometryError
 from .assembly import Assembly
 from .blade import Blade, BladeSide
 from .generating_surface import GeneratingSurface, Hand
-from .machine import MachineSettings, cutter_frame, machine_to_member
+from .machine import MachineSettings
+from .machine_pose import machine_pose
 
 
 def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: float) -> GeneratingSurface:
@@ -48,12 +49,10 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
             "a conjugate pinion in machine settings exists for a Formate gear only: this gear is generated"
         )
     # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, axis towards the gear.
-    turn = settings.cradle_angle
-    spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
-    center = spin @ np.array([settings.radial_distance, 0.0, 0.0])
     still = np.zeros(1)
-    tip_center = machine_to_member(settings, still, center[:, None], point=True)[:, 0]
-    axis = machine_to_member(settings, still, (spin @ cutter_frame(settings)[:, 2])[:, None], point=False)[:, 0]
+    pose = machine_pose(settings, still, gear.sense)
+    tip_center = pose.to_member(pose.center, still, point=True)[:, 0]
+    axis = pose.to_member(pose.frame[2], still, point=False)[:, 0]
 
     # The pinion's cutter reaches from the gear's body to the pinion; its machine frame is the gear's with z reversed.
     tip_center = tip_center - blade_height * axis

@@ -1,4 +1,4 @@
-"""The cradle machine: from the cutter frame to the frame of the member being cut (Kolivand 2009, Eq. 2.7).
+"""The settings of the cradle machine, and the rotation of the work with the cradle (Kolivand 2009, Eq. 2.4a).
 
 Everything here describes a *right-hand* member; a left-hand one is its mirror image (see ``generating_surface``).
 
@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .vectors import column, rotate_z
 
 Array = NDArray[Any]
 MOVING = (
@@ -108,25 +107,6 @@ even orders of the modified roll only.
 """
 
 
-def cutter_frame(settings: MachineSettings) -> Array:
-    """Axes of the cutter frame as columns (3, 3), in the frame that turns with the cradle, x towards the cutter centre.
-
-    Tilt and swivel alone: without them it is the identity.
-    """
-    swivel, tilt = -settings.cutter_swivel, settings.cutter_tilt
-    about_z = np.array([[np.cos(swivel), -np.sin(swivel), 0], [np.sin(swivel), np.cos(swivel), 0], [0, 0, 1]])
-    about_x = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
-    return np.asarray(about_z @ about_x)
-
-
-def work_axis(settings: MachineSettings) -> tuple[Array, Array]:
-    """Unit vector (3) of the work axis and the crossing point (3) [mm] on it, in the machine frame."""
-    cosine, sine = np.cos(settings.machine_root_angle), np.sin(settings.machine_root_angle)
-    direction = np.array([cosine, 0.0, sine])
-    translation = np.array([0.0, settings.work_offset, settings.sliding_base])
-    return direction, settings.machine_center_to_crossing_point * direction + translation
-
-
 def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: IncrementSense) -> tuple[Any, Any]:
     """Rotation of the work, and its derivative by the cradle rotation.
 
@@ -153,25 +133,3 @@ def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: Increm
         rotation = rotation - coefficient * increment**power
         derivative = derivative - power * coefficient * increment ** (power - 1)
     return sense * ratio * rotation, ratio * derivative
-
-
-def machine_to_member(settings: MachineSettings, rotation: Array, vector: Array, *, point: bool) -> Array:
-    """Turn a position or a direction (3, n) from the machine frame into the frame of the member being cut.
-
-    Parameters
-    ----------
-    settings
-        Machine settings.
-    rotation
-        Rotation of the work [rad], see ``work_rotation``.
-    vector
-        Position [mm] or direction in the machine frame.
-    point
-        Whether the vector is a position, so that the translations apply.
-    """
-    cosine, sine = np.cos(settings.machine_root_angle), np.sin(settings.machine_root_angle)
-    if point:
-        _, origin = work_axis(settings)
-        vector = vector - column(origin, vector)
-    member = (sine * vector[0] - cosine * vector[2], vector[1], cosine * vector[0] + sine * vector[2])
-    return rotate_z(-rotation, member)

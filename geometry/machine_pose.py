@@ -2,7 +2,8 @@
 
 Any setting may be a polynomial in the cradle increment: helical motion moves the sliding base, vertical motion the work
 offset, and so on. Everything is seen from a frame that turns with the cradle, x towards the cutter centre; there the
-velocity of a blade point relative to the work is a spin and a shift, whatever moves.
+velocity of a blade point relative to the work is a spin and a shift, whatever moves. The chain from the cutter to the
+member being cut is that of Kolivand 2009, Eq. 2.7.
 """
 
 from __future__ import annotations

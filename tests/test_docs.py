@@ -20,8 +20,8 @@ from easeoff.cases import gear_pair, model, parse_case
 from easeoff.contact import read_problems, solve
 from easeoff.contact.solvers.settings import SOLVERS
 from easeoff.geometry import MachineSettings, ease_off
-from easeoff.geometry.machine import IncrementSense, cutter_frame, machine_to_member, work_rotation
-from easeoff.geometry.vectors import rotate_z
+from easeoff.geometry.machine import IncrementSense
+from easeoff.geometry.machine_pose import machine_pose
 from easeoff.study.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -205,14 +205,12 @@ def test_machine_has_the_signs_of_the_conventions_page(number: int, increment: f
     )  # fmt: skip
 
     sense: IncrementSense = -1 if pinion else 1
-    turn = np.array([-increment if left else increment])
-    rotation, _ = work_rotation(ours, turn, sense)
-    center = rotate_z(ours.cradle_angle + turn, (np.array([75.0]), np.zeros(1), np.zeros(1)))
-    axis = rotate_z(ours.cradle_angle + turn, cutter_frame(ours)[:, [2]])
+    still = np.zeros(1)
+    pose = machine_pose(ours, np.array([-increment if left else increment]), sense)
     mirror = np.array([1.0, -1.0 if left else 1.0, 1.0])
-    found = machine_to_member(ours, rotation, center, point=True)[:, 0] * mirror
+    found = pose.to_member(pose.center, still, point=True)[:, 0] * mirror
     np.testing.assert_allclose(found, chain[:3, 3], rtol=0, atol=1e-12)
-    found = machine_to_member(ours, rotation, axis, point=False)[:, 0] * mirror
+    found = pose.to_member(pose.frame[2], still, point=False)[:, 0] * mirror
     np.testing.assert_allclose(found, chain[:3, 2], rtol=0, atol=1e-13)
 
 

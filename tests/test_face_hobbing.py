@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pairs import GEAR_BLANK, GEAR_MACHINE, PINION_BLANK
+from scipy.spatial.transform import Rotation
 
 from easeoff.cases import parse_case, read_case
 from easeoff.cases.conversion import gear_pair
@@ -28,7 +29,7 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.ease_off_surface import compute
 from easeoff.geometry.generating_surface import Hand
-from easeoff.geometry.machine import cutter_frame, work_axis, work_rotation
+from easeoff.geometry.machine import work_rotation
 from easeoff.geometry.pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate_z
 
@@ -68,14 +69,16 @@ def test_face_milling_is_the_case_without_indexing() -> None:
     """The general quadratic gives the classical linear solution s = -(N . V0) / (N . V1) of a cone, to rounding."""
     surface = GeneratingSurface(Blade(75.0, math.radians(18.0), "outside"), GENERATED, "right", -1)
     angle, cradle_rotation = PARAMETERS
-    frame = cutter_frame(GENERATED)
+    frame = Rotation.from_euler("ZX", [-GENERATED.cutter_swivel, GENERATED.cutter_tilt]).as_matrix()
     x_axis, y_axis, axis = (column(frame[:, i], angle[None]) for i in range(3))
     radial = x_axis * np.cos(angle) + y_axis * np.sin(angle)
     sine, cosine = math.sin(surface.blade.pressure_angle), math.cos(surface.blade.pressure_angle)
     normal, edge = -cosine * radial - sine * axis, sine * radial - cosine * axis
     tip = column(np.array([75.0, 0.0, 0.0]), radial) + 75.0 * radial
     back = -(GENERATED.cradle_angle + cradle_rotation)
-    work, origin = (rotate_z(back, tuple(v)) for v in work_axis(GENERATED))
+    work_axis = np.array([math.cos(0.3), 0.0, math.sin(0.3)])
+    crossing_point = np.array([0.0, 4.0, 0.7]) - 1.1 * work_axis
+    work, origin = (rotate_z(back, tuple(v)) for v in (work_axis, crossing_point))
     _, ratio = work_rotation(GENERATED, cradle_rotation, -1)
     spin = -ratio * work
     spin[2] += 1.0
