@@ -165,11 +165,8 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
 def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surface: EaseOff) -> xr.Dataset:
     """Where contact forces meet both teeth, on the gear's grid."""
     pinion_body, gear_body = bodies(pair)
-    position, normal, _ = pair.pinion.loaded.evaluate(surface.pinion_parameters)
-    missing = ~np.isfinite(surface.roll_angle)
-    position, normal = np.where(missing, np.nan, position), np.where(missing, np.nan, normal)
     coordinates = (
-        pinion_body.shell_coordinates(position, normal),
+        pinion_body.shell_coordinates(surface.pinion_position, surface.pinion_normal),
         gear_body.shell_coordinates(gear.position, gear.normal),
     )
     return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)
