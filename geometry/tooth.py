@@ -64,6 +64,8 @@ class ToothBody:
         Coefficients of the unit normal of the middle surface, towards the loaded flank (3 series).
     turn
         Sense of rotation about the member's axis from the loaded flank into the tooth, +1 or -1.
+    opposite_rotation
+        How far the opposite flank, as its settings cut it, is turned about the member's axis to bound the tooth [rad].
     trace_arc
         Arc length along the trace at mid height [mm] as a Legendre series in the lengthwise fraction.
     trace_radius
@@ -80,6 +82,7 @@ class ToothBody:
     half_angle: Array
     middle_normal: Array
     turn: float
+    opposite_rotation: float
     trace_arc: Array
     trace_radius: float
     convex: bool
@@ -170,6 +173,7 @@ def tooth_body(
     if mean_angle is None:
         # Both flanks bound one slot; the tooth is what the slot leaves of the pitch.
         mean_angle = float(np.mod(middle_angle, 2.0 * np.pi / teeth))
+    opposite_rotation = turn * (mean_angle - middle_angle)
     angle = angle - middle_angle + mean_angle
     nodes = np.stack([t.ravel(), h.ravel()])[:, usable]
     series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, ORDERS)
@@ -192,7 +196,9 @@ def tooth_body(
     middle_normal = np.stack([fit(component) for component in normal])
     arc, radius, convex = _trace(section, middle_azimuth, middle_normal)
     heights, plate = _plate(section, nodes, axial[usable], radial[usable], thickness[usable])
-    return ToothBody(section, fit(0.5 * angle), middle_normal, turn, arc, radius, convex, heights, plate)
+    return ToothBody(
+        section, fit(0.5 * angle), middle_normal, turn, opposite_rotation, arc, radius, convex, heights, plate
+    )
 
 
 def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array, float, bool]:
