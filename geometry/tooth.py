@@ -129,6 +129,40 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
     return replace(surface, blade=blade)
 
 
+def middle_angle(
+    section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface
+) -> tuple[float, float]:
+    """How the middles of two flanks stand to each other where their machines cut them.
+
+    Parameters
+    ----------
+    section
+        Axial section of the blank.
+    loaded, opposite
+        What generates the loaded flank and the other one.
+
+    Returns
+    -------
+    tuple
+        Sense of rotation about the member's axis from the loaded flank into its tooth, +1 or -1, and the angle in this
+        sense to the other flank [rad].
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of the blank.
+    """
+    axial, radial = section.points(np.array([0.5]), np.array([0.5]))
+    front, back = (solve_flank(surface, section, axial, radial) for surface in (loaded, opposite))
+    turn = _into_tooth(front)
+    return turn, turn * float(_azimuth(back)[0] - _azimuth(front)[0])
+
+
+def _into_tooth(flank: Flank) -> float:
+    """Sense of rotation into the tooth: a flank's outward normal points against it."""
+    return -float(np.sign(np.nanmedian(flank.position[0] * flank.normal[1] - flank.position[1] * flank.normal[0])))
+
+
 def tooth_body(
     section: BlankSection,
     loaded: GeneratingSurface,
@@ -162,15 +196,14 @@ def tooth_body(
     usable = np.all([np.all(np.isfinite(f.position), axis=0) for f in flanks], axis=0)
     if usable.sum() < 0.5 * usable.size:
         raise GeometryError("the two flanks of a member overlap on less than half of the blank: no tooth between them")
-    # The outward normal of the loaded flank points against the azimuth that leads into the tooth.
     front, back = flanks
-    turn = -float(np.sign(np.nanmedian(front.position[0] * front.normal[1] - front.position[1] * front.normal[0])))
+    turn = _into_tooth(front)
     angle = np.where(usable, turn * (_azimuth(back) - _azimuth(front)), np.nan)
-    middle_angle = _middle(angle)
+    in_the_middle = _middle(angle)
     if mean_angle is None:
         # Both flanks bound one slot; the tooth is what the slot leaves of the pitch.
-        mean_angle = float(np.mod(middle_angle, 2.0 * np.pi / teeth))
-    angle = angle - middle_angle + mean_angle
+        mean_angle = float(np.mod(in_the_middle, 2.0 * np.pi / teeth))
+    angle = angle - in_the_middle + mean_angle
     nodes = np.stack([t.ravel(), h.ravel()])[:, usable]
     series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, ORDERS)
 

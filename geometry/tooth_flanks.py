@@ -12,12 +12,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.errors import GeometryError, InputError
 from .flank_surface import Flank, solve_flank
 from .generating_surface import GeneratingSurface
-from .pair import GearPair, Member, bodies
+from .pair import GearPair, Member, tooth_angles
 from .section import BlankSection
-from .tooth import opposite_surface
+from .tooth import middle_angle, opposite_surface
 from .vectors import rotate_z
 
 Array = NDArray[Any]
@@ -74,14 +74,8 @@ def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]
     """
     loaded = PlacedFlank(member.section, member.loaded)
     opposite = PlacedFlank(member.section, member.opposite or opposite_surface(member.loaded))
-    middle = member.section.points(np.array([0.5]), np.array([0.5]))
-    front, back = loaded.at(*middle), opposite.at(*middle)
-    x, y = front.position[:2, 0]
-    # The loaded flank's normal points out of the tooth, against the sense that leads from it into the tooth.
-    into_tooth = -float(np.sign(x * front.normal[1, 0] - y * front.normal[0, 0]))
-    apart = float(np.arctan2(back.position[1, 0], back.position[0, 0]) - np.arctan2(y, x))
-    rotation = into_tooth * tooth_angle - apart
-    rotation = float(np.mod(rotation + np.pi, 2.0 * np.pi) - np.pi)
+    turn, as_cut = middle_angle(member.section, member.loaded, opposite.surface)
+    rotation = float(np.mod(turn * (tooth_angle - as_cut) + np.pi, 2.0 * np.pi) - np.pi)
     return {side(member.loaded): loaded, side(opposite.surface): replace(opposite, rotation=rotation)}
 
 
@@ -99,15 +93,20 @@ def named_member(pair: GearPair, name: str) -> Member:
 
 
 def tooth_angle(pair: GearPair, name: str) -> float:
-    """Angular thickness of a member's tooth in the middle of the flank [rad], as in ``pair.bodies``.
+    """Angular thickness of a member's tooth in the middle of the flank [rad], see ``pair.tooth_angles``.
 
     Raises
     ------
     InputError
         If the member is neither ``pinion`` nor ``gear``.
     GeometryError
-        If the flanks of a member leave no tooth.
+        If the flanks leave no tooth.
     """
     named_member(pair, name)
-    body = bodies(pair)[("pinion", "gear").index(name)]
-    return 2.0 * float(np.polynomial.legendre.legval2d(0.0, 0.0, body.half_angle))
+    angle = tooth_angles(pair)[("pinion", "gear").index(name)]
+    if angle <= 0.0:
+        raise GeometryError(
+            f"the tooth of the {name} would be {np.degrees(angle):.3f} degrees thick in its middle: check the thickness, "
+            "the point radii and the blade angles of both flanks"
+        )
+    return angle

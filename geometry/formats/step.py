@@ -155,7 +155,8 @@ def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
     for angle in angles:
         turn = gp_Trsf()
         turn.SetRotation(gp_Ax1(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0.0, 0.0, 1.0)), float(angle))
-        builder.Add(shape, tooth.Moved(TopLoc_Location(turn)))
+        # A turn by zero is a place of its own for OpenCASCADE, under which the faces are not found again.
+        builder.Add(shape, tooth.Moved(TopLoc_Location(turn)) if angle != 0.0 else tooth)
 
     stream = io.BytesIO()
     with _silent():
