@@ -129,9 +129,7 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
     return replace(surface, blade=blade)
 
 
-def middle_angle(
-    section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface
-) -> tuple[float, float]:
+def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
     """How the middles of two flanks stand to each other where their machines cut them.
 
     Parameters

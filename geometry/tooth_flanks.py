@@ -106,7 +106,7 @@ def tooth_angle(pair: GearPair, name: str) -> float:
     angle = tooth_angles(pair)[("pinion", "gear").index(name)]
     if angle <= 0.0:
         raise GeometryError(
-            f"the tooth of the {name} would be {np.degrees(angle):.3f} degrees thick in its middle: check the thickness, "
-            "the point radii and the blade angles of both flanks"
+            f"the tooth of the {name} would be {np.degrees(angle):.3f} degrees thick in its middle: check the "
+            "thickness, the point radii and the blade angles of both flanks"
         )
     return angle

@@ -62,8 +62,8 @@ def _complete(name: str, flank: PlacedFlank, nodes: tuple[int, int]) -> Flank:
         if np.all(found.inside):
             return found
     raise GeometryError(
-        f"the {name} has holes above half its height (undercut, or not reached by the cutter): it cannot be written as a "
-        "surface; check the machine settings and the blank's clearance"
+        f"the {name} has holes above half its height (undercut, or not reached by the cutter): it cannot be written as "
+        "a surface; check the machine settings and the blank's clearance"
     )
 
 

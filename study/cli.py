@@ -229,7 +229,7 @@ def _nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tu
         nodes = int(first), int(second)
     except ValueError as error:
         raise click.BadParameter(f"{text!r}: give LENGTHWISExPROFILE, such as 61x31") from error
-    if not (5 <= min(nodes) and max(nodes) <= 1001):
+    if min(nodes) < 5 or max(nodes) > 1001:
         raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
     return nodes
 

@@ -72,7 +72,7 @@ def export_surfaces(
     teeth: int | None = 1,
     nodes: tuple[int, int] = SURFACE_NODES,
 ) -> str:
-    """Write the surface of a tooth, of neighbouring teeth or (``teeth = None``) of all of them; returns what was written.
+    """Write the surface of one or more teeth, with ``teeth = None`` of all of them; returns what was written.
 
     Raises
     ------

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from numpy.typing import NDArray
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError, InputError
@@ -37,9 +39,9 @@ def gear_points(pair: GearPair) -> xr.Dataset:
     return points.assign_attrs(member="gear", title="a pair: published, in two\nlines")
 
 
-def azimuth(points: xr.Dataset, flank: str) -> np.ndarray:
+def azimuth(points: xr.Dataset, flank: str) -> NDArray[Any]:
     position = points["position"].sel(flank=flank).values
-    return np.arctan2(position[..., 1], position[..., 0])
+    return np.asarray(np.arctan2(position[..., 1], position[..., 0]))
 
 
 def test_without_margins_the_corner_is_the_published_one(pair: GearPair) -> None:
@@ -136,7 +138,10 @@ def test_flank_that_is_not_known_is_left_out(pair: GearPair) -> None:
         ({"columns": 0}, "columns = 0: at least 2"),
         ({"edge_margins": EdgeMargins(toe=-0.1)}, "margin at the toe = -0.1 mm"),
         ({"edge_margins": EdgeMargins(tip=math.nan)}, "margin at the tip = nan mm"),
-        ({"edge_margins": EdgeMargins(toe=13.0, heel=13.0)}, "toe 13, heel 13.*leave nothing of the flank.*25.* mm long"),
+        (
+            {"edge_margins": EdgeMargins(toe=13.0, heel=13.0)},
+            "toe 13, heel 13.*leave nothing of the flank.*25.* mm long",
+        ),
         ({"edge_margins": EdgeMargins(root=4.0, tip=4.0)}, "root 4, tip 4.*leave nothing of the flank"),
         ({"edge_margins": EdgeMargins(20.0, 20.0, 9.0, 9.0)}, "leave nothing of the flank"),
     ],

@@ -30,7 +30,7 @@ def pair() -> GearPair:
 
 
 def ring_segment(nodes: int = 9, turn: float = math.pi / 6) -> dict[str, Array]:
-    """All six sides of a piece of a square ring about the z axis, radius 10 to 12, height 3; every side looks outwards."""
+    """All six sides of a piece of a square ring about the z axis, radius 10 to 12, height 3, looking outwards."""
     u, angle = np.linspace(0.0, 1.0, nodes), np.linspace(0.0, turn, nodes + 2)
 
     def points(radius: Array | float, about: Array | float, height: Array | float) -> Array:
@@ -47,6 +47,41 @@ def ring_segment(nodes: int = 9, turn: float = math.pi / 6) -> dict[str, Array]:
         "start": points(spread[:, None], 0.0 * u, rise[None]),
         "end": points(spread[None], turn, rise[:, None]),
     }
+
+
+def closed_tooth(pair: GearPair, name: str, nodes: tuple[int, int]) -> tuple[dict[str, Array], float]:
+    """Both flanks of a tooth, closed by surfaces of circular arcs about the axis, and the volume between them.
+
+    The volume is the integral of arc length over the axial section, by Gauss quadrature on the exact flanks.
+    """
+    patches = {key: p if p[0, 0, 2] < p[-1, 0, 2] else p[::-1] for key, p in tooth_patches(pair, name, nodes).items()}
+    first, second = patches.values()
+    radius = np.hypot(first[..., 0], first[..., 1])
+    start, stop = (np.arctan2(p[..., 1], p[..., 0]) for p in (first, second))
+    across = np.linspace(0.0, 1.0, 11)
+
+    def arcs(*edge: Any) -> Array:
+        about = start[edge][:, None] + np.multiply.outer(stop[edge] - start[edge], across)
+        arm, height = radius[edge][:, None], np.broadcast_to(first[edge][:, None, 2], about.shape)
+        return np.stack([arm * np.cos(about), arm * np.sin(about), height], axis=-1)
+
+    whole = slice(None)
+    ends = {"tip": (whole, -1), "root": (whole, 0), "toe": (0, whole), "heel": (-1, whole)}
+    closed = {**tooth_patches(pair, name, nodes), **{key: arcs(*edge) for key, edge in ends.items()}}
+
+    section = getattr(pair, name).section
+    points, weights = np.polynomial.legendre.leggauss(20)
+    t, h = np.meshgrid(0.5 + 0.5 * points, 0.5 + 0.5 * points, indexing="ij")
+    axial, radial = (values.ravel() for values in section.points(t, h))
+    one, other = (
+        np.arctan2(*flank.at(axial, radial).position[1::-1])
+        for flank in placed_flanks(getattr(pair, name), tooth_angle(pair, name)).values()
+    )
+    (a, b), (c, d) = section.corners
+    along = np.multiply.outer(c - a, 1 - h) + np.multiply.outer(d - b, h)
+    up = np.multiply.outer(b - a, 1 - t) + np.multiply.outer(d - c, t)
+    area = np.abs(along[0] * up[1] - along[1] * up[0]).ravel() * 0.25 * np.outer(weights, weights).ravel()
+    return closed, float(np.sum(np.abs(other - one) * radial * area))
 
 
 def volume(points: Array, triangles: Array) -> float:
@@ -128,6 +163,14 @@ def test_border_without_length_makes_no_empty_triangle(tmp_path: Path) -> None:
     assert len(area) == 32 * 7
 
 
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_tooth_between_its_flanks_has_its_volume(name: str, tmp_path: Path) -> None:
+    closed, exact = closed_tooth(gear_pair(read_case("nasa-12x36")), name, (41, 21))
+    write_mesh(closed, tmp_path / "tooth.stl")
+    found = meshio.read(tmp_path / "tooth.stl")
+    assert volume(found.points.astype(float), found.cells[0].data) == pytest.approx(exact, rel=1e-3)
+
+
 def test_points_fall_together_within_rounding_only() -> None:
     points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1e-9], [0.0, 0.0, 1e-4], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     kept, number = merged(points)
@@ -160,7 +203,8 @@ def test_flanks_look_out_of_the_tooth(pair: GearPair, name: str, tmp_path: Path)
 
 def test_flanks_of_the_whole_member_turn_by_its_pitch(pair: GearPair, tmp_path: Path) -> None:
     done = CliRunner().invoke(
-        main, ["export", "fm-11x41", "-o", str(tmp_path / "x.vtu"), "--teeth", "all", "--nodes", "9x7", "--flank", "convex"]
+        main,
+        ["export", "fm-11x41", "-o", str(tmp_path / "x.vtu"), "--teeth", "all", "--nodes", "9x7", "--flank", "convex"],
     )
     assert done.exit_code == 0, done.output
     assert "11 of 11 teeth of the pinion: convex_flank" in done.output
@@ -184,6 +228,7 @@ def test_flanks_of_the_whole_member_turn_by_its_pitch(pair: GearPair, tmp_path: 
         ({"a": np.zeros((4, 3))}, r"'a' has the shape \(4, 3\)"),
         ({"a": np.zeros((1, 4, 3))}, "m and n at least 2"),
         ({"a": np.full((4, 4, 3), np.nan)}, "'a' has points that are no finite numbers"),
+        ({"edge": np.arange(12.0).reshape(4, 1, 3).repeat(2, axis=1)}, "'edge' has no area"),
     ],
 )
 def test_what_is_no_surface_is_refused(patches: dict[str, Array], words: str, tmp_path: Path) -> None:

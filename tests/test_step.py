@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.typing import NDArray
-from test_mesh import ring_segment
+from test_mesh import closed_tooth, ring_segment
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError, MissingPackageError
@@ -62,7 +62,7 @@ def parts(shape: Any, kind: str) -> list[Any]:
 
 
 def feet(face: Any, points: Array) -> tuple[Array, Array]:
-    """Distances [mm] from points (n, 3) to a face's surface inside its borders, and outward normals at the feet (n, 3)."""
+    """Distances [mm] from points (n, 3) to a face inside its borders, and outward normals at the feet (n, 3)."""
     from OCP.BRep import BRep_Tool
     from OCP.BRepTools import BRepTools
     from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
@@ -71,7 +71,7 @@ def feet(face: Any, points: Array) -> tuple[Array, Array]:
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS
 
-    face = TopoDS.Face_s(face) if hasattr(TopoDS, "Face_s") else TopoDS.Face(face)
+    face = TopoDS.Face(face)
     surface = BRep_Tool.Surface_s(face)
     bounds = BRepTools.UVBounds_s(face)
     sense = -1.0 if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED else 1.0
@@ -91,6 +91,16 @@ def area_of(shape: Any) -> float:
 
     properties = GProp_GProps()
     BRepGProp.SurfaceProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
+def volume_of(shape: Any) -> float:
+    """Signed: positive for a closed surface that looks outwards."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
     return float(properties.Mass())
 
 
@@ -170,6 +180,22 @@ def test_neighbours_are_sewn_into_one_closed_shell(tmp_path: Path) -> None:
         assert np.all(np.sum(normal * (inner - centre), axis=1) > 0.0), name
 
 
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_tooth_between_its_flanks_is_closed_and_has_its_volume(name: str, tmp_path: Path) -> None:
+    """Curved borders of real flanks are sewn; the volume shows that both flanks stand in their places."""
+    from OCP.BRep import BRep_Tool
+
+    closed, exact = closed_tooth(gear_pair(read_case("nasa-12x36")), name, (41, 21))
+    write_step(closed, tmp_path / "tooth.step")
+    shape = shape_of(tmp_path / "tooth.step")
+    (shell,) = parts(shape, "SHELL")
+    assert BRep_Tool.IsClosed_s(shell)
+    edges = parts(shape, "EDGE")
+    assert all(sum(edge.IsSame(other) for other in edges) == 2 for edge in edges)
+    assert volume_of(shape) == pytest.approx(exact, rel=1e-6)
+    assert set(faces_of(tmp_path / "tooth.step")) == set(closed)
+
+
 def test_names_units_and_schema_are_in_the_file(tmp_path: Path) -> None:
     write_step(ring_segment(), tmp_path / "ring.step", teeth=3, name="a ring")
     text = (tmp_path / "ring.step").read_text()
@@ -213,9 +239,7 @@ def test_command_writes_and_says_nothing_else(tmp_path: Path, capfd: pytest.Capt
     assert [p.name for p in tmp_path.iterdir()] == ["gear.step"]
 
 
-def test_without_opencascade_the_message_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_opencascade_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP.collections", None)
     with pytest.raises(MissingPackageError, match=r"pip install 'easeoff\[cad\]'"):
         write_step(ring_segment(), tmp_path / "x.step")

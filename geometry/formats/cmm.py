@@ -201,8 +201,8 @@ def _check_measurable(name: str, flank: Flank, columns: int) -> None:
     first = int(np.argmin(flank.inside))
     why = NodeStatus(int(flank.status[first])).name.lower().replace("_", " ")
     raise GeometryError(
-        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points are no points of the {name} flank, the "
-        f"first in row {first // columns + 1}, column {first % columns + 1} ({why}): choose larger margins"
+        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points are no points of the {name} flank, "
+        f"the first in row {first // columns + 1}, column {first % columns + 1} ({why}): choose larger margins"
     )
 
 

@@ -62,7 +62,9 @@ def parsed(content: str, source: str) -> xr.Dataset:
         else:
             place, values = _point(stripped, where)
             if place in points:
-                raise InputError(f"{where}: a second point of the {place[0]} flank in row {place[1]}, column {place[2]}")
+                raise InputError(
+                    f"{where}: a second point of the {place[0]} flank in row {place[1]}, column {place[2]}"
+                )
             points[place] = values
     if not points:
         raise InputError(f"{source}: there are no points in it")
@@ -98,11 +100,9 @@ def _point(line: str, where: str) -> tuple[tuple[str, int, int], list[float]]:
     return (cells[0], row, column), values
 
 
-def _dataset(
-    points: dict[tuple[str, int, int], list[float]], attributes: dict[str, Any], source: str
-) -> xr.Dataset:
+def _dataset(points: dict[tuple[str, int, int], list[float]], attributes: dict[str, Any], source: str) -> xr.Dataset:
     flanks = sorted({place[0] for place in points})
-    rows, columns = (max(place[i] for place in points) for i in (1, 2))
+    rows, columns = max(place[1] for place in points), max(place[2] for place in points)
     if len(points) != len(flanks) * rows * columns:
         missing = next(
             (f, r, c)

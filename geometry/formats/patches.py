@@ -20,6 +20,7 @@ from ...core.errors import InputError
 
 Array = NDArray[Any]
 
+NO_AREA = 1e-6  # [mm^2]
 SAME_POINT = 1e-6  # [mm]; far below any tolerance of a drawing, far above rounding
 
 
@@ -29,7 +30,7 @@ def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
     Raises
     ------
     InputError
-        If there is none, or one is no grid of finite points.
+        If there is none, or one is no grid of finite points or has no area.
     """
     if not patches:
         raise InputError("no surface patches to write")
@@ -40,6 +41,9 @@ def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
             raise InputError(f"patch {name!r} has the shape {array.shape}: expected (m, n, 3) with m and n at least 2")
         if not np.all(np.isfinite(array)):
             raise InputError(f"patch {name!r} has points that are no finite numbers: a surface has no holes")
+        diagonals = array[1:, 1:] - array[:-1, :-1], array[1:, :-1] - array[:-1, 1:]
+        if 0.5 * np.sum(np.linalg.norm(np.cross(*diagonals), axis=-1)) < NO_AREA:
+            raise InputError(f"patch {name!r} has no area: leave it out")
         result[name] = array
     return result
 

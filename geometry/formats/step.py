@@ -35,14 +35,14 @@ def write_step(
     """Write the patches of a tooth as B-spline faces (STEP AP214, mm).
 
     Each face goes through every point of its patch; between them it is the cubic spline in the point numbers, so that
-    neighbouring patches have the same curve along their common border. Every face carries the name of its patch. Further
-    teeth are references to the first one, turned about the z axis.
+    neighbouring patches have the same curve along their common border. Every face carries the name of its patch.
+    Further teeth are references to the first one, turned about the z axis.
 
     Parameters
     ----------
     patches
-        Points (m, n, 3) [mm] by name, smoothly spaced along both indices; the first patch of every connected group looks
-        outwards, see ``patches``.
+        Points (m, n, 3) [mm] by name, smoothly spaced along both indices; the first patch of every connected group
+        looks outwards, see ``patches``.
     path
         A ``.step`` or ``.stp`` file, replaced if it exists. It appears complete or not at all.
     teeth
@@ -173,13 +173,15 @@ def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
 def _set_names(writer: Any, faces: Mapping[str, Any], name: str) -> None:
     """Name the product and the faces."""
     from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
-    from OCP.STEPConstruct import STEPConstruct
     from OCP.StepBasic import StepBasic_Product
+    from OCP.STEPConstruct import STEPConstruct
     from OCP.TCollection import TCollection_HAsciiString
 
     finder = writer.WS().TransferWriter().FinderProcess()
     for patch, face in faces.items():
-        STEPConstruct.FindEntity_s(finder, face).SetName(TCollection_HAsciiString(patch))
+        entity = STEPConstruct.FindEntity_s(finder, face)
+        if entity is not None:
+            entity.SetName(TCollection_HAsciiString(patch))
     model = writer.Model()
     for i in range(1, model.NbEntities() + 1):
         entity = model.Value(i)
