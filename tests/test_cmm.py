@@ -229,11 +229,19 @@ def test_other_files_are_refused(tmp_path: Path, gear_points: xr.Dataset) -> Non
     (tmp_path / "y.csv").write_bytes(b"\xff\xfe\x00")
     xr.Dataset({"x": 1}).to_netcdf(tmp_path / "y.nc")
     xr.Dataset(attrs={"format": "easeoff measurement points", "format_version": 1}).to_netcdf(tmp_path / "z.nc")
+    gear_points.assign_attrs(format_version="new").to_netcdf(tmp_path / "v.nc")
+    gear_points.astype(str).to_netcdf(tmp_path / "u.nc")
+    gear_points.drop_vars("row").to_netcdf(tmp_path / "t.nc")
+    gear_points.isel(xyz=slice(2)).to_netcdf(tmp_path / "s.nc")
     gear_points.assign(normal=2.0 * gear_points["normal"]).to_netcdf(tmp_path / "w.nc")
     for name, words in (
         ("x.nc", "not a netCDF file"),
         ("y.nc", "holds no measuring points"),
-        ("z.nc", "incomplete: no 'position'"),
+        ("z.nc", "incomplete: no numbers 'position'"),
+        ("v.nc", "format version new"),
+        ("u.nc", "incomplete: no numbers 'position'"),
+        ("t.nc", "no coordinate 'row'"),
+        ("s.nc", "no coordinate 'xyz', or not of three values"),
         ("w.nc", "not of length 1"),
         ("x.csv", "no points in it"),
         ("y.csv", "cannot be read as text"),

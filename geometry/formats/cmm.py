@@ -249,7 +249,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
         raise InputError(f"{source}: there is no such file")
     if suffix == ".csv":
         try:
-            text = source.read_text(encoding="utf-8")
+            text = source.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"{source} cannot be read as text: {error}") from error
         dataset = labelled(cmm_csv.parsed(text, str(source)))
@@ -273,12 +273,18 @@ def _suffix(path: str | os.PathLike[str]) -> str:
 def _check(dataset: xr.Dataset, source: Path) -> None:
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {FORMAT!r}")
-    version = int(dataset.attrs.get("format_version", 0))
-    if version > FORMAT_VERSION:
+    version = str(dataset.attrs.get("format_version", "not given"))
+    if version not in map(str, range(1, FORMAT_VERSION + 1)):
         raise InputError(f"{source} is of format version {version}; this program reads up to {FORMAT_VERSION}")
+    dimensions = ("flank", "row", "column", "xyz")
     for name in ("position", "normal"):
-        if name not in dataset or dataset[name].dims != ("flank", "row", "column", "xyz"):
-            raise InputError(f"{source} is incomplete: no {name!r} over (flank, row, column, xyz)")
+        if name not in dataset or dataset[name].dims != dimensions or dataset[name].dtype.kind != "f":
+            raise InputError(f"{source} is incomplete: no numbers {name!r} over ({', '.join(dimensions)})")
+        missing = [dimension for dimension in dimensions if dimension not in dataset.coords]
+        if missing or dataset.sizes["xyz"] != 3:
+            raise InputError(
+                f"{source} is incomplete: no coordinate {(missing or ['xyz'])[0]!r}, or not of three values"
+            )
         if not np.all(np.isfinite(dataset[name].values)):
             raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
     if np.max(np.abs(np.linalg.norm(dataset["normal"].values, axis=-1) - 1.0)) > 1e-6:
