@@ -72,7 +72,7 @@ class Blank(Table):
 
 
 class Cutter(Table):
-    """Straight-edged blade of a cutter."""
+    """Blade of a cutter: its edge, straight or circular, with the relief at its tip and towards its shank."""
 
     blade_point_radius: Number = _number("radius of the blade tip", "mm", gt=1, lt=2000)
     blade_pressure_angle: Number = _number("angle between blade edge and cutter axis", "deg", gt=-45, lt=60)
@@ -87,6 +87,36 @@ class Cutter(Table):
     )
     blade_hook_angle: Number = _number(
         "face hobbing: turn of the edge about the radial direction", "deg", default=0.0, gt=-60, lt=60
+    )
+    blade_spheric_radius: Number | None = _number(
+        "radius of a circular edge, positive where the pressure angle grows towards the shank; a straight edge if left "
+        "out",
+        "mm",
+        default=None,
+        gt=-1e7,
+        lt=1e7,
+    )
+    blade_reference_height: Number = _number(
+        "height above the tip plane at which blade_pressure_angle holds", "mm", default=0.0, ge=0, lt=100
+    )
+    tool_edge_radius: Number = _number("radius that rounds the blade tip", "mm", default=0.0, ge=0, lt=50)
+    toprem_angle: Number = _number(
+        "toprem: by how much the pressure angle falls where it begins", "deg", default=0.0, gt=-45, lt=45
+    )
+    toprem_depth: Number | None = _number(
+        "toprem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=100
+    )
+    toprem_radius: Number | None = _number(
+        "toprem: radius of its edge; straight if left out", "mm", default=None, gt=0, lt=1e7
+    )
+    flankrem_angle: Number = _number(
+        "flankrem: by how much the pressure angle grows where it begins", "deg", default=0.0, gt=-45, lt=45
+    )
+    flankrem_depth: Number | None = _number(
+        "flankrem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=100
+    )
+    flankrem_radius: Number | None = _number(
+        "flankrem: radius of its edge; straight if left out", "mm", default=None, gt=0, lt=1e7
     )
 
     @model_validator(mode="after")
