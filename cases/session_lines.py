@@ -1,9 +1,9 @@
 """The lines of a session script: which keyword has which value, for which member, flank and menu.
 
 A script is what one would type into the menus of the program: a menu is opened by its name and left by EXIT, a setting
-is a keyword with a value behind it, ``//`` begins a comment. Members are told apart by ROTOR and TYPE, flanks by CONCAVE
-and CONVEX. The nesting itself carries nothing more, so that it need not be complete: the one public writer of such scripts
-leaves out the names of the flanks, and then a member's first MACHINE is that of the concave flank.
+is a keyword with a value behind it, ``//`` begins a comment. Members are told apart by ROTOR and TYPE, flanks by
+CONCAVE and CONVEX. The nesting itself carries nothing more, so that it need not be complete: the one public writer of
+such scripts leaves out the names of the flanks, and then a member's first MACHINE is that of the concave flank.
 """
 
 from __future__ import annotations
@@ -103,9 +103,7 @@ class _State:
         elif menu == "MACHINE" and not self.named:
             count = self.machines[self.member] = self.machines.get(self.member, 0) + 1
             if count > 2:
-                raise InputError(
-                    f"line {line}: a third MACHINE for the {self.member or 'first'} without CONCAVE or CONVEX"
-                )
+                raise InputError(f"line {line}: a third MACHINE for one member, without CONCAVE or CONVEX")
             self.flank = "CONCAVE" if count == 1 else "CONVEX"
 
     def place(self) -> Place:

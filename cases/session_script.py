@@ -1,8 +1,8 @@
 """The design part of a session script of Transmission3D or HypoidFaceMilled, as a case.
 
-Keywords and signs are those that the public program SpyGO (``haomjc/SpyGO``) writes into such scripts and computes with;
-``docs/exchange.md`` has the table. A setting has the sign of ours, for both hands, with one exception: the vertical motion
-of a gear.
+Keywords and signs are those that the public program SpyGO (``haomjc/SpyGO``) writes into such scripts and computes
+with; ``docs/exchange.md`` has the table. A setting has the sign of ours, for both hands, with one exception: the
+vertical motion of a gear.
 """
 
 from __future__ import annotations
@@ -164,8 +164,8 @@ def _root_angle(settings: Mapping[Place, Settings], member: MemberName, notes: l
             notes.append(f"line {root.line}: the machine root angle is taken as the root angle of the {member.lower()}")
             return root.number()
     raise InputError(
-        f"the root angle of the {member.lower()} is missing, and that of the machine is not it where the cutter is tilted: "
-        f"add ROOTANGLE, in degrees, to COMMON of the {member.lower()}"
+        f"the root angle of the {member.lower()} is missing, and that of the machine is not it where the cutter is "
+        f"tilted: add ROOTANGLE, in degrees, to COMMON of the {member.lower()}"
     )
 
 
@@ -173,29 +173,31 @@ def _motions(machine: Settings, member: MemberName, hand: str, notes: list[str])
     """Derivatives of the settings that move, by our cradle increment."""
     motions = {}
     for letter, key in MOTIONS.items():
-        # The reading of the program gives the vertical motion of a gear the sign opposite to its offset, for both hands.
+        # The reading of the program gives the vertical motion of a gear the sign opposite to its offset, both hands.
         sign = -1.0 if letter == "V" and member == "GEAR" else 1.0
         values = [machine[f"{letter}{n}"].number() if f"{letter}{n}" in machine else 0.0 for n in ORDERS]
         while values and values[-1] == 0.0:
             values.pop()
         motions[key] = [sign * value + 0.0 for value in values]
         for order, value in enumerate(values, start=1):
-            if value != 0.0 and _hands_differ(letter, order, member) and hand == "RIGHT":
-                line = machine[f"{letter}{order}"].line
+            if value == 0.0:
+                continue
+            which = f"line {machine[f'{letter}{order}'].line}: {letter}{order}"
+            if hand == "RIGHT" and _hands_differ(letter, order, member):
                 notes.append(
-                    f"line {line}: {letter}{order} is taken with the sign of a left-hand pinion; the public reading of the "
-                    "program has the other one for this hand, which is no mirror image"
+                    f"{which} is taken with the sign of a left-hand pinion; the public reading of the program has the "
+                    "other one for this hand, which is no mirror image"
                 )
-            elif value != 0.0 and letter == "V" and member == "GEAR":
+            elif sign < 0.0:
                 notes.append(
-                    f"line {machine[f'V{order}'].line}: V{order} of the gear is taken with the sign opposite to BLANKOFFSET, "
-                    "as the public reading of the program has it"
+                    f"{which} of the gear is taken with the sign opposite to BLANKOFFSET, as the public reading of the "
+                    "program has it"
                 )
     return motions
 
 
 def _hands_differ(letter: str, order: int, member: MemberName) -> bool:
-    """Where the public reading of the program gives a right-hand pair that is not the mirror image of a left-hand one."""
+    """Where the public reading of the program makes a right-hand pair that does not mirror a left-hand one."""
     if member == "PINION":
         return letter in "RV" and order % 2 == 1
     return (letter == "R" and order in (1, 5)) or (letter == "V" and order == 6)
