@@ -214,8 +214,9 @@ def _doubts(machine: Settings, member: MemberName, notes: list[str]) -> None:
     for keyword in ("MODROLL_720G", "H5", "H6"):
         say(keyword, "is taken as it is; the public reading of the program divides it by 1000")
     if member == "GEAR":
-        for keyword in ("TILTANGLE", "SWIVELANGLE"):
-            say(keyword, "of a gear is taken with the sense it has for a pinion; the public reading contradicts itself")
+        taken = "of a gear is taken with the sense it has for a pinion; the public reading of the program"
+        say("TILTANGLE", f"{taken} has the other one")
+        say("SWIVELANGLE", f"{taken} contradicts itself between the hands")
 
 
 def _cutter(cutter: Settings, where: str) -> dict[str, Any]:
