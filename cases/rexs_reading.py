@@ -40,7 +40,7 @@ HANDS: tuple[Hand, ...] = ("left", "right")
 
 
 def read_rexs(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
-    """Read the bevel stage of a REXS file (XML, version 1.3 or later).
+    """Read the bevel stage of a REXS file (XML).
 
     Parameters
     ----------

@@ -47,11 +47,12 @@ generated = st.builds(
         machine_center_to_crossing_point=number(-1000.0, 1000.0),
         cutter_tilt=number(-90.0, 90.0),
         cutter_swivel=number(-360.0, 360.0),
-        modified_roll_2c=number(-10.0, 10.0),
-        modified_roll_6d=number(-100.0, 100.0),
-        modified_roll_24e=number(-1000.0, 1000.0),
-        modified_roll_120f=number(-1e4, 1e4),
-        modified_roll_720g=number(-1e5, 1e5),
+        # A format that holds C, D, ... rounds these in the last digit: not at the very limit of what is allowed.
+        modified_roll_2c=number(-9.0, 9.0),
+        modified_roll_6d=number(-90.0, 90.0),
+        modified_roll_24e=number(-900.0, 900.0),
+        modified_roll_120f=number(-9e3, 9e3),
+        modified_roll_720g=number(-9e4, 9e4),
     ),
     motions,
 )

@@ -62,7 +62,7 @@ def close(one: Any, two: Any) -> None:
         for key in one:
             close(one[key], two[key])
     elif isinstance(one, float | tuple):
-        np.testing.assert_allclose(np.asarray(two), np.asarray(one), rtol=4e-16 * 2, atol=5e-324 * 720)
+        np.testing.assert_allclose(np.asarray(two), np.asarray(one), rtol=1e-15, atol=1e-300)
     else:
         assert one == two
 
