@@ -9,7 +9,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..core.errors import InputError
+from ..core.errors import EaseoffError, InputError
+from .conversion import designed_blanks
 from .model import Case
 
 
@@ -74,6 +75,12 @@ def parse_case(text: str, origin: str = "case") -> Case:
         case = Case.model_validate(data)
     except ValidationError as error:
         raise InputError(f"{origin} has {_count(error)}:\n" + "\n".join(_lines(error))) from error
+    if case.blank_design is not None:
+        teeth = case.pinion.number_of_teeth, case.gear.number_of_teeth
+        try:
+            designed_blanks(case.blank_design, teeth, case.pair)
+        except EaseoffError as error:
+            raise type(error)(f"{origin}: {error}") from error
     case._text = text
     return case
 

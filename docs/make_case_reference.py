@@ -25,6 +25,8 @@ MEANINGS = {
     "easeoff_case": ("version of the format", ""),
     "title": ("one line for lists and plots", ""),
     "description": ("where the numbers come from", ""),
+    "process": ("how the pair is cut; methods 2 and 3 are face-hobbed", ""),
+    "depth_taper": ("how the depth changes along the face; instead of the gear's two angles", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "torques": ("torques at the pinion, one or more", "N m"),
     "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
@@ -49,6 +51,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     """Heading and schema of every table, in the order of a case file."""
     yield "### Top level", model.Case
     yield "### `[pair]`", model.PairTable
+    yield "### `[blank_design]`", model.BlankDesignTable
     yield "### `[pinion]` and `[gear]`", model.PinionTable
     yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
     yield "### `[pinion.concave.machine]`, and so on for every flank", model.Machine
@@ -89,8 +92,9 @@ def described(name: str, field: FieldInfo) -> tuple[str, str]:
 
 def allowed(field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
-    if get_origin(field.annotation) is Literal:
-        return ", ".join(written(choice) for choice in get_args(field.annotation))
+    for option in (field.annotation, *get_args(field.annotation)):
+        if get_origin(option) is Literal:
+            return ", ".join(written(choice) for choice in get_args(option))
     limits = [
         f"{sign} {getattr(limit, type(limit).__name__.lower()):g}"
         for limit in field.metadata

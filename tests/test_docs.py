@@ -132,12 +132,13 @@ def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPa
 
 
 def test_example_case_is_a_case() -> None:
-    whole, formate = (code for _, code in blocks(text("case_file"), "toml"))
+    whole, formate, basic = (code for _, code in blocks(text("case_file"), "toml"))
     case = parse_case(whole)
     middle = ease_off(gear_pair(case), (7, 7))
     assert np.mean(middle["inside"].values) > 0.5
     machine = model.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])
     assert machine.ratio_of_roll is None
+    model.BlankDesignTable.model_validate(tomllib.loads(basic)["blank_design"])
 
 
 def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
