@@ -49,8 +49,12 @@ class Member:
 
     @property
     def one_set_up(self) -> bool:
-        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot."""
-        return self.opposite is not None and self.opposite.settings == self.loaded.settings
+        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot.
+
+        Not so for face hobbing: there the slot comes from the timing of the blades within their group.
+        """
+        settings = self.loaded.settings
+        return self.opposite is not None and self.opposite.settings == settings and settings.indexing_ratio == 0.0
 
     def flank(self, lengthwise: Array, profile: Array) -> Flank:
         """The loaded flank on a grid of fractions (nt) and (nh); nodes in lengthwise-major order."""

@@ -70,7 +70,7 @@ class Rebuilt:
 def rebuild() -> Rebuilt:
     """Blank, Formate gear and both pinion flanks."""
     dimensions = blank()
-    convex, concave = formate_gear(dimensions, CUTTER_RADIUS, "right")
+    convex, concave = formate_gear(dimensions, CUTTER_RADIUS, "right", corrected=False)
     assembly = Assembly(11, 41, "left", math.pi / 2, 20.0, MISALIGNMENT)
     height = dimensions.gear.mean_dedendum + dimensions.pinion.mean_dedendum
     sections = [blank_section(m, dimensions.clearance) for m in (dimensions.pinion, dimensions.gear)]
