@@ -16,8 +16,19 @@ from ..geometry.generating_surface import GeneratingSurface, Hand
 from ..geometry.machine import MachineSettings
 from ..geometry.pair import FlankName, GearPair, Member
 from ..geometry.section import BlankSection
+from ..geometry.synthesis import EaseOffTarget
 from .blank_design_table import BlankDesignTable
-from .model import Blank, Case, FlankSettings, Machine, MemberTable, MisalignmentTable, Motions, PairTable
+from .model import (
+    Blank,
+    Case,
+    FlankSettings,
+    Machine,
+    MemberTable,
+    MisalignmentTable,
+    Motions,
+    PairTable,
+    TargetTable,
+)
 
 Side = Literal["concave", "convex"]
 
@@ -152,6 +163,11 @@ def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *
 def misalignment(table: MisalignmentTable) -> Misalignment:
     """Assembly errors in mm and rad."""
     return Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+
+
+def ease_off_target(table: TargetTable) -> EaseOffTarget:
+    """Wanted ease-off in mm."""
+    return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
 def elastic_model(case: Case) -> ElasticModel:

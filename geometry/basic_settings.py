@@ -215,7 +215,7 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     if not np.max(np.abs(error(found.x))) < CLOSE:
         raise GeometryError(
             "no settings of a Formate gear were found that give the blank's spiral angle and pressure angles: "
-            f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum angle "
-            "and cutter_radius"
+            f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum "
+            "angle and cutter_radius"
         )
     return np.asarray(found.x)

@@ -210,8 +210,11 @@ def _body(member: Member, mean_angle: float | None) -> ToothBody:
 
 def _given(member: Member) -> float | None:
     """Angular thickness [rad] from the given normal thickness, or ``None``."""
-    if member.mean_thickness is None:
-        return None
+    return None if member.mean_thickness is None else member.mean_thickness / thickness_per_angle(member)
+
+
+def thickness_per_angle(member: Member) -> float:
+    """Normal circular thickness per angle about the member's axis, in the middle of the flank [mm/rad]."""
     middle = member.middle()
     position, normal = middle.position[:, 0], middle.normal[:, 0]
     radius = float(np.hypot(position[0], position[1]))
@@ -220,4 +223,4 @@ def _given(member: Member) -> float | None:
     up = np.array([-np.sin(member.section.pitch_angle), np.cos(member.section.pitch_angle)])
     outward = np.array([position[0] / radius * up[1], position[1] / radius * up[1], up[0]])
     in_pitch_plane = np.sqrt(1.0 - float(normal @ outward) ** 2)
-    return float(member.mean_thickness / (radius * abs(circumferential) / in_pitch_plane))
+    return float(radius * abs(circumferential) / in_pitch_plane)

@@ -187,6 +187,25 @@ def plot(result: Path, folder: Path) -> None:
 
 
 @main.command()
+@click.argument("design")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Case file to write.")
+@click.option("--report", is_flag=True, help="Print blanks, moved settings and what is left of the target.")
+def design(design: str, output: Path, report: bool) -> None:
+    """Make a case file from DESIGN, a shipped name or a file: blanks, Formate gear, fitted pinion."""
+    from ..cases import case_toml, read_design
+    from ..core.files import check_writable, whole_file
+    from .design import design_case
+    from .design_report import design_text, summary_lines
+
+    check_writable(output)
+    case, found = design_case(read_design(design))
+    with whole_file(output) as temporary:
+        temporary.write_text(case_toml(case), encoding="utf-8")
+    click.echo(f"wrote {output}")
+    click.echo(design_text(found) if report else "\n".join(summary_lines(found)))
+
+
+@main.command()
 def cases() -> None:
     """List the shipped cases."""
     from ..cases import shipped_cases
