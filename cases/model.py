@@ -49,9 +49,10 @@ class Blank(Table):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        if self.face_angle <= self.root_angle:
+        if self.face_angle < self.root_angle:
             raise ValueError(
-                f"face_angle = {self.face_angle}: must be greater than root_angle = {self.root_angle} (degrees)"
+                f"face_angle = {self.face_angle}: must not be smaller than root_angle = {self.root_angle} (degrees); "
+                "both are the same for teeth of uniform depth"
             )
         if self.face_width >= self.outer_cone_distance:
             raise ValueError(

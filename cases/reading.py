@@ -134,7 +134,7 @@ def _checked(model: type[Model], text: str, origin: str) -> Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{origin} has {_count(error)}:\n" + "\n".join(_lines(model, error))) from error
+        raise InputError(f"{origin} has {_count(error)}:\n{mistakes(model, error)}") from error
 
 
 def _check_blanks(case: Case | Design, origin: str) -> None:
@@ -150,6 +150,11 @@ def _check_blanks(case: Case | Design, origin: str) -> None:
 def _count(error: ValidationError) -> str:
     count = error.error_count()
     return "a mistake" if count == 1 else f"{count} mistakes"
+
+
+def mistakes(model: type[BaseModel], error: ValidationError) -> str:
+    """Every mistake in a table, one a line: key, value, what is allowed."""
+    return "\n".join(_lines(model, error))
 
 
 def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:

@@ -8,10 +8,12 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from ..cases.conversion import blank_design, ease_off_target, misalignment
 from ..cases.design_model import Design
 from ..cases.model import Case, MemberTable, PinionTable, TargetsTable
+from ..cases.reading import mistakes
 from ..cases.recording import blank_table, flank_settings
 from ..core.errors import GeometryError
 from ..geometry.assembly import Assembly
@@ -25,6 +27,7 @@ from ..geometry.synthesis import FREE
 Array = NDArray[Any]
 NODES = (15, 11)
 NARROW = 0.2  # top land over module below which a tooth counts as pointed
+UNDERCUT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
 COARSE_FIT = 0.1  # of the target's range, above which the fit is said to miss it
 
 
@@ -44,8 +47,8 @@ class SideReport:
         Greatest ease-off over the common flank [mm].
     common_flank
         Share of the gear flank that the pinion meets.
-    undercut
-        Share of the pinion's flank that is undercut.
+    uncut
+        Share of the pinion's flank that is undercut, or where its cutter leaves no envelope.
     """
 
     moved: Mapping[str, tuple[float, float]]
@@ -53,7 +56,7 @@ class SideReport:
     wanted_range: float
     greatest_ease_off: float
     common_flank: float
-    undercut: float
+    uncut: float
 
     @property
     def greatest_left(self) -> float:
@@ -121,7 +124,14 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         free=design.pinion.free_settings or FREE,
         corrected=design.gear.basic_settings == "mean_point",
     )
-    return _case(design, designed), _report(design, designed)
+    try:
+        case = _case(design, designed)
+    except ValidationError as error:
+        raise GeometryError(
+            "this design leads to values that a case file does not allow; change its basic data or its target:\n"
+            + mistakes(Case, error)
+        ) from error
+    return case, _report(design, designed)
 
 
 def _case(design: Design, designed: DesignedPair) -> Case:
@@ -165,9 +175,10 @@ def _report(design: Design, designed: DesignedPair) -> DesignReport:
         if item.greatest_left > max(1e-3, COARSE_FIT * item.wanted_range)
     ]
     warnings += [
-        f"{side}: {100 * item.undercut:.0f} % of the pinion's flank is undercut"
+        f"{side}: {100 * item.uncut:.0f} % of the pinion's flank is undercut; a smaller gear_mean_addendum_factor "
+        "raises it from its root"
         for side, item in sides.items()
-        if item.undercut > 0.0
+        if item.uncut > UNDERCUT
     ]
     return DesignReport(designed.blank, sides, (*warnings, *_pointed(designed)))
 
@@ -185,7 +196,7 @@ def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"
         wanted_range=float(np.ptp(wanted)),
         greatest_ease_off=float(gap.max()),
         common_flank=float(inside.mean()),
-        undercut=float(np.mean(pair.pinion.flank(t, h).status == NodeStatus.UNDERCUT)),
+        uncut=float(np.mean(np.isin(pair.pinion.flank(t, h).status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION)))),
     )
 
 
