@@ -48,7 +48,7 @@ class SideReport:
     common_flank
         Share of the gear flank that the pinion meets.
     uncut
-        Share of the pinion's flank that is undercut, or where its cutter leaves no envelope.
+        Share of the pinion's flank that is undercut or out of the cutter's reach.
     """
 
     moved: Mapping[str, tuple[float, float]]
@@ -175,8 +175,7 @@ def _report(design: Design, designed: DesignedPair) -> DesignReport:
         if item.greatest_left > max(1e-3, COARSE_FIT * item.wanted_range)
     ]
     warnings += [
-        f"{side}: {100 * item.uncut:.0f} % of the pinion's flank is undercut; a smaller gear_mean_addendum_factor "
-        "raises it from its root"
+        f"{side}: {100 * item.uncut:.0f} % of the pinion's flank, at its root, is undercut or out of the cutter's reach"
         for side, item in sides.items()
         if item.uncut > UNDERCUT
     ]
