@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 from ..contact.bending import ElasticModel
 from ..contact.compliance import ElasticFoundation, Material
@@ -58,7 +58,7 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
     InputError
         If the data do not fit together; the message names the key.
     """
-    values = {
+    values: dict[str, Any] = {
         key: math.radians(value) if key in table.angles() and value is not None else value
         for key, value in table.model_dump().items()
     }

@@ -17,6 +17,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from easeoff.cases import design_model, model
+from easeoff.cases.blank_design_table import BlankDesignTable
 
 PAGE = Path(__file__).with_name("case_file.md")
 DESIGN_PAGE = Path(__file__).with_name("design_file.md")
@@ -75,7 +76,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     """Heading and schema of every table, in the order of a case file."""
     yield "### Top level", model.Case
     yield "### `[pair]`", model.PairTable
-    yield "### `[blank_design]`", model.BlankDesignTable
+    yield "### `[blank_design]`", BlankDesignTable
     yield "### `[pinion]` and `[gear]`", model.PinionTable
     yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
     yield "### `[pinion.concave.machine]`, and so on for every flank", model.Machine

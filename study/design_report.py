@@ -66,10 +66,11 @@ def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:
         if "[deg]" in label:
             values = [math.degrees(value) for value in values]
         yield label, f"{values[0]:.4f}", f"{values[1]:.4f}"
-    yield "mean normal module [mm]", *[f"{blank.mean_normal_module:.4f}"] * 2
+    module = f"{blank.mean_normal_module:.4f}"
+    yield "mean normal module [mm]", module, module
     for side in ("drive", "coast"):
-        angle = math.degrees(getattr(blank, f"generated_{side}_pressure_angle"))
-        yield f"{side} pressure angle [deg]", *[f"{angle:.4f}"] * 2
+        angle = f"{math.degrees(getattr(blank, f'generated_{side}_pressure_angle')):.4f}"
+        yield f"{side} pressure angle [deg]", angle, angle
 
 
 def _moved(item: SideReport) -> str:

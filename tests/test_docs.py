@@ -17,6 +17,8 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff.cases import design_model, gear_pair, model, parse_case, parse_design
+from easeoff.cases.blank_design_table import BlankDesignTable
+from easeoff.cases.table import Table
 from easeoff.contact import read_problems, solve
 from easeoff.contact.solvers.settings import SOLVERS
 from easeoff.geometry import MachineSettings, ease_off
@@ -107,7 +109,7 @@ def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch
     assert page == reference.updated(page)
     assert reference.case_tables() in page
     described = {table for _, table in reference.sections()}
-    for _, table in inspect.getmembers(model, lambda m: inspect.isclass(m) and issubclass(m, model.Table)):
+    for _, table in inspect.getmembers(model, lambda m: inspect.isclass(m) and issubclass(m, Table)):
         keys = [k for k, field in table.model_fields.items() if not reference.sub_table(field.annotation)]
         assert table in described or not keys or any(issubclass(other, table) for other in described), table
 
@@ -122,7 +124,7 @@ def test_design_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPat
     shared = {table for _, table in reference.sections()}
     for name, field in design_model.Design.model_fields.items():
         table = field.annotation
-        if inspect.isclass(table) and issubclass(table, model.Table):
+        if inspect.isclass(table) and issubclass(table, Table):
             assert table in shared or f"`[{name}" in page, name
 
 
@@ -165,7 +167,7 @@ def test_example_case_is_a_case() -> None:
     assert np.mean(middle["inside"].values) > 0.5
     machine = model.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])
     assert machine.ratio_of_roll is None
-    model.BlankDesignTable.model_validate(tomllib.loads(basic)["blank_design"])
+    BlankDesignTable.model_validate(tomllib.loads(basic)["blank_design"])
 
 
 def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
