@@ -11,6 +11,7 @@ from ..core.errors import GeometryError, InputError
 from ..geometry.assembly import Assembly, Misalignment
 from ..geometry.basic_settings import blank_section
 from ..geometry.blade import Blade
+from ..geometry.blade_sections import Relief
 from ..geometry.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ..geometry.generating_surface import GeneratingSurface, Hand
 from ..geometry.machine import MachineSettings
@@ -141,9 +142,18 @@ def generating_surface(
         math.radians(cutter.blade_offset_angle),
         math.radians(cutter.blade_rake_angle),
         math.radians(cutter.blade_hook_angle),
+        cutter.blade_spheric_radius,
+        cutter.blade_reference_height,
+        cutter.tool_edge_radius,
+        _relief(cutter.toprem_depth, cutter.toprem_angle, cutter.toprem_radius),
+        _relief(cutter.flankrem_depth, cutter.flankrem_angle, cutter.flankrem_radius),
     )
     machine = machine_settings(settings.machine, cutter.number_of_blade_groups / teeth)
     return GeneratingSurface(blade, machine, hand, -1 if pinion else 1)
+
+
+def _relief(depth: float | None, angle: float, radius: float | None) -> Relief | None:
+    return None if depth is None else Relief(depth, math.radians(angle), radius)
 
 
 def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *, pinion: bool) -> Member:

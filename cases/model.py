@@ -63,7 +63,7 @@ class Blank(Table):
 
 
 class Cutter(Table):
-    """Straight-edged blade of a cutter."""
+    """The blade of a cutter: its profile, its reliefs and its edge radius."""
 
     blade_point_radius: Number = _number("radius of the blade tip", "mm", gt=1, lt=2000)
     blade_pressure_angle: Number = _number("angle between blade edge and cutter axis", "deg", gt=-45, lt=60)
@@ -79,6 +79,38 @@ class Cutter(Table):
     blade_hook_angle: Number = _number(
         "face hobbing: turn of the edge about the radial direction", "deg", default=0.0, gt=-60, lt=60
     )
+    blade_spheric_radius: Number | None = _number(
+        "radius of a circular profile, positive for a hollow edge, whose pressure angle grows towards the shank; "
+        "straight if left out",
+        "mm",
+        default=None,
+        gt=-1e7,
+        lt=1e7,
+    )
+    blade_reference_height: Number = _number(
+        "height above the tip plane at which a circular profile has the pressure angle",
+        "mm",
+        default=0.0,
+        gt=-50,
+        lt=100,
+    )
+    tool_edge_radius: Number = _number("radius between profile and tip land", "mm", default=0.0, ge=0, lt=20)
+    toprem_depth: Number | None = _number(
+        "toprem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=50
+    )
+    toprem_angle: Number = _number("toprem: by how much its pressure angle is smaller", "deg", default=0.0, ge=0, lt=30)
+    toprem_radius: Number | None = _number(
+        "toprem: radius of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7
+    )
+    flankrem_depth: Number | None = _number(
+        "flankrem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=100
+    )
+    flankrem_angle: Number = _number(
+        "flankrem: by how much its pressure angle is larger", "deg", default=0.0, ge=0, lt=30
+    )
+    flankrem_radius: Number | None = _number(
+        "flankrem: radius of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7
+    )
 
     @model_validator(mode="after")
     def _hobbing_has_groups(self) -> Self:
@@ -88,6 +120,23 @@ class Cutter(Table):
                 "blade_offset_angle, blade_rake_angle and blade_hook_angle belong to face hobbing: give "
                 "number_of_blade_groups"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _reliefs_begin_somewhere(self) -> Self:
+        for name in ("toprem", "flankrem"):
+            if getattr(self, f"{name}_depth") is None and (
+                getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
+            ):
+                raise ValueError(f"{name}_angle and {name}_radius need {name}_depth: where the {name} begins")
+            if getattr(self, f"{name}_depth") is not None and not (
+                getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
+            ):
+                raise ValueError(f"{name}_depth needs {name}_angle or {name}_radius: it changes nothing without")
+        if self.blade_spheric_radius is not None and not abs(self.blade_spheric_radius) > 1.0:
+            raise ValueError(f"blade_spheric_radius = {self.blade_spheric_radius}: must be longer than 1 mm either way")
+        if self.blade_spheric_radius is None and self.blade_reference_height:
+            raise ValueError("blade_reference_height belongs to a circular profile: give blade_spheric_radius")
         return self
 
 

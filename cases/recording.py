@@ -84,6 +84,11 @@ def machine_table(settings: MachineSettings) -> Machine:
 
 def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
     """A blade in mm and degrees."""
+    reliefs: dict[str, float | None] = {}
+    for name, relief in (("toprem", blade.toprem), ("flankrem", blade.flankrem)):
+        if relief is not None:
+            reliefs[f"{name}_depth"], reliefs[f"{name}_angle"] = _rounded(relief.height), _degrees(relief.angle)
+            reliefs[f"{name}_radius"] = relief.radius
     return Cutter(
         blade_point_radius=_rounded(blade.point_radius),
         blade_pressure_angle=_degrees(blade.pressure_angle),
@@ -91,4 +96,8 @@ def cutter_table(blade: Blade, number_of_blade_groups: int = 0) -> Cutter:
         blade_offset_angle=_degrees(blade.offset_angle),
         blade_rake_angle=_degrees(blade.rake_angle),
         blade_hook_angle=_degrees(blade.hook_angle),
+        blade_spheric_radius=blade.spheric_radius,
+        blade_reference_height=0.0 if blade.spheric_radius is None else _rounded(blade.reference_height),
+        tool_edge_radius=_rounded(blade.edge_radius),
+        **reliefs,
     )

@@ -22,6 +22,9 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "segment": ("1", "contact segment, counted over all contact lines"),
     "member": ("", "member of the pair"),
     "xyz": ("", "component in the member's frame: z along its axis from the crossing point to the heel"),
+    "flank": ("", "flank of the member"),
+    "row": ("1", "row of the measuring grid, 1 at the root"),
+    "column": ("1", "column of the measuring grid, 1 at the toe"),
     # flanks
     "position": ("mm", "position on the flank in the member's frame"),
     "normal": ("1", "unit normal of the flank, out of the tooth"),
@@ -41,7 +44,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "separation_skew": ("rad-2", "third derivative of the gap, as a gear rotation, by the pinion rotation"),
     "pinion_lengthwise": ("1", "lengthwise fraction of the conjugate point on the pinion"),
     "pinion_profile": ("1", "profile fraction of the conjugate point on the pinion"),
-    "blade_distance": ("mm", "distance from the blade tip along the blade that cuts here, the smaller of both members"),
+    "blade_distance": (
+        "mm",
+        "distance from the end of the edge radius along the blade that cuts here, the smaller of both members",
+    ),
     "status": ("", "why a node or a solution can or cannot be used"),
     # teeth
     "shell_height": ("mm", "height above the root line where the line of the contact force meets the tooth's middle"),
@@ -58,6 +64,11 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "shell_axis": ("", "axis of the plate that stands for the tooth"),
     "tooth_end": ("", "end of the tooth"),
     "plate_edge": ("", "edge of the plate"),
+    "side": ("", "side of the tooth"),
+    "upward": ("1", "number of the node from the root land to the tip"),
+    "level": ("1", "fraction of the height from the fillet's end to the tip"),
+    "region": ("", "what part of the tooth a node lies on"),
+    "transverse_thickness": ("mm", "chord across the tooth at right angles to the member's axis"),
     "principal": ("1", "number of the principal curvature"),
     "end": ("1", "end of the contact line"),
     # unloaded

@@ -12,6 +12,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
 from .assembly import Assembly
@@ -19,6 +20,8 @@ from .blade import Blade, BladeSide
 from .generating_surface import GeneratingSurface, Hand
 from .machine import MachineSettings
 from .machine_pose import machine_pose
+
+Array = NDArray[np.float64]
 
 
 def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: float) -> GeneratingSurface:
@@ -74,19 +77,35 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
 
 
 def _other_side(blade: Blade, height: float) -> Blade:
-    """The same edge as a blade that points the other way, its tip ``height`` further up along the cutter axis."""
-    (tip_r, tip_t), (edge_r, edge_t, edge_z) = blade.tip, blade.edge
-    along = -height / edge_z
-    tip = complex(tip_r + along * edge_r, tip_t + along * edge_t)
+    """The same edge as a blade that points the other way, its tip ``height`` further up along the cutter axis.
+
+    Both blades are written in components along radius, tangent and their own axis; the new axis is the old one
+    reversed. The plane of the edge stays: its normal fixes rake and hook.
+    """
+    (tip_r, tip_t), edge, (outward, upward) = blade.tip, np.array(blade.edge), blade.plane
+    reversed_axis = np.array([1.0, 1.0, -1.0])
+    along = -height / edge[2]
+    tip = complex(tip_r + along * edge[0], tip_t + along * edge[1])
     if blade.offset_angle == 0.0 and tip.real <= 0.0:
         raise GeometryError(f"the gear's cutter cone ends before the pinion's root, {height} mm from its blade tip")
-    # The edge from the new tip to the new shank, its radial and tangential part counted from the new tip's radius.
-    lateral = complex(-edge_r, -edge_t) * abs(tip) / tip
+    offset_angle = math.atan2(tip.imag, tip.real)
+
+    def from_tip(vector: Array) -> Array:
+        """Components with the radius through the new tip."""
+        lateral = complex(vector[0], vector[1]) * abs(tip) / tip
+        return np.array([lateral.real, lateral.imag, vector[2]])
+
+    across = from_tip(blade.side_sign * np.cross(outward, upward) * reversed_axis)
+    rake_angle, hook_angle = -math.asin(across[0]), math.atan2(across[2], across[1])
     side: BladeSide = "outside" if blade.side == "inside" else "inside"
-    return Blade(
-        point_radius=abs(tip),
-        pressure_angle=-blade.side_sign * math.asin(lateral.real),
-        side=side,
-        offset_angle=math.atan2(tip.imag, tip.real),
-        hook_angle=math.atan2(lateral.imag, -edge_z),
+    turned = Blade(abs(tip), 0.0, side, offset_angle, rake_angle, hook_angle)
+    new_edge, new_outward = -edge * reversed_axis, np.array(turned.plane[0])
+    pressure_angle = math.asin(float(new_edge @ new_outward))
+    touching = (along - blade.reference_height / math.cos(blade.pressure_angle)) * math.cos(pressure_angle)
+    return replace(
+        turned,
+        pressure_angle=pressure_angle,
+        spheric_radius=None if blade.spheric_radius is None else -blade.spheric_radius,
+        reference_height=touching if blade.spheric_radius is not None else 0.0,
+        edge_radius=blade.edge_radius,
     )

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .flank_parts import on_parts
 from .flank_surface import Flank
+from .generating_surface import GeneratingSurface
 from .newton import complex_steps
 from .vectors import dot
 
@@ -46,13 +48,17 @@ def shape_operator(flank: Flank) -> tuple[Array, Array, Array]:
         taken with the inward normal, so that convex teeth have positive curvature.
     """
 
-    def position_and_normal(parameters: Array) -> Array:
-        position, normal, _ = flank.surface.evaluate(parameters)
-        return np.concatenate([position, normal])
+    def derivatives_on(surface: GeneratingSurface, parameters: Array) -> Array:
+        def position_and_normal(values: Array) -> Array:
+            position, normal, _ = surface.evaluate(values)
+            return np.concatenate([position, normal])
 
-    parameters = flank.parameters.reshape(2, -1)
+        return complex_steps(position_and_normal, parameters)[1]
+
     with np.errstate(all="ignore"):
-        _, derivatives = complex_steps(position_and_normal, parameters)
+        derivatives = on_parts(
+            flank.surface.flank_parts, flank.part.ravel(), flank.parameters.reshape(2, -1), derivatives_on
+        )
     tangents, turning = derivatives[:, :3].swapaxes(0, 1), derivatives[:, 3:].swapaxes(0, 1)
     first = np.einsum("ian,ibn->abn", tangents, tangents)
     second = np.einsum("ian,ibn->abn", turning, tangents)

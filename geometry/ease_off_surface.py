@@ -8,7 +8,8 @@ shortcut is taken.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from ..core.errors import GeometryError
 from .assembly import Assembly
 from .conjugate import ConjugateMotion
+from .flank_parts import deepest, pick
 from .flank_surface import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
 from .generating_surface import GeneratingSurface
 from .newton import NewtonResult, complex_steps, solve
@@ -35,6 +37,8 @@ class EaseOff:
         The conjugate motion it was computed with.
     pinion_parameters
         Parameters (2, n) of the pinion point conjugate to each node.
+    pinion_position, pinion_normal
+        That point [mm] and its outward normal (3, n) in the pinion's frame.
     roll_angle
         Pinion rotation at which the node is in conjugate contact [rad], zero at the mean point of the pinion.
     angle
@@ -49,13 +53,16 @@ class EaseOff:
     pinion_lengthwise, pinion_profile
         Fractions of the conjugate point on the pinion flank.
     blade_distance
-        Distance along the blade from its tip [mm], the smaller one of gear and pinion; negative where no blade cuts.
+        Distance along the blade from the end of its edge radius [mm], the smaller one of gear and pinion; negative
+        where no flank is cut.
     status
         ``NodeStatus`` of the node and of its conjugate point.
     """
 
     motion: ConjugateMotion
     pinion_parameters: Array
+    pinion_position: Array
+    pinion_normal: Array
     roll_angle: Array
     angle: Array
     lever_arm: Array
@@ -187,15 +194,38 @@ def compute(
         raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
     middle = target[:, usable].mean(axis=1)
     target = np.where(usable, target, middle[:, None])
-    if near is None:
-        motion = conjugate_motion(pinion_surface, pinion_section, assembly, middle)
-        start, side = _seeds(motion, pinion_section, target)
+    if near is None or len(near.motion.surface.flank_parts) > 1:
+        motion = conjugate_motion(pinion_surface.on("profile"), pinion_section, assembly, middle)
+        starts = [_seeds(replace(motion, surface=part), pinion_section, target) for part in pinion_surface.flank_parts]
     else:
         motion = replace(near.motion, surface=pinion_surface, assembly=assembly)
-        start = near.pinion_parameters
-        side = float(np.sign(np.median(pinion_surface.orientation(start)[near.inside])))
-    found = solve(lambda p: _place(motion, p), start, target, pinion_surface.max_step)
-    return _classified(motion, pinion_section, gear, found, side, usable)
+        orientation = pinion_surface.orientation(near.pinion_parameters)[near.inside]
+        starts = [(near.pinion_parameters, float(np.sign(np.median(orientation))))]
+    surfaces = []
+    for part, (start, side) in zip(pinion_surface.flank_parts, starts, strict=True):
+        on_part = replace(motion, surface=part)
+        found = solve(partial(_place, on_part), start, target, part.max_step)
+        surfaces.append(_classified(on_part, pinion_section, gear, found, side, usable))
+    result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
+    result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
+    if not np.any(result.inside):
+        raise GeometryError(
+            "no part of the gear flank meets the pinion flank: check the blanks, the hands, "
+            "hypoid_offset and shaft_angle"
+        )
+    return result
+
+
+def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
+    """Ease-off with a pinion flank of several sections: at every node the section with the largest gap."""
+    first = surfaces[0].angle
+    whole_turns = [np.round(np.nanmedian((s.angle - first) / (2 * np.pi))) for s in surfaces]
+    angles = [s.angle - 2 * np.pi * turns for s, turns in zip(surfaces, whole_turns, strict=True)]
+    parts = motion.surface.flank_parts
+    choice = deepest(parts, [s.blade_distance for s in surfaces], angles)
+    arrays = [field.name for field in fields(EaseOff) if field.name not in ("motion", "angle")]
+    picked = {name: pick([getattr(s, name) for s in surfaces], choice) for name in arrays}
+    return EaseOff(motion=motion, angle=pick(angles, choice), **picked)
 
 
 def _place(motion: ConjugateMotion, parameters: Array) -> Array:
@@ -224,7 +254,7 @@ def _classified(
     parameters = found.parameters
     with np.errstate(all="ignore"):
         point, roll_angle = motion.conjugate_gear(parameters)
-        position, _, distance = motion.surface.evaluate(parameters)
+        position, normal, distance = motion.surface.evaluate(parameters)
         valid_side = motion.surface.orientation(parameters) * side > 0.0
         # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
         turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
@@ -238,11 +268,6 @@ def _classified(
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
     status[~valid_side] = NodeStatus.UNDERCUT
     status[~(found.converged & usable & np.isfinite(turned))] = NodeStatus.NO_SOLUTION
-    if not np.any(status == NodeStatus.INSIDE):
-        raise GeometryError(
-            "no part of the gear flank meets the pinion flank: check the blanks, the hands, "
-            "hypoid_offset and shaft_angle"
-        )
     missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
 
     def known(values: Array) -> Array:
@@ -251,6 +276,8 @@ def _classified(
     return EaseOff(
         motion=motion,
         pinion_parameters=parameters,
+        pinion_position=known(position),
+        pinion_normal=known(normal),
         roll_angle=known(roll_angle - motion.center),
         angle=known(-motion.pinion_sense * turned),
         lever_arm=known(np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])),
@@ -258,6 +285,6 @@ def _classified(
         separation_skew=known(skew),
         pinion_lengthwise=known(lengthwise),
         pinion_profile=known(profile),
-        blade_distance=known(np.minimum(distance, gear.blade_distance)),
+        blade_distance=known(distance),
         status=status,
     )

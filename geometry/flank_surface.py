@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..core.errors import GeometryError
+from .flank_parts import deepest, pick
 from .generating_surface import GeneratingSurface
 from .newton import complex_steps, solve
 from .section import BlankSection
@@ -44,11 +45,11 @@ class Flank:
     normal
         Outward unit normals (3, n).
     blade_distance
-        Distance along the blade from its tip (n) [mm].
+        Distance along the blade from the end of its edge radius (n) [mm].
     status
         ``NodeStatus`` of every node (n).
-    orientation
-        Sign of the valid side of the surface, see ``GeneratingSurface.orientation``.
+    part
+        Which of the surface's ``flank_parts`` the node belongs to (n).
     """
 
     surface: GeneratingSurface
@@ -57,7 +58,7 @@ class Flank:
     normal: Array
     blade_distance: Array
     status: NDArray[np.int8]
-    orientation: float
+    part: NDArray[np.int8]
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -73,18 +74,20 @@ class Flank:
             normal=self.normal.reshape(3, *shape),
             blade_distance=self.blade_distance.reshape(shape),
             status=self.status.reshape(shape),
+            part=self.part.reshape(shape),
         )
 
 
 @lru_cache(maxsize=64)
 def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
-    """Parameters (2, 1) of the flank's mean point, searched over every position of the cutter.
+    """Parameters (2, 1) of the flank's mean point, on the blade's profile, searched over every position of the cutter.
 
     Raises
     ------
     GeometryError
         If the cutter meets no tooth of this blank.
     """
+    surface = surface.on("profile")
     target = section.points(np.array([0.5]), np.array([0.5]))
     depth = float(np.linalg.norm(section.corners[0, 1] - section.corners[0, 0]))
     # The blade's tip runs along the root cone: that tells how far up the blade the middle of the flank is cut, and with
@@ -193,23 +196,40 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     """
     target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
     mean = mean_parameters(surface, section)
+    parts = surface.flank_parts
+    flanks = [_solve_part(part, section, mean, target) for part in parts]
+    if len(flanks) == 1:
+        return flanks[0]
+    # Along the azimuth the outward normal points one way for the whole flank; the deepest cut lies furthest against it.
+    front = flanks[[part.part for part in parts].index("profile")]
+    outward = np.sign(np.nanmedian(front.position[0] * front.normal[1] - front.position[1] * front.normal[0]))
+    azimuth = [np.arctan2(f.position[1], f.position[0]) for f in flanks]
+    reference = np.nanmedian(azimuth[0])
+    depths = [-outward * (np.mod(a - reference + np.pi, 2 * np.pi)) for a in azimuth]
+    choice = deepest(parts, [f.blade_distance for f in flanks], depths)
+    return Flank(
+        surface,
+        pick([f.parameters for f in flanks], choice),
+        pick([f.position for f in flanks], choice),
+        pick([f.normal for f in flanks], choice),
+        pick([f.blade_distance for f in flanks], choice),
+        pick([f.status for f in flanks], choice),
+        choice,
+    )
+
+
+def _solve_part(surface: GeneratingSurface, section: BlankSection, mean: Array, target: Array) -> Flank:
+    """The surface that one section of the blade cuts, at all nodes, with a status for each."""
     lattice, orientation = seed_lattice(surface, section, mean)
     start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
     found = solve(surface.axial_and_radial, start, target, surface.max_step)
-    return _classified(surface, found.parameters, found.converged, float(orientation))
-
-
-def _classified(
-    surface: GeneratingSurface, parameters: Array, converged: NDArray[np.bool_], orientation: float
-) -> Flank:
-    """Attach a status to every node and blank out those that are no points of the flank."""
     with np.errstate(all="ignore"):
-        position, normal, distance = surface.evaluate(parameters)
-        side = surface.orientation(parameters) * orientation
-    status = np.full(parameters.shape[1], NodeStatus.INSIDE, dtype=np.int8)
+        position, normal, distance = surface.evaluate(found.parameters)
+        side = surface.orientation(found.parameters) * float(orientation)
+    status = np.full(target.shape[1], NodeStatus.INSIDE, dtype=np.int8)
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
     status[~(side > 0.0)] = NodeStatus.UNDERCUT
-    status[~converged] = NodeStatus.NO_SOLUTION
+    status[~found.converged] = NodeStatus.NO_SOLUTION
     unusable = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
     position, normal = np.where(unusable, np.nan, position), np.where(unusable, np.nan, normal)
-    return Flank(surface, parameters, position, normal, distance, status, orientation)
+    return Flank(surface, found.parameters, position, normal, distance, status, np.zeros(status.shape, dtype=np.int8))

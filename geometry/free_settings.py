@@ -1,6 +1,7 @@
 """Settings of a generating surface by name, so that a fit can move them: blade, machine, modified roll and motions.
 
-A name is that of a field of ``Blade`` or ``MachineSettings``; ``modified_roll_2c`` to ``modified_roll_720g`` are the
+A name is that of a field of ``Blade`` or ``MachineSettings``; ``blade_curvature`` is one over the radius of a circular
+profile (``spheric_radius``), zero for a straight one; ``modified_roll_2c`` to ``modified_roll_720g`` are the
 derivatives of the work rotation, and ``sliding_base_motion_1``, ``sliding_base_motion_2``, ... those of a setting by
 the cradle increment, as in case files (there degrees, here radians).
 """
@@ -32,6 +33,7 @@ MACHINE = {
 }
 MODIFIED_ROLL = {f"modified_roll_{key}": n for n, key in enumerate(("2c", "6d", "24e", "120f", "720g"), start=2)}
 MOTION = re.compile(rf"({'|'.join(MOVING)})_motion_([1-6])")
+CURVATURE = {"blade_curvature": 1e-3}
 REACH = 0.3  # cradle increment at which a motion changes the flank as much as the setting itself [rad]
 
 
@@ -43,14 +45,15 @@ def scale_of(name: str) -> float:
     InputError
         If there is no setting of that name.
     """
-    if name in BLADE or name in MACHINE:
-        return {**BLADE, **MACHINE}[name]
+    plain = {**BLADE, **CURVATURE, **MACHINE}
+    if name in plain:
+        return plain[name]
     if name in MODIFIED_ROLL:
         return float(0.02 * 10.0 ** (MODIFIED_ROLL[name] - 2))
     motion = MOTION.fullmatch(name)
     if motion is None:
         raise InputError(
-            f"free setting {name!r}: allowed are {', '.join([*BLADE, *MACHINE, *MODIFIED_ROLL])}, and the name of a "
+            f"free setting {name!r}: allowed are {', '.join([*plain, *MODIFIED_ROLL])}, and the name of a "
             f"moving setting ({', '.join(MOVING)}) with _motion_1 to _motion_6"
         )
     order = int(motion[2])
@@ -62,6 +65,9 @@ def get_setting(surface: GeneratingSurface, name: str) -> float:
     scale_of(name)
     if name in BLADE:
         return float(getattr(surface.blade, name))
+    if name in CURVATURE:
+        radius = surface.blade.spheric_radius
+        return 0.0 if radius is None else 1.0 / radius
     if name in MACHINE:
         return float(getattr(surface.settings, name))
     if name in MODIFIED_ROLL:
@@ -79,6 +85,8 @@ def with_settings(surface: GeneratingSurface, values: Mapping[str, float]) -> Ge
         scale_of(name)
         if name in BLADE:
             blade[name] = value
+        elif name in CURVATURE:
+            blade["spheric_radius"] = 1.0 / value if value else None
         elif name in MACHINE:
             machine[name] = value
         elif name in MODIFIED_ROLL:

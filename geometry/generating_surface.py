@@ -1,21 +1,24 @@
 """What cuts a flank: a blade on a machine, and the envelope of its motion.
 
-A generated flank has the two parameters (cutter angle, cradle rotation); the distance along the blade follows from
-the equation of meshing in closed form (Kolivand 2009, Eq. 2.8). A Formate flank is the cutter cone itself, with the
-parameters (cutter angle, distance along the blade).
+A generated flank has the two parameters (cutter angle, cradle rotation); the place on the blade follows from the
+equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
+angle, place on the blade). Every section of the blade has its own surface.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .blade import Blade
+from .blade_sections import BladeSection, SectionName
 from .machine import IncrementSense, MachineSettings
 from .machine_pose import machine_pose
+from .meshing import Velocity, circular_edge, straight_edge
 from .newton import complex_steps
 from .vectors import cos_sin, cross, dot
 
@@ -37,12 +40,29 @@ class GeneratingSurface:
         Hand of spiral of the member; a left-hand flank is the mirror image (y to -y) of the right-hand one.
     sense
         Sense of the cradle increment, see ``machine.IncrementSense``.
+    part
+        Section of the blade that cuts; the profile unless said.
     """
 
     blade: Blade
     settings: MachineSettings
     hand: Hand
     sense: IncrementSense
+    part: SectionName = "profile"
+
+    @property
+    def section(self) -> BladeSection:
+        """The section of the blade that cuts."""
+        return self.blade.sections[self.part]
+
+    def on(self, part: SectionName) -> GeneratingSurface:
+        """What another section of the same blade cuts."""
+        return self if part == self.part else replace(self, part=part)
+
+    @property
+    def flank_parts(self) -> tuple[GeneratingSurface, ...]:
+        """Surfaces of the sections that cut the flank, all but the edge radius, from the tip of the blade upwards."""
+        return tuple(self.on(name) for name in self.blade.sections if name != "edge")
 
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
         """Flank at given parameters; analytic, so that it can be differentiated by complex step.
@@ -50,12 +70,13 @@ class GeneratingSurface:
         Parameters
         ----------
         parameters
-            Cutter angle [rad] and, generated, cradle rotation [rad] or, Formate, distance along the blade [mm]: (2, n).
+            Cutter angle [rad] and, generated, cradle rotation [rad] or, Formate, place on the blade: (2, n).
 
         Returns
         -------
         tuple
-            Position (3, n) [mm] and outward unit normal (3, n) in the member frame, distance along the blade (n) [mm].
+            Position (3, n) [mm] and outward unit normal (3, n) in the member frame, and the place on the blade (n): mm
+            along it from the end of its edge radius, see ``blade_sections``.
         """
         cutter_angle, second = parameters
         cradle_rotation = second if self.settings.generated else np.zeros_like(second)
@@ -64,18 +85,19 @@ class GeneratingSurface:
         cosine, sine = cos_sin(cutter_angle)
         x_axis, y_axis, cutter_axis = pose.frame
         radial, tangential = x_axis * cosine + y_axis * sine, y_axis * cosine - x_axis * sine
-        (tip_r, tip_t), (edge_r, edge_t, edge_z) = self.blade.tip, self.blade.edge
-        tip = pose.center + tip_r * radial + tip_t * tangential
-        edge = edge_r * radial + edge_t * tangential + edge_z * cutter_axis
+
+        def seen(r: float, t: float, z: float) -> Array:
+            return np.asarray(r * radial + t * tangential + z * cutter_axis)
+
+        tip = pose.center + seen(*self.blade.tip, 0.0)
+        outward, upward = (seen(*vector) for vector in self.blade.plane)
 
         # Velocity of a blade point relative to the work, by the cutter angle, as spin x point + shift.
         indexing = self.settings.indexing_ratio
         spin = cutter_axis + indexing * pose.axis
         shift = -cross(cutter_axis, pose.center) - indexing * cross(pose.axis, pose.origin)
-        distance = second
-        if self.settings.generated:
-            distance = _edge_distance(tip, edge, (spin, shift), (pose.spin, pose.shift))
-        point = tip + distance * edge
+        velocities = (spin, shift), (pose.spin, pose.shift)
+        point, edge, place = self._on_blade(tip, (outward, upward), velocities, second)
         normal = -self.blade.side_sign * cross(edge, cross(spin, point) + shift)
         normal = normal / np.sqrt(dot(normal, normal))
 
@@ -84,7 +106,33 @@ class GeneratingSurface:
         normal = pose.to_member(normal, turned, point=False)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
-        return position, normal, distance
+        return position, normal, place
+
+    def _on_blade(
+        self, tip: Array, plane: tuple[Array, Array], velocities: tuple[Velocity, Velocity], place: Array
+    ) -> tuple[Array, Array, Array]:
+        """Point of the blade that cuts [mm], direction of the edge there (3, n), and place on the blade (n).
+
+        Generated, the equation of meshing gives the place; Formate, it is the one asked for.
+        """
+        section, (outward, upward) = self.section, plane
+        if section.radius is None:
+            along_outward, along_upward = math.sin(section.angle), math.cos(section.angle)
+            edge = along_outward * outward + along_upward * upward
+            origin = tip + (section.outward - section.begin * along_outward) * outward
+            origin = origin + (section.height - section.begin * along_upward) * upward
+            if self.settings.generated:
+                place = straight_edge(origin, edge, *velocities)
+            return origin + place * edge, edge, place
+        center = tip + section.center[0] * outward + section.center[1] * upward
+        if self.settings.generated:
+            angle = circular_edge(center, section.radius, plane, *velocities, section.middle_angle)
+            place = section.begin + (angle - section.angle) / section.rate
+        else:
+            angle = section.angle + section.rate * (place - section.begin)
+        cosine, sine = cos_sin(angle)
+        point = center + section.radius * (sine * upward - cosine * outward)
+        return point, sine * outward + cosine * upward, place
 
     def axial_and_radial(self, parameters: Array) -> Array:
         """Axial and radial coordinates (2, n) [mm] of the flank at given parameters (2, n)."""
@@ -94,7 +142,8 @@ class GeneratingSurface:
     @property
     def max_step(self) -> Array:
         """Largest Newton step of the two parameters."""
-        return np.array([0.2, 0.2 if self.settings.generated else 0.2 * self.blade.point_radius])
+        within_edge = self.part == "edge"
+        return np.array([0.2, 0.2 if self.settings.generated or within_edge else 0.2 * self.blade.point_radius])
 
     def orientation(self, parameters: Array) -> Array:
         """Signed area ratio of the parametrisation (n): it changes sign where the flank is undercut."""
@@ -105,26 +154,3 @@ class GeneratingSurface:
         _, (first, second) = complex_steps(position, parameters)
         _, normal, _ = self.evaluate(parameters)
         return np.asarray(dot(cross(first, second), normal))
-
-
-def _edge_distance(tip: Array, edge: Array, by_cutter: tuple[Array, Array], by_cradle: tuple[Array, Array]) -> Array:
-    """Distance along the blade [mm] where the generated flank touches it: the equation of meshing in closed form.
-
-    Blade, velocity by the cutter and velocity by the cradle lie in one plane there (Kolivand 2009, Eq. 2.8). Both
-    velocities are linear in the distance, so the condition is quadratic. Its other root is far away: for a face-milling
-    cutter it is always the apex of the cone.
-
-    Parameters
-    ----------
-    tip, edge
-        Blade tip [mm] and direction (3, n).
-    by_cutter, by_cradle
-        Velocities of a point, as (spin, shift) with velocity = spin x point + shift.
-    """
-    at_tip = [cross(spin, tip) + shift for spin, shift in (by_cutter, by_cradle)]
-    along = [cross(spin, edge) for spin, _ in (by_cutter, by_cradle)]
-    constant = dot(edge, cross(at_tip[0], at_tip[1]))
-    linear = dot(edge, cross(along[0], at_tip[1]) + cross(at_tip[0], along[1]))
-    quadratic = dot(edge, cross(along[0], along[1]))
-    root = np.sqrt(linear * linear - 4.0 * constant * quadratic)
-    return np.asarray(-2.0 * constant / (linear + np.sign(linear.real) * root))

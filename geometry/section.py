@@ -123,7 +123,7 @@ class BlankSection:
         constant = cross(up, x, y)
         with np.errstate(invalid="ignore"):
             root = np.sqrt(linear**2 - 4.0 * quadratic * constant)
-        t = -2.0 * constant / (linear + np.sign(linear) * root)
+        t = -2.0 * constant / (linear + np.sign(linear.real) * root)
         direction = up[:, None] + np.multiply.outer(twist, np.ravel(t))
         offset = np.stack([np.ravel(x - along[0] * t), np.ravel(y - along[1] * t)])
         h = np.einsum("ij,ij->j", direction, offset) / np.einsum("ij,ij->j", direction, direction)

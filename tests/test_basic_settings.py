@@ -14,6 +14,7 @@ from easeoff.geometry.basic_settings import hobbing_blade
 from easeoff.geometry.flank_surface import solve_flank
 from easeoff.geometry.generating_surface import GeneratingSurface, Hand
 from easeoff.geometry.mean_point import mean_point_angles
+from easeoff.geometry.pair import Member, _left_by_cutter
 from easeoff.geometry.tooth import tooth_body
 from easeoff.geometry.vectors import rotate_z
 
@@ -175,7 +176,7 @@ def test_tooth_between_the_milled_flanks_has_the_thickness_of_the_blank() -> Non
     """The tooth body interpolates over the flank; at pitch height it comes near the blank's circular thickness."""
     blank, convex, concave = gear(MILLED)
     section = blank_section(blank.gear, blank.clearance)
-    body = tooth_body(section, convex, concave, 41)
+    body = tooth_body(section, convex, concave, _left_by_cutter(Member(41, section, convex, concave)))
     mean = body.thickness.mean(axis=0)
     up = blank.gear.mean_dedendum / body.height.mean()
     assert mean[0] * (1 - up) + mean[1] * up == pytest.approx(blank.gear.mean_normal_thickness, abs=0.15)

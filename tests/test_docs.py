@@ -22,7 +22,7 @@ from easeoff.cases.table import Table
 from easeoff.contact import read_problems, solve
 from easeoff.contact.solvers.settings import SOLVERS
 from easeoff.geometry import MachineSettings, ease_off
-from easeoff.geometry.free_settings import BLADE, MACHINE, MODIFIED_ROLL
+from easeoff.geometry.free_settings import BLADE, CURVATURE, MACHINE, MODIFIED_ROLL
 from easeoff.geometry.machine import IncrementSense
 from easeoff.geometry.machine_pose import machine_pose
 from easeoff.geometry.synthesis import FREE
@@ -31,7 +31,7 @@ from easeoff.study.cli import main
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python")
+WITH_CODE = ("index", "results", "contact_problems", "python", "cad")
 
 
 def text(name: str) -> str:
@@ -135,7 +135,7 @@ def test_example_design_is_a_design() -> None:
 
 def test_free_settings_of_the_page_are_those_of_the_code() -> None:
     listed = [row[0].strip("`") for row in rows(text("design_file"), "## Free settings")]
-    assert listed == [*BLADE, *MACHINE, *MODIFIED_ROLL, "..._motion_1"]
+    assert listed == [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "..._motion_1"]
     assert set(FREE) == {row[0].strip("`") for row in rows(text("design_file"), "## Free settings") if row[2] == "yes"}
 
 

@@ -9,10 +9,18 @@ import pytest
 from pairs import conjugate_pair
 
 from easeoff.core.errors import InputError
-from easeoff.geometry.free_settings import BLADE, MACHINE, MODIFIED_ROLL, get_setting, scale_of, with_settings
+from easeoff.geometry.free_settings import (
+    BLADE,
+    CURVATURE,
+    MACHINE,
+    MODIFIED_ROLL,
+    get_setting,
+    scale_of,
+    with_settings,
+)
 from easeoff.geometry.machine_pose import machine_pose
 
-NAMES = [*BLADE, *MACHINE, *MODIFIED_ROLL, "sliding_base_motion_1", "cutter_tilt_motion_3"]
+NAMES = [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "sliding_base_motion_1", "cutter_tilt_motion_3"]
 
 
 @pytest.mark.parametrize("name", NAMES)

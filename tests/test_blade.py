@@ -1,0 +1,310 @@
+"""The whole blade: sections that join, each cut surface an envelope, curved flanks against other formulations."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pairs import DRIVE_BLADE, GEAR_BLANK, GEAR_MACHINE, conjugate_pair
+from scipy.optimize import brentq
+from test_face_hobbing import GENERATED, GROUPS
+
+from easeoff.cases import parse_case
+from easeoff.cases.conversion import gear_pair
+from easeoff.cases.reading import case_text
+from easeoff.core.errors import InputError
+from easeoff.geometry import Assembly, Blade, GearPair, GeneratingSurface, Member, conjugate_pinion, pair_geometry
+from easeoff.geometry.blade_sections import Relief
+from easeoff.geometry.curvature import principal_curvatures
+from easeoff.geometry.ease_off_surface import compute
+from easeoff.geometry.flank_surface import solve_flank
+from easeoff.geometry.generating_surface import Hand
+from easeoff.geometry.machine import work_rotation
+from easeoff.geometry.pair import grid
+from easeoff.geometry.vectors import rotate_z
+
+WHOLE = Blade(
+    75.0,
+    math.radians(18.0),
+    "outside",
+    spheric_radius=700.0,
+    edge_radius=0.9,
+    toprem=Relief(2.2, math.radians(4.0), 60.0),
+    flankrem=Relief(8.5, math.radians(2.0), 90.0),
+)
+BLADES = {
+    "plain": Blade(75.0, math.radians(18.0), "outside"),
+    "edge": Blade(75.0, math.radians(18.0), "outside", edge_radius=0.8),
+    "curved": Blade(75.0, math.radians(18.0), "inside", spheric_radius=-600.0, reference_height=4.0, edge_radius=1.1),
+    "toprem": Blade(75.0, math.radians(18.0), "outside", edge_radius=0.8, toprem=Relief(2.0, math.radians(5.0))),
+    "whole": WHOLE,
+}
+
+
+@pytest.mark.parametrize("name", BLADES)
+def test_sections_join(name: str) -> None:
+    """End to end without a gap; with a kink of the relief's angle at a relief, without one at the edge radius."""
+    sections = list(BLADES[name].sections.values())
+    kinks = {"toprem": BLADES[name].toprem, "flankrem": BLADES[name].flankrem}
+    for lower, upper in itertools.pairwise(sections):
+        assert lower.end == upper.begin
+        assert lower.point(lower.end) == pytest.approx(upper.point(upper.begin), abs=1e-12)
+        relief = kinks.get(upper.name) if upper.name == "flankrem" else kinks.get(lower.name)
+        kink = relief.angle if relief is not None else 0.0
+        assert upper.angle - lower.angle_at(lower.end) == pytest.approx(kink, abs=1e-12)
+    tip = sections[0]
+    assert tip.point(-1.0)[1] == pytest.approx(0.0, abs=1e-12)
+    assert tip.angle_at(-1.0) == pytest.approx(math.pi / 2)
+
+
+def test_sections_are_arcs_of_their_radius() -> None:
+    """Every point of an arc is one radius away from its centre, and the coordinate counts millimetres."""
+    for section in WHOLE.sections.values():
+        assert section.radius is not None
+        end = min(section.end, section.begin + 5.0)
+        places = np.linspace(section.begin, end, 201)
+        points = np.array([section.point(place) for place in places])
+        np.testing.assert_allclose(np.linalg.norm(points - section.center, axis=1), abs(section.radius), rtol=1e-13)
+        if section.name != "edge":
+            length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+            assert length == pytest.approx(end - section.begin, rel=1e-5)
+
+
+def test_curved_profile_touches_its_pressure_line() -> None:
+    blade = replace(BLADES["curved"], edge_radius=0.0)
+    profile = blade.sections["profile"]
+    place = profile.at_height(4.0)
+    assert profile.point(place)[0] == pytest.approx(4.0 * math.tan(blade.pressure_angle), abs=1e-12)
+    assert profile.angle_at(place) == pytest.approx(blade.pressure_angle)
+
+
+@pytest.mark.parametrize("indexing", [0.0, GROUPS / 11])
+def test_large_radius_tends_to_the_straight_blade(indexing: float) -> None:
+    """The difference is of first order in the curvature."""
+    parameters = np.array([[-2.1, -2.0, -1.9], [-0.1, 0.0, 0.15]])
+    settings = replace(GENERATED, indexing_ratio=indexing)
+    plain = GeneratingSurface(Blade(75.0, 0.3, "outside", edge_radius=0.8), settings, "right", -1)
+
+    def difference(radius: float) -> float:
+        curved = replace(plain, blade=replace(plain.blade, spheric_radius=radius))
+        return float(np.abs(curved.evaluate(parameters)[0] - plain.evaluate(parameters)[0]).max())
+
+    assert difference(1e6) / difference(2e6) == pytest.approx(2.0, rel=1e-3)
+    assert difference(1e9) < 1e-4
+
+
+@pytest.mark.parametrize("indexing", [0.0, GROUPS / 11])
+@pytest.mark.parametrize("part", ["edge", "toprem", "profile", "flankrem"])
+def test_every_section_cuts_an_envelope(part: str, indexing: float) -> None:
+    """Blade, cutter and cradle derivatives of the blade points lie in one plane, by finite differences."""
+    settings = replace(GENERATED, indexing_ratio=indexing)
+    blade = replace(WHOLE, offset_angle=0.2, rake_angle=0.05, hook_angle=-0.08) if indexing else WHOLE
+    surface = GeneratingSurface(blade, settings, "right", -1).on(part)  # type: ignore[arg-type]
+    still = replace(settings, ratio_of_roll=None, modified_roll=())
+
+    def family(angle: float, place: float, cradle: float) -> np.ndarray:
+        turned = replace(surface, settings=replace(still, cradle_angle=settings.cradle_angle + cradle))
+        point = turned.evaluate(np.array([[angle], [place]]))[0]
+        return rotate_z(-work_rotation(settings, np.array([cradle]), -1)[0], point)[:, 0]
+
+    angles, cradles = np.linspace(-2.3, -1.9, 4), np.array([-0.1, 0.0, 0.1, 0.2])
+    position, normals, places = surface.evaluate(np.stack([angles, cradles]))
+    for index, (angle, place, cradle) in enumerate(zip(angles, places, cradles, strict=True)):
+        np.testing.assert_allclose(family(angle, place, cradle), position[:, index], atol=1e-9)
+        here, h = np.array([angle, place, cradle]), 1e-5
+        derivatives = [(family(*(here + h * e)) - family(*(here - h * e))) / (2 * h) for e in np.eye(3)]
+        assert max(abs(v @ normals[:, index]) / np.linalg.norm(v) for v in derivatives) < 1e-7
+
+
+def test_edge_of_no_radius_is_the_path_of_the_corner() -> None:
+    surface = GeneratingSurface(BLADES["plain"], GENERATED, "right", -1)
+    parameters = np.array([[-2.1, -2.0], [-0.1, 0.1]])
+    still = replace(GENERATED, ratio_of_roll=None, modified_roll=())
+    corner, _, _ = surface.on("edge").evaluate(parameters)
+    for (angle, cradle), point in zip(parameters.T, corner.T, strict=True):
+        turned = replace(surface, settings=replace(still, cradle_angle=GENERATED.cradle_angle + cradle))
+        tip = turned.evaluate(np.array([[angle], [0.0]]))[0]
+        expected = rotate_z(-work_rotation(GENERATED, np.array([cradle]), -1)[0], tip)[:, 0]
+        np.testing.assert_allclose(point, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("coast", [False, True])
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("radius", [700.0, -700.0, 120.0])
+@pytest.mark.parametrize("hobbed", [False, True])
+def test_conjugate_pinion_of_a_curved_blade_has_no_ease_off(
+    hobbed: bool, radius: float, hand: Hand, coast: bool
+) -> None:
+    blade = replace(DRIVE_BLADE, spheric_radius=radius, reference_height=3.0, side="outside" if coast else "inside")
+    if hobbed:
+        blade = replace(blade, offset_angle=0.2, rake_angle=0.05, hook_angle=-0.08)
+    machine = replace(GEAR_MACHINE, indexing_ratio=GROUPS / 41 if hobbed else 0.0)
+    gear = GeneratingSurface(blade, machine, "right" if hand == "left" else "left", 1)
+    pair = conjugate_pair(hand, coast=coast)
+    assembly = Assembly(11, 41, hand, math.pi / 2, 20.0)
+    pinion = conjugate_pinion(gear, assembly, 9.83)
+    t, h = grid((9, 7))
+    result = compute(Member(41, GEAR_BLANK, gear).flank(t, h), pinion, pair.pinion.section, assembly)
+    known = np.isfinite(result.angle)
+    assert known.mean() > 0.8
+    values, lever = (result.angle * result.lever_arm)[known], result.lever_arm[known]
+    assert np.abs(values - lever * (lever @ values) / (lever @ lever)).max() < 1e-9
+
+
+def test_hollow_blade_crowns_the_profile() -> None:
+    """Against the straight blade the gap grows with the square of the distance from the tangent point, over 2 R."""
+    pair = conjugate_pair()
+    straight, t = pair.gear.loaded, np.array([0.5])
+    radius, height = 500.0, 5.0
+    hollow = replace(straight, blade=replace(straight.blade, spheric_radius=radius, reference_height=height))
+    flanks = [Member(41, GEAR_BLANK, s).flank(t, np.linspace(0.1, 0.9, 9)) for s in (straight, hollow)]
+    gap = -np.sum((flanks[1].position - flanks[0].position) * flanks[0].normal, axis=0)
+    along = flanks[0].blade_distance - height / math.cos(straight.blade.pressure_angle)
+    np.testing.assert_allclose(gap, along**2 / (2 * radius), rtol=0.03, atol=2e-5)
+
+
+def _relieved(pair: GearPair) -> Member:
+    blade = replace(
+        pair.gear.loaded.blade, edge_radius=0.5, toprem=Relief(3.0, math.radians(1.5)), flankrem=Relief(7.5, 0.0, 200.0)
+    )
+    return replace(pair.gear, loaded=replace(pair.gear.loaded, blade=blade))
+
+
+def test_reliefs_remove_metal_where_they_should() -> None:
+    """A Formate flank with reliefs lies in the metal of the plain one by the relief's own geometry, and nowhere out."""
+    pair = conjugate_pair()
+    relieved, (t, h) = _relieved(pair), grid((7, 41))
+    plain, flank = pair.gear.flank(t, h), relieved.flank(t, h)
+    parts = [part.part for part in relieved.loaded.flank_parts]
+    assert parts == ["toprem", "profile", "flankrem"]
+    assert set(np.unique(flank.part)) == {0, 1, 2}
+    gap = -np.sum((flank.position - plain.position) * plain.normal, axis=0)
+    angle = pair.gear.loaded.blade.pressure_angle
+    height = plain.blade_distance * math.cos(angle)
+    assert gap[flank.part == 1] == pytest.approx(0.0, abs=1e-12)
+    low = flank.part == 0
+    np.testing.assert_allclose(
+        gap[low], (3.0 - height[low]) / math.cos(angle) * math.tan(math.radians(1.5)), rtol=0.015
+    )
+    high = flank.part == 2
+    np.testing.assert_allclose(gap[high], ((height[high] - 7.5) / math.cos(angle)) ** 2 / 400.0, rtol=0.05, atol=1e-7)
+    assert np.all(height[low] < 3.0 + 1e-9)
+    assert np.all(height[high] > 7.5 - 1e-9)
+
+
+def test_reliefs_of_either_member_show_in_the_ease_off() -> None:
+    """A relieved gear on its conjugate pinion has the relief as ease-off, as has the same relief on the pinion."""
+    pair = conjugate_pair()
+    t, h = grid((9, 15))
+    exact = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    gear = _relieved(pair).flank(t, h)
+    found = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    gap = (found.angle - exact.angle) * exact.lever_arm
+    removed = -np.sum((gear.position - pair.gear.flank(t, h).position) * gear.normal, axis=0)
+    known = np.isfinite(gap)
+    np.testing.assert_allclose(gap[known], removed[known], rtol=0.02, atol=1e-6)
+    pinion = replace(pair.pinion.loaded, blade=replace(pair.pinion.loaded.blade, toprem=Relief(2.5, math.radians(2.0))))
+    relieved = compute(pair.gear.flank(t, h), pinion, pair.pinion.section, pair.assembly)
+    gap = (relieved.angle - exact.angle) * exact.lever_arm
+    known = np.isfinite(gap)
+    assert np.nanmin(gap) > -1e-10
+    low = exact.blade_distance < 2.4 / math.cos(pair.pinion.loaded.blade.pressure_angle)
+    assert np.nanmax(gap[known & low]) > 0.02
+    assert relieved.pinion_position[:, known] == pytest.approx(relieved.pinion_position[:, known])
+    geometry = pair_geometry(replace(pair, pinion=replace(pair.pinion, loaded=pinion)), (9, 7))
+    assert np.isfinite(geometry.ease_off["ease_off"].values).mean() > 0.8
+
+
+def test_curvature_follows_the_part() -> None:
+    """Up a Formate flank the normal curvature of an arc is one over its radius, of a straight line zero."""
+    relieved = _relieved(conjugate_pair())
+    flank = relieved.flank(np.array([0.5]), np.linspace(0.1, 0.95, 15))
+    curvature = principal_curvatures(flank).curvature
+    assert np.abs(curvature[:, flank.part < 2]).min(axis=0) == pytest.approx(0.0, abs=1e-12)
+    top = curvature[:, flank.part == 2]
+    assert np.any(np.isclose(np.abs(top), 1.0 / 200.0, rtol=1e-9), axis=0).all()
+
+
+def test_curved_flank_in_another_formulation() -> None:
+    """Surface of revolution on a chain of rotations, meshing by a root search: the same points to 1e-9 mm."""
+    blade = replace(BLADES["curved"], edge_radius=0.0)
+    surface = GeneratingSurface(blade, GENERATED, "right", -1)
+    s, radius, alpha = GENERATED, blade.spheric_radius, blade.pressure_angle
+    assert radius is not None
+
+    def turn(axis: int, angle: float) -> np.ndarray:
+        c, n = math.cos(angle), math.sin(angle)
+        i, j = ((1, 2), (2, 0), (0, 1))[axis]
+        matrix = np.eye(3)
+        matrix[i, i], matrix[i, j], matrix[j, i], matrix[j, j] = c, -n, n, c
+        return matrix
+
+    def to_work(point: np.ndarray, cradle: float) -> np.ndarray:
+        cutter = turn(2, -s.cutter_swivel) @ turn(0, s.cutter_tilt)
+        in_machine = turn(2, s.cradle_angle + cradle) @ (cutter @ point + np.array([s.radial_distance, 0.0, 0.0]))
+        in_machine -= np.array([0.0, s.work_offset, s.sliding_base])
+        x, y, z = turn(1, s.machine_root_angle) @ in_machine
+        x -= s.machine_center_to_crossing_point
+        roll, _ = work_rotation(s, np.array([cradle]), -1)
+        return np.asarray(turn(2, -float(roll[0])) @ np.array([-z, y, x]))
+
+    def on_cone(theta: float, along: float) -> tuple[np.ndarray, np.ndarray]:
+        height = 4.0 * math.tan(alpha), 4.0
+        angle = alpha + along / radius
+        outward = height[0] + radius * (math.cos(alpha) - math.cos(angle))
+        up = height[1] + radius * (math.sin(angle) - math.sin(alpha))
+        r = blade.point_radius - outward
+        normal = -math.cos(angle), math.sin(angle)
+        direction = np.array([math.cos(theta), math.sin(theta), 0.0])
+        return r * direction - np.array([0, 0, up]), normal[0] * direction + np.array([0, 0, normal[1]])
+
+    for theta, cradle in ((-2.1, -0.05), (-2.0, 0.0), (-1.9, 0.1)):
+
+        def meshing(along: float, theta: float = theta, cradle: float = cradle) -> float:
+            point, normal = on_cone(theta, along)
+            h = 1e-6
+            speed = (to_work(point, cradle + h) - to_work(point, cradle - h)) / (2 * h)
+            origin = to_work(np.zeros(3), cradle)
+            return float(speed @ (to_work(normal, cradle) - origin))
+
+        expected, _, place = surface.evaluate(np.array([[theta], [cradle]]))
+        near = float(place[0]) - blade.sections["profile"].at_height(4.0)
+        along = brentq(meshing, near - 3.0, near + 3.0, xtol=1e-12)
+        np.testing.assert_allclose(to_work(on_cone(theta, along)[0], cradle), expected[:, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("toprem_angle = 2.0", "toprem_depth"),
+        ("toprem_depth = 2.0", "toprem_angle or toprem_radius"),
+        ("toprem_depth = 0.3\ntoprem_angle = 2.0\ntool_edge_radius = 2.0", "edge radius"),
+        ("flankrem_depth = 0.3\nflankrem_angle = 2.0\ntool_edge_radius = 2.0", "flankrem_depth"),
+        ("blade_spheric_radius = 0.5", "longer than 1 mm"),
+        ("blade_reference_height = 3.0", "blade_spheric_radius"),
+        ("tool_edge_radius = -1.0", "at least 0"),
+        ("blade_spheric_radius = 5.0\nblade_reference_height = 30.0", "no such arc"),
+    ],
+)
+def test_blades_that_cannot_be_made(lines: str, message: str) -> None:
+    text = case_text("fm-11x41").replace("[gear.convex.cutter]", f"[gear.convex.cutter]\n{lines}")
+    with pytest.raises(InputError, match=message):
+        gear_pair(parse_case(text))
+
+
+def test_case_file_takes_a_whole_blade() -> None:
+    lines = (
+        "blade_spheric_radius = 800.0\nblade_reference_height = 3.0\ntool_edge_radius = 0.8\ntoprem_depth = 2.0\n"
+        "toprem_angle = 1.5\nflankrem_depth = 8.0\nflankrem_radius = 150.0"
+    )
+    text = case_text("fm-11x41").replace("[gear.convex.cutter]", f"[gear.convex.cutter]\n{lines}")
+    blade = gear_pair(parse_case(text)).gear.loaded.blade
+    assert (blade.spheric_radius, blade.reference_height, blade.edge_radius) == (800.0, 3.0, 0.8)
+    assert blade.toprem == Relief(2.0, math.radians(1.5))
+    assert blade.flankrem == Relief(8.0, 0.0, 150.0)
+    assert solve_flank(
+        gear_pair(parse_case(text)).gear.loaded, GEAR_BLANK, *GEAR_BLANK.points(np.array([0.5]), np.array([0.5]))
+    ).inside.all()
