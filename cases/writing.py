@@ -34,7 +34,9 @@ def case_toml(case: Case, comment: str = "") -> str:
     # TOML forbids control characters other than the tab in comments.
     lines = (re.sub(r"[\x00-\x08\x0b-\x1f\x7f]", " ", line) for line in comment.splitlines())
     head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
-    return head + tomli_w.dumps(case.model_dump(exclude_defaults=True))
+    # Lines of text stay lines, unless they end in a way that TOML would turn into plain line feeds.
+    readable = "\r" not in case.title + case.description
+    return head + tomli_w.dumps(case.model_dump(exclude_defaults=True), multiline_strings=readable)
 
 
 def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> None:
