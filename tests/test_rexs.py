@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from easeoff.cases import Case, gear_pair, read_case, read_rexs, shipped_cases, write_rexs
 from easeoff.cases.conversion import machine_settings
 from easeoff.cases.model import FlankSettings
+from easeoff.cases.table import Table
 from easeoff.core.errors import InputError
 
 NASA = read_case("nasa-12x36")
@@ -41,19 +42,6 @@ def changed(text: str, pattern: str, replacement: str) -> str:
     return result
 
 
-@pytest.mark.parametrize("name", shipped_cases())
-def test_shipped_cases_survive(name: str, tmp_path: Path) -> None:
-    case = read_case(name)
-    write_rexs(case, tmp_path / "case.rexs")
-    again, notes = read_rexs(tmp_path / "case.rexs")
-    for key in GEOMETRY:
-        assert getattr(again, key) == getattr(case, key)
-    assert not any("not used" in note for note in notes)
-    for side in ("drive", "coast"):
-        one, two = (gear_pair(c, "drive" if side == "drive" else "coast") for c in (case, again))
-        assert one == two
-
-
 def close(one: Any, two: Any) -> None:
     """The same numbers within the rounding of a factorial and of degrees and radians."""
     assert type(one) is type(two)
@@ -64,6 +52,20 @@ def close(one: Any, two: Any) -> None:
     elif isinstance(one, float | tuple):
         np.testing.assert_allclose(np.asarray(two), np.asarray(one), rtol=1e-15, atol=1e-300)
     else:
+        assert one == two
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_shipped_cases_survive(name: str, tmp_path: Path) -> None:
+    case = read_case(name)
+    write_rexs(case, tmp_path / "case.rexs")
+    again, notes = read_rexs(tmp_path / "case.rexs")
+    for key in GEOMETRY:
+        one, two = getattr(case, key), getattr(again, key)
+        close(*(part.model_dump() if isinstance(part, Table) else part for part in (one, two)))
+    assert not any("not used" in note for note in notes)
+    for side in ("drive", "coast"):
+        one, two = (gear_pair(c, "drive" if side == "drive" else "coast") for c in (case, again))
         assert one == two
 
 
