@@ -117,7 +117,8 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     )
 
 
-def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array) -> tuple[Array, Array]:
+@lru_cache(maxsize=64)
+def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> tuple[Array, float]:
     """Surface parameters spread over the whole flank and somewhat beyond, as first guesses.
 
     Parameters
@@ -126,14 +127,18 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array)
         What generates the flank.
     section
         The blank.
-    mean
-        Parameters of the mean point (2, 1).
 
     Returns
     -------
     tuple
         Parameters (2, m) on the same side of the surface as the mean point, and that side's orientation sign.
+
+    Raises
+    ------
+    GeometryError
+        If the cutter meets no tooth of this blank.
     """
+    mean = mean_parameters(surface, section)
     corners = section.corners.reshape(4, 2)
     reach = float(np.max(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))
     orientation = float(np.sign(surface.orientation(mean))[0])
@@ -145,8 +150,9 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array)
     axes = [np.linspace(-s, s, 25) + m for s, m in zip(span, mean[:, 0], strict=True)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(2, -1)
     with np.errstate(all="ignore"):
-        keep = np.sign(surface.orientation(lattice)) == orientation
-    return lattice[:, keep], np.array(orientation)
+        lattice = lattice[:, np.sign(surface.orientation(lattice)) == orientation]
+    lattice.setflags(write=False)  # remembered for the next caller
+    return lattice, orientation
 
 
 def nearest_seeds(coordinates: Array, lattice: Array, target: Array) -> Array:
@@ -179,11 +185,10 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         If the cutter meets no tooth of this blank.
     """
     target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
-    mean = mean_parameters(surface, section)
-    lattice, orientation = seed_lattice(surface, section, mean)
+    lattice, orientation = seed_lattice(surface, section)
     start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
     found = solve(surface.axial_and_radial, start, target, surface.max_step)
-    return _classified(surface, found.parameters, found.converged, float(orientation))
+    return _classified(surface, found.parameters, found.converged, orientation)
 
 
 def _classified(
