@@ -44,8 +44,11 @@ class GeneratingSurface:
     hand: Hand
     sense: IncrementSense
 
+    @np.errstate(all="ignore")
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
         """Flank at given parameters; analytic, so that it can be differentiated by complex step.
+
+        NaN where the blade has no point of the flank.
 
         Parameters
         ----------
