@@ -17,7 +17,7 @@ from easeoff.geometry.ease_off_surface import EaseOff, compute
 from easeoff.geometry.flank_surface import Flank
 from easeoff.geometry.machine import MOVING
 from easeoff.geometry.pair import FlankName, grid
-from easeoff.geometry.vectors import dot
+from easeoff.geometry.vectors import cross, dot
 
 NODES = (5, 5)
 BATCHES, SAMPLES = 20, 50
@@ -109,7 +109,7 @@ def check_normals(flank: Flank, inside: NDArray[np.bool_]) -> None:
     for chord in chords:
         length = np.sqrt(dot(chord, chord))
         assert np.all(np.abs(dot(chord, flank.normal[:, inside])) < 1e-6 * length + 1e-11)
-    side = dot(np.cross(*chords, axis=0), flank.normal[:, inside]) * flank.orientation
+    side = dot(cross(chords[0], chords[1]), flank.normal[:, inside]) * flank.orientation
     assert np.all(side > -1e-15)
 
 

@@ -14,6 +14,7 @@ from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact.conventional_check import BothMethods, both_methods, line_differences, point_differences
+from easeoff.contact.curves import curvature_and_skew
 from easeoff.geometry import (
     Blade,
     EaseOffTarget,
@@ -193,12 +194,18 @@ def test_gap_of_the_ease_off_method_has_the_relative_curvature_of_the_flanks(
     inside, contact = both.inside, both.contact
     place = section.fractions(contact.gear_position[2], np.hypot(*contact.gear_position[:2]))
     points = np.stack(place)[:, inside]
-    names = ["roll_angle", "ease_off_angle", "separation_curvature", "separation_skew", "lever_arm", "position"]
+    names = ["roll_angle", "ease_off_angle", "separation_bend", "separation_bend_slope", "lever_arm", "position"]
     value = both.fields.evaluate(names, points)
     first = [both.fields.evaluate(names, points, d) for d in ((1, 0), (0, 1))]
     second = {d: both.fields.evaluate(names, points, d) for d in ((2, 0), (1, 1), (0, 2))}
     left = contact.pinion_rotation[inside] - both.motion.center - value["roll_angle"]
-    curvature, skew = value["separation_curvature"], value["separation_skew"]
+    # Curvature and skew are functions of two fields: their derivatives by the chain rule.
+    bend, slope = value["separation_bend"], value["separation_bend_slope"]
+    curvature, skew = curvature_and_skew(bend, slope)
+    _, by_bend = curvature_and_skew(bend, np.ones_like(bend))
+    share = np.tan(bend)
+    curved = [by_bend * f["separation_bend"] for f in first]
+    skewed = [by_bend * f["separation_bend_slope"] + 2.0 * share * skew * f["separation_bend"] for f in first]
     hessian = np.empty((2, 2, left.size))
     for i, j in itertools.product(range(2), range(2)):
         a, b, ab = first[i], first[j], second[2 - i - j, i + j]
@@ -206,9 +213,12 @@ def test_gap_of_the_ease_off_method_has_the_relative_curvature_of_the_flanks(
             ab["ease_off_angle"]
             + (curvature + skew * left) * a["roll_angle"] * b["roll_angle"]
             - (curvature * left + 0.5 * skew * left**2) * ab["roll_angle"]
-            - left * (a["separation_curvature"] * b["roll_angle"] + b["separation_curvature"] * a["roll_angle"])
-            - 0.5 * left**2 * (a["separation_skew"] * b["roll_angle"] + b["separation_skew"] * a["roll_angle"])
-            + 0.5 * left**2 * ab["separation_curvature"]
+            - left * (curved[i] * b["roll_angle"] + curved[j] * a["roll_angle"])
+            - 0.5 * left**2 * (skewed[i] * b["roll_angle"] + skewed[j] * a["roll_angle"])
+            + 0.5
+            * left**2
+            * by_bend
+            * (ab["separation_bend"] + 2.0 * share * a["separation_bend"] * b["separation_bend"])
         )
     basis = np.stack([both.relative.line[:, inside], both.relative.across[:, inside]])
     into = np.linalg.inv(np.array([[dot(e, f["position"]) for e in basis] for f in first]).transpose(2, 0, 1))
