@@ -35,6 +35,7 @@ MEANINGS = {
         "follow from the root line by the closed form",
         "",
     ),
+    "follow_root": ("whether the tips of the pinion's blades shall run along its root cone", ""),
     "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "torques": ("torques at the pinion, one or more", "N m"),

@@ -249,7 +249,7 @@ def _azimuth(flank: Flank) -> Array:
     """Azimuth of the nodes, without a jump of a whole turn between them."""
     azimuth = np.asarray(np.arctan2(flank.position[1], flank.position[0]))
     middle = azimuth[azimuth.size // 2]
-    return np.asarray(middle + np.mod(azimuth - middle + np.pi, 2.0 * np.pi) - np.pi)
+    return np.asarray(azimuth - 2.0 * np.pi * np.round((azimuth - middle) / (2.0 * np.pi)))
 
 
 def _middle(values: Array) -> float:
