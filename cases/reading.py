@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -70,12 +71,17 @@ def parse_case(text: str, origin: str = "case") -> Case:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not a TOML file: {error}") from error
-    try:
-        case = Case.model_validate(data)
-    except ValidationError as error:
-        raise InputError(f"{origin} has {_count(error)}:\n" + "\n".join(_lines(error))) from error
+    case = check_case(data, origin)
     case._text = text
     return case
+
+
+def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:
+    """Check the tables of a case, wherever they come from. Arguments and exceptions are those of ``parse_case``."""
+    try:
+        return Case.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{origin} has {_count(error)}:\n" + "\n".join(_lines(error))) from error
 
 
 def _count(error: ValidationError) -> str:

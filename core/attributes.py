@@ -22,6 +22,9 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "segment": ("1", "contact segment, counted over all contact lines"),
     "member": ("", "member of the pair"),
     "xyz": ("", "component in the member's frame: z along its axis from the crossing point to the heel"),
+    "flank": ("", "flank of the member"),
+    "row": ("1", "row of the measuring grid, 1 at the root"),
+    "column": ("1", "column of the measuring grid, 1 at the toe"),
     # flanks
     "position": ("mm", "position on the flank in the member's frame"),
     "normal": ("1", "unit normal of the flank, out of the tooth"),

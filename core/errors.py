@@ -17,3 +17,7 @@ class GeometryError(EaseoffError):
 
 class MissingSolverError(EaseoffError, ImportError):
     """A solver was asked for whose package is not installed; the message says which extra installs it."""
+
+
+class MissingPackageError(EaseoffError, ImportError):
+    """A file format was asked for whose package is not installed; the message says which extra installs it."""

@@ -16,7 +16,7 @@ from .ease_off_surface import EaseOff, compute
 from .flank_surface import Flank, solve_flank
 from .generating_surface import GeneratingSurface
 from .section import BlankSection
-from .tooth import ToothBody, opposite_surface, tooth_body
+from .tooth import ToothBody, middle_angle, opposite_surface, tooth_body
 
 Array = NDArray[Any]
 FlankName = Literal["drive", "coast"]
@@ -172,33 +172,44 @@ def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surfa
     return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)
 
 
-def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
-    """Teeth of pinion and gear between their flanks.
+def tooth_angles(pair: GearPair) -> tuple[float, float]:
+    """Angular thickness of the teeth of pinion and gear in the middle of the flank [rad].
 
-    The gear's thickness is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch.
-    The pinion's is the one given, or else it fills the gear's slot without backlash.
+    The gear's is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch. The
+    pinion's is the one given, or else it fills the gear's slot without backlash.
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of its blank.
+    """
+    gear, pinion = pair.gear, pair.pinion
+    gear_angle = _given(gear) or (_left_by_cutter(gear) if gear.one_set_up else np.pi / gear.teeth)
+    return _given(pinion) or (2.0 * np.pi - gear.teeth * gear_angle) / pinion.teeth, gear_angle
+
+
+def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
+    """Teeth of pinion and gear between their flanks, as thick as ``tooth_angles`` says.
 
     Raises
     ------
     GeometryError
         If the flanks of a member leave no tooth.
     """
-    gear, pinion = pair.gear, pair.pinion
-    half_pitch = np.pi / gear.teeth
-    gear_angle = None if gear.one_set_up else half_pitch
-    gear_body = _body(gear, _given(gear) or gear_angle)
-    share = float(2.0 * _at_middle(gear_body.half_angle)) / (2.0 * np.pi / gear.teeth)
-    pinion_body = _body(pinion, _given(pinion) or (1.0 - share) * 2.0 * np.pi / pinion.teeth)
-    return pinion_body, gear_body
+    pinion_angle, gear_angle = tooth_angles(pair)
+    return _body(pair.pinion, pinion_angle), _body(pair.gear, gear_angle)
 
 
-def _at_middle(series: Array) -> float:
-    return float(np.polynomial.legendre.legval2d(0.0, 0.0, series))
-
-
-def _body(member: Member, mean_angle: float | None) -> ToothBody:
+def _body(member: Member, mean_angle: float) -> ToothBody:
     opposite = member.opposite or opposite_surface(member.loaded)
-    return tooth_body(member.section, member.loaded, opposite, member.teeth, mean_angle=mean_angle)
+    return tooth_body(member.section, member.loaded, opposite, mean_angle)
+
+
+def _left_by_cutter(member: Member) -> float:
+    """Angular thickness [rad] of the tooth between two slots of one set-up."""
+    opposite = member.opposite or opposite_surface(member.loaded)
+    _, angle = middle_angle(member.section, member.loaded, opposite)
+    return float(np.mod(angle, 2.0 * np.pi / member.teeth))
 
 
 def _given(member: Member) -> float | None:

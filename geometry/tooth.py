@@ -64,8 +64,6 @@ class ToothBody:
         Coefficients of the unit normal of the middle surface, towards the loaded flank (3 series).
     turn
         Sense of rotation about the member's axis from the loaded flank into the tooth, +1 or -1.
-    opposite_rotation
-        How far the opposite flank, as its settings cut it, is turned about the member's axis to bound the tooth [rad].
     trace_arc
         Arc length along the trace at mid height [mm] as a Legendre series in the lengthwise fraction.
     trace_radius
@@ -82,7 +80,6 @@ class ToothBody:
     half_angle: Array
     middle_normal: Array
     turn: float
-    opposite_rotation: float
     trace_arc: Array
     trace_radius: float
     convex: bool
@@ -132,13 +129,43 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
     return replace(surface, blade=blade)
 
 
+def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
+    """How the middles of two flanks stand to each other where their machines cut them.
+
+    Parameters
+    ----------
+    section
+        Axial section of the blank.
+    loaded, opposite
+        What generates the loaded flank and the other one.
+
+    Returns
+    -------
+    tuple
+        Sense of rotation about the member's axis from the loaded flank into its tooth, +1 or -1, and the angle in this
+        sense to the other flank [rad].
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of the blank.
+    """
+    axial, radial = section.points(np.array([0.5]), np.array([0.5]))
+    front, back = (solve_flank(surface, section, axial, radial) for surface in (loaded, opposite))
+    turn = into_tooth(front.position, front.normal)
+    return turn, turn * float(_azimuth(back)[0] - _azimuth(front)[0])
+
+
+def into_tooth(position: Array, normal: Array) -> float:
+    """Sense of rotation about the axis from a flank into its tooth: the outward normals (3, ...) point against it."""
+    return -float(np.sign(np.nanmedian(position[0] * normal[1] - position[1] * normal[0])))
+
+
 def tooth_body(
     section: BlankSection,
     loaded: GeneratingSurface,
     opposite: GeneratingSurface,
-    teeth: int,
-    *,
-    mean_angle: float | None = None,
+    mean_angle: float,
 ) -> ToothBody:
     """Tooth between two generated flanks.
 
@@ -148,11 +175,8 @@ def tooth_body(
         Axial section of the blank.
     loaded, opposite
         What generates the loaded flank and the other one.
-    teeth
-        Number of teeth of the member.
     mean_angle
-        Angular thickness of the tooth in the middle of the flank [rad]. ``None`` where both flanks are cut in one
-        machine set-up, so that their distance follows from the cutter.
+        Angular thickness of the tooth in the middle of the flank [rad].
 
     Raises
     ------
@@ -165,16 +189,10 @@ def tooth_body(
     usable = np.all([np.all(np.isfinite(f.position), axis=0) for f in flanks], axis=0)
     if usable.sum() < 0.5 * usable.size:
         raise GeometryError("the two flanks of a member overlap on less than half of the blank: no tooth between them")
-    # The outward normal of the loaded flank points against the azimuth that leads into the tooth.
     front, back = flanks
-    turn = -float(np.sign(np.nanmedian(front.position[0] * front.normal[1] - front.position[1] * front.normal[0])))
+    turn = into_tooth(front.position, front.normal)
     angle = np.where(usable, turn * (_azimuth(back) - _azimuth(front)), np.nan)
-    middle_angle = _middle(angle)
-    if mean_angle is None:
-        # Both flanks bound one slot; the tooth is what the slot leaves of the pitch.
-        mean_angle = float(np.mod(middle_angle, 2.0 * np.pi / teeth))
-    opposite_rotation = turn * (mean_angle - middle_angle)
-    angle = angle - middle_angle + mean_angle
+    angle = angle - _middle(angle) + mean_angle
     nodes = np.stack([t.ravel(), h.ravel()])[:, usable]
     series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, ORDERS)
 
@@ -196,9 +214,7 @@ def tooth_body(
     middle_normal = np.stack([fit(component) for component in normal])
     arc, radius, convex = _trace(section, middle_azimuth, middle_normal)
     heights, plate = _plate(section, nodes, axial[usable], radial[usable], thickness[usable])
-    return ToothBody(
-        section, fit(0.5 * angle), middle_normal, turn, opposite_rotation, arc, radius, convex, heights, plate
-    )
+    return ToothBody(section, fit(0.5 * angle), middle_normal, turn, arc, radius, convex, heights, plate)
 
 
 def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array, float, bool]:

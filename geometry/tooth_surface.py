@@ -13,14 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import GeometryError
+from ..core.errors import GeometryError, InputError
 from .flank_surface import solve_flank
 from .generating_surface import GeneratingSurface
 from .newton import solve
-from .pair import GearPair, bodies
+from .pair import GearPair
 from .section import BlankSection
-from .tooth import Z_AXIS, opposite_surface
-from .vectors import rotate
+from .tooth import Z_AXIS, into_tooth
+from .tooth_flanks import Side, named_member, placed_flanks, side, tooth_angle
+from .vectors import cross, rotate
 
 Array = NDArray[Any]
 
@@ -89,7 +90,7 @@ def tooth_side(
     _, start = section.fractions(joint[2], np.hypot(joint[0], joint[1]))
     if np.any(start > 0.9):
         raise GeometryError(
-            f"the fillet of the {_side(surface)} flank reaches {100 * start.max():.0f} % of the way to the tip: check "
+            f"the fillet of the {side(surface)} flank reaches {100 * start.max():.0f} % of the way to the tip: check "
             "tool_edge_radius and toprem_depth"
         )
     up = np.linspace(0.0, 1.0, flank_nodes)[1:]
@@ -100,7 +101,7 @@ def tooth_side(
     missing = ~np.all(np.isfinite(flank.position), axis=0)
     if np.any(missing):
         raise GeometryError(
-            f"the {_side(surface)} flank is undercut or missing on {100 * missing.mean():.1f} % of the tooth between "
+            f"the {side(surface)} flank is undercut or missing on {100 * missing.mean():.1f} % of the tooth between "
             "fillet and tip: there is no whole tooth to show; check the blank and the machine settings"
         )
 
@@ -113,10 +114,6 @@ def tooth_side(
         whole(joint, flank.position),
         whole(fillet_normal[:, :, -1], flank.normal),
     )
-
-
-def _side(surface: GeneratingSurface) -> str:
-    return "concave" if surface.blade.side == "outside" else "convex"
 
 
 def _fillet(surface: GeneratingSurface, section: BlankSection, lengthwise: Array, places: Array) -> tuple[Array, Array]:
@@ -152,7 +149,7 @@ def _at_place(
     found = solve(fraction_and_place, start, target, SMALL_STEP, iterations=60)
     if not np.all(found.converged):
         raise GeometryError(
-            f"the end of the blade cuts no fillet on {100 * np.mean(~found.converged):.0f} % of the {_side(surface)} "
+            f"the end of the blade cuts no fillet on {100 * np.mean(~found.converged):.0f} % of the {side(surface)} "
             "flank's root: it is undercut, or the blade tip runs far from the root cone; check the machine settings "
             "and tool_edge_radius"
         )
@@ -168,7 +165,7 @@ class ToothSurface:
     loaded, opposite
         Its two sides.
     names
-        Which of them is ``concave`` and which ``convex``.
+        Which of them is ``concave`` and which ``convex``, the loaded one first.
     top_land
         Points (3, nt, nw) [mm] from the tip of the loaded side to that of the opposite one.
     root_lands
@@ -177,7 +174,7 @@ class ToothSurface:
 
     loaded: ToothSide
     opposite: ToothSide
-    names: tuple[str, str]
+    names: tuple[Side, ...]
     top_land: Array
     root_lands: tuple[Array, Array]
 
@@ -198,22 +195,24 @@ def tooth_surface(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)
     ------
     GeometryError
         As ``tooth_side``; if the fillets of a slot overlap; if the tooth is pointed below its tip.
+    InputError
+        If the member has another name, or there are too few nodes.
     """
-    which, body = dict(zip(("pinion", "gear"), zip((pair.pinion, pair.gear), bodies(pair), strict=True), strict=True))[
-        member
-    ]
+    which = named_member(pair, member)
+    if min(nodes) < 5:
+        raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
     t = np.linspace(0.0, 1.0, nodes[0])
-    opposite = which.opposite or opposite_surface(which.loaded)
-    front = tooth_side(which.loaded, which.section, t, nodes[1])
-    back = tooth_side(opposite, which.section, t, nodes[1]).turned(body.opposite_rotation)
-    tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], body.turn)
+    placed = placed_flanks(which, tooth_angle(pair, member))
+    front, back = (tooth_side(p.surface, p.section, t, nodes[1]).turned(p.rotation) for p in placed.values())
+    turn = into_tooth(front.flank, front.flank_normal)
+    tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)
     if np.any(tips <= 0.0):
         raise GeometryError(
             f"the {member}'s tooth is pointed: its flanks meet below the tip on {100 * np.mean(tips <= 0):.0f} % of "
             "the face; lower the face cone or make the tooth thicker"
         )
     pitch = 2.0 * np.pi / which.teeth
-    roots = pitch - _between(front.fillet[:, :, 0], back.fillet[:, :, 0], body.turn)
+    roots = pitch - _between(front.fillet[:, :, 0], back.fillet[:, :, 0], turn)
     if np.any(roots <= 0.0):
         raise GeometryError(
             f"the fillets of the {member}'s slot overlap on {100 * np.mean(roots <= 0):.0f} % of the face: make "
@@ -224,11 +223,11 @@ def tooth_surface(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)
     return ToothSurface(
         front,
         back,
-        (_side(which.loaded), _side(opposite)),
-        _land(front.flank[:, :, -1], back.flank[:, :, -1], body.turn * tips, width),
+        tuple(placed),
+        _land(front.flank[:, :, -1], back.flank[:, :, -1], turn * tips, width),
         (
-            _land(front.fillet[:, :, 0], back.fillet[:, :, 0], -body.turn * roots, half),
-            _land(back.fillet[:, :, 0], front.fillet[:, :, 0], body.turn * roots, half),
+            _land(front.fillet[:, :, 0], back.fillet[:, :, 0], -turn * roots, half),
+            _land(back.fillet[:, :, 0], front.fillet[:, :, 0], turn * roots, half),
         ),
     )
 
@@ -254,15 +253,31 @@ def _land(start: Array, end: Array, swing: Array, share: Array) -> Array:
 
 
 def tooth_patches(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> dict[str, Array]:
-    """The tooth of ``tooth_surface`` as grids of points (m, n, 3) [mm] by name, sharing their borders.
+    """The tooth of ``tooth_surface`` as grids of points by name, sharing their borders.
 
     A fillet without width, of a sharp Formate blade, is left out.
+
+    Parameters
+    ----------
+    pair, member, nodes
+        As ``tooth_surface``, which also says what is raised.
+
+    Returns
+    -------
+    dict
+        Points (m, n, 3) [mm] of the patches. Of both flanks the derivative along the first index times the one along
+        the second points out of the tooth.
     """
     tooth = tooth_surface(pair, member, nodes)
-    patches = {"top_land": tooth.top_land}
-    for name, side, land in zip(tooth.names, (tooth.loaded, tooth.opposite), tooth.root_lands, strict=True):
-        patches[f"{name}_flank"] = side.flank
-        if np.max(np.ptp(side.fillet, axis=2)) > 1e-9:
-            patches[f"{name}_fillet"] = side.fillet
-        patches[f"{name}_root_land"] = land
-    return {name: np.moveaxis(points, 0, -1) for name, points in patches.items()}
+    patches: dict[str, Array] = {}
+    for name, on_side, land in zip(tooth.names, (tooth.loaded, tooth.opposite), tooth.root_lands, strict=True):
+        points = on_side.flank
+        along, up = points[:, 1:, :-1] - points[:, :-1, :-1], points[:, :-1, 1:] - points[:, :-1, :-1]
+        outward = float(np.sum(cross(along, up) * on_side.flank_normal[:, :-1, :-1]))
+        order = slice(None) if outward > 0.0 else slice(None, None, -1)
+        patches[f"{name}_flank"] = points[:, order]
+        if np.max(np.ptp(on_side.fillet, axis=2)) > 1e-9:
+            patches[f"{name}_fillet"] = on_side.fillet[:, order]
+        patches[f"{name}_root_land"] = land[:, order]
+    patches["top_land"] = tooth.top_land
+    return {name: np.ascontiguousarray(np.moveaxis(points, 0, -1)) for name, points in patches.items()}

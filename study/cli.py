@@ -219,3 +219,117 @@ def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str
         },
     )
     click.echo(f"wrote {output}: {len(solved)} contact problems")
+
+
+def _nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    first, _, second = text.lower().partition("x")
+    try:
+        nodes = int(first), int(second)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: give LENGTHWISExPROFILE, such as 61x31") from error
+    if min(nodes) < 5 or max(nodes) > 1001:
+        raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
+    return nodes
+
+
+def _teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int | str | None:
+    if text is None or text == "all":
+        return text
+    try:
+        return int(text)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: give a number of teeth, or all") from error
+
+
+def _margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+    if text is None:
+        return None
+    values = {}
+    for part in text.split(","):
+        key, _, number = part.partition("=")
+        if key not in ("toe", "heel", "root", "tip"):
+            raise click.BadParameter(f"{key!r}: known are toe, heel, root, tip (mm)")
+        try:
+            values[key] = float(number)
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as toe=3,root=1.2") from error
+    return values
+
+
+@main.command()
+@click.argument("case")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="File to write: .csv, .nc (measuring points), .step, .stp, .stl, .vtk, .vtu (surfaces).",
+)
+@click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", show_default=True)
+@click.option("--flank", type=click.Choice(["concave", "convex", "both"]), default="both", show_default=True)
+@click.option("--rows", type=click.IntRange(2, 1001), help="Points: rows from root to tip.  [default: 5]")
+@click.option("--columns", type=click.IntRange(2, 1001), help="Points: columns from toe to heel.  [default: 9]")
+@click.option(
+    "--margins",
+    callback=_margins,
+    metavar="toe=..,heel=..,root=..,tip=..",
+    help="Points: strips left out at the edges in mm.  [default: a tenth of face width and depth]",
+)
+@click.option("--teeth", callback=_teeth, metavar="N|all", help="Surfaces: number of teeth.  [default: 1]")
+@click.option("--nodes", callback=_nodes, metavar="LxP", help="Surfaces: nodes of a flank.  [default: 61x31]")
+def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
+    """Write the teeth of CASE as measuring points, CAD surfaces or a mesh; the suffix decides."""
+    from ..cases import read_case
+    from ..geometry.formats import EdgeMargins
+    from .export import export as write
+
+    given = {name: value for name, value in options.items() if value is not None}
+    if "margins" in given:
+        given["margins"] = EdgeMargins(**given["margins"])
+    if given.get("teeth") == "all":
+        given["teeth"] = None
+    written = write(read_case(case), output, member, flank, given)
+    click.echo(f"wrote {output}: {written}")
+
+
+@main.command()
+@click.argument("source", metavar="INPUT")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, help="File to write: .toml, .rexs, .xml."
+)
+def convert(source: str, output: Path) -> None:
+    """Turn INPUT into another format, and say what does not go over.
+
+    INPUT is a shipped case, a case file (.toml), a REXS file (.rexs, .xml) or a session script of Transmission3D or
+    HypoidFaceMilled (.ses, .txt). The suffix of the output says what is written: a case file or a REXS file.
+    """
+    from ..cases import read_case, read_rexs, read_session_script, write_case, write_rexs
+    from ..core.files import check_writable
+
+    suffix, target = Path(source).suffix.lower(), output.suffix.lower()
+    if target not in (".toml", ".rexs", ".xml"):
+        raise InputError(
+            f"{output}: its suffix {target!r} is none that can be written; known are .toml, .rexs and .xml"
+        )
+    check_writable(output)
+    notes: list[str] = []
+    if suffix in ("", ".toml"):
+        case = read_case(source)
+    elif suffix in (".rexs", ".xml"):
+        case, notes = read_rexs(source)
+    elif suffix in (".ses", ".txt"):
+        case, notes = read_session_script(source)
+    else:
+        raise InputError(
+            f"{source}: its suffix {suffix!r} is none that can be read; known are .toml, .rexs, .xml, .ses and .txt"
+        )
+    if target == ".toml":
+        write_case(case, output, "\n".join([f"Made by easeoff from {Path(source).name}.", *notes]))
+    else:
+        notes = notes + write_rexs(case, output)
+    for note in notes:
+        # What stands in somebody else's file must not steer the terminal.
+        click.echo("".join(c if c.isprintable() else "?" for c in note))
+    click.echo(f"wrote {output}")

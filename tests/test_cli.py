@@ -106,6 +106,13 @@ def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result:
         (["show", "{foreign}"], ["no result of easeoff", "easeoff run"]),
         (["plot", "{foreign}", "{tmp}/pictures"], ["no result of easeoff"]),
         (["plot", "{foreign}", "{text}"], ["no result of easeoff"]),
+        (["convert", "nasa-12x36", "-o", "{tmp}/x.nc"], ["x.nc", "'.nc'", ".toml", ".rexs", ".xml"]),
+        (["convert", "{foreign}", "-o", "{tmp}/x.toml"], ["foreign.nc", "'.nc'", ".rexs", ".ses"]),
+        (["convert", "nowhere", "-o", "{tmp}/x.rexs"], ["nowhere", "shipped cases"]),
+        (["convert", "{tmp}/none.rexs", "-o", "{tmp}/x.toml"], ["none.rexs", "cannot be read"]),
+        (["convert", "{tmp}/none.ses", "-o", "{tmp}/x.toml"], ["none.ses", "cannot be read"]),
+        (["convert", "{text}", "-o", "{tmp}/x.rexs"], ["not a TOML file"]),
+        (["convert", "nasa-12x36"], ["--output"]),
     ],
 )
 def test_mistakes_give_one_message_and_exit_code_2(arguments: list[str], words: list[str], tmp_path: Path) -> None:
@@ -120,6 +127,34 @@ def test_mistakes_give_one_message_and_exit_code_2(arguments: list[str], words: 
         assert word.format(**places) in found.output, found.output
     assert "Traceback" not in found.output
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_convert_goes_to_rexs_and_back_and_says_what_is_lost(tmp_path: Path) -> None:
+    there = call("convert", "nasa-12x36", "-o", str(tmp_path / "new" / "nasa.rexs"))
+    assert there.exit_code == 0, there.output
+    assert there.output.endswith(f"wrote {tmp_path / 'new' / 'nasa.rexs'}\n")
+    assert "contact: left out" in there.output
+    back = call("convert", str(tmp_path / "new" / "nasa.rexs"), "-o", str(tmp_path / "nasa.toml"))
+    assert back.output == f"wrote {tmp_path / 'nasa.toml'}\n"
+    case, shipped = easeoff.read_case(tmp_path / "nasa.toml"), easeoff.read_case("nasa-12x36")
+    assert (case.pinion, case.gear) == (shipped.pinion, shipped.gear)
+    assert "nasa.rexs" in case.text.splitlines()[0]
+    again = call("convert", str(tmp_path / "nasa.toml"), "-o", str(tmp_path / "again.xml"))
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "again.xml").is_file()
+
+
+def test_convert_reads_session_scripts_and_keeps_the_terminal_safe(tmp_path: Path) -> None:
+    from test_session_script import MACHINES, script
+
+    (tmp_path / "pair.ses").write_text(script("LEFT", MACHINES) + "PAINT \x1b[2J RED\n", encoding="utf-8")
+    said = call("convert", str(tmp_path / "pair.ses"), "-o", str(tmp_path / "pair.toml"))
+    assert said.exit_code == 0, said.output
+    assert "PAINT ?[2J RED" in said.output
+    assert "\x1b" not in said.output
+    assert "# not understood: line" in (tmp_path / "pair.toml").read_text(encoding="utf-8")
+    case = easeoff.read_case(tmp_path / "pair.toml")
+    assert case.pinion.number_of_teeth == 12
 
 
 def test_a_blank_without_a_tooth_is_the_users_mistake(case: Path, tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from easeoff.study.cli import main
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python")
+WITH_CODE = ("index", "results", "contact_problems", "python", "cad")
 
 
 def text(name: str) -> str:

@@ -116,4 +116,4 @@ def test_drive_and_coast_flanks_describe_the_same_tooth() -> None:
 def test_flanks_that_cross_leave_no_tooth(pair: GearPair) -> None:
     gear = pair.gear
     with pytest.raises(GeometryError, match="thick"):
-        tooth_body(gear.section, gear.loaded, gear.opposite, 41, mean_angle=0.005)  # type: ignore[arg-type]
+        tooth_body(gear.section, gear.loaded, gear.opposite, 0.005)  # type: ignore[arg-type]

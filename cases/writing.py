@@ -1,0 +1,49 @@
+"""Writing case files: the text that a checked case would be read from."""
+
+from __future__ import annotations
+
+import os
+import re
+
+import tomli_w
+
+from ..core.files import whole_file
+from .model import Case
+
+
+def case_toml(case: Case, comment: str = "") -> str:
+    """Text of a case file that reads as the given case.
+
+    Only the keys that must be given and those that differ from their defaults are written, in the order of the schema.
+    Numbers are written with as many digits as it takes to read the same number again.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    comment
+        Lines to stand before everything else, without the comment sign.
+
+    Examples
+    --------
+    >>> from easeoff.cases import parse_case, read_case
+    >>> case = read_case("nasa-12x36")
+    >>> parse_case(case_toml(case)).model_dump() == case.model_dump()
+    True
+    """
+    # TOML forbids control characters other than the tab in comments.
+    lines = (re.sub(r"[\x00-\x08\x0b-\x1f\x7f]", " ", line) for line in comment.splitlines())
+    head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
+    return head + tomli_w.dumps(case.model_dump(exclude_defaults=True))
+
+
+def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> None:
+    """Write a case file, whole or not at all; see ``case_toml``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with whole_file(path) as temporary:
+        temporary.write_text(case_toml(case, comment), encoding="utf-8", newline="\n")

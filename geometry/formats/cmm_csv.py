@@ -1,0 +1,129 @@
+"""Measuring points as text: comment lines ``# key: value``, one line of column names, one line a point."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ...core.errors import InputError
+
+COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
+_WHOLE = ("format_version", "number_of_teeth")
+_REAL_ENDINGS = ("_mm", "_rad")
+
+
+def text(dataset: xr.Dataset) -> str:
+    """The file of a dataset of measuring points; numbers with every digit that is needed to read them back exactly."""
+    lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
+    lines.append(",".join(COLUMNS))
+    position, normal = dataset["position"].values, dataset["normal"].values
+    for f, flank in enumerate(dataset["flank"].values):
+        for r, row in enumerate(dataset["row"].values):
+            for c, column in enumerate(dataset["column"].values):
+                numbers = [repr(float(value)) for value in (*position[f, r, c], *normal[f, r, c])]
+                lines.append(",".join([str(flank), str(row), str(column), *numbers]))
+    return "\n".join(lines) + "\n"
+
+
+def parsed(content: str, source: str) -> xr.Dataset:
+    """The dataset of a text file.
+
+    Parameters
+    ----------
+    content
+        The text.
+    source
+        Name of the file, for messages.
+
+    Raises
+    ------
+    InputError
+        If a line cannot be used; with its number.
+    """
+    attributes: dict[str, Any] = {}
+    points: dict[tuple[str, int, int], list[float]] = {}
+    heading = False
+    for number, line in enumerate(content.splitlines(), start=1):
+        where = f"{source}, line {number}"
+        stripped = line.strip()
+        if not stripped:
+            continue
+        if stripped.startswith("#"):
+            key, colon, value = stripped[1:].partition(":")
+            if not colon:
+                raise InputError(f"{where}: {stripped!r}: a comment line has the form '# key: value'")
+            attributes[key.strip()] = _attribute(key.strip(), value.strip(), where)
+        elif not heading:
+            if tuple(name.strip() for name in stripped.split(",")) != COLUMNS:
+                raise InputError(f"{where}: expected the column names {','.join(COLUMNS)}")
+            heading = True
+        else:
+            place, values = _point(stripped, where)
+            if place in points:
+                raise InputError(
+                    f"{where}: a second point of the {place[0]} flank in row {place[1]}, column {place[2]}"
+                )
+            points[place] = values
+    if not points:
+        raise InputError(f"{source}: there are no points in it")
+    return _dataset(points, attributes, source)
+
+
+def _attribute(key: str, value: str, where: str) -> Any:
+    try:
+        if key in _WHOLE:
+            return int(value)
+        return float(value) if key.endswith(_REAL_ENDINGS) else value
+    except ValueError as error:
+        raise InputError(f"{where}: {key}: {value!r} is no number") from error
+
+
+def _point(line: str, where: str) -> tuple[tuple[str, int, int], list[float]]:
+    cells = [cell.strip() for cell in line.split(",")]
+    if len(cells) != len(COLUMNS):
+        raise InputError(f"{where}: {len(cells)} values, expected {len(COLUMNS)} ({','.join(COLUMNS)})")
+    try:
+        row, column = int(cells[1]), int(cells[2])
+        values = [float(cell) for cell in cells[3:]]
+    except ValueError as error:
+        raise InputError(f"{where}: {line!r}: {error}") from error
+    if cells[0] not in ("concave", "convex"):
+        raise InputError(f"{where}: flank {cells[0]!r}: allowed are 'concave' and 'convex'")
+    if min(row, column) < 1:
+        raise InputError(f"{where}: row {row}, column {column}: both are counted from 1")
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{where}: a value is no finite number")
+    if abs(float(np.linalg.norm(values[3:])) - 1.0) > 1e-6:
+        raise InputError(f"{where}: the normal ({', '.join(cells[6:])}) is not of length 1")
+    return (cells[0], row, column), values
+
+
+def _dataset(points: dict[tuple[str, int, int], list[float]], attributes: dict[str, Any], source: str) -> xr.Dataset:
+    flanks = sorted({place[0] for place in points})
+    rows, columns = max(place[1] for place in points), max(place[2] for place in points)
+    if len(points) != len(flanks) * rows * columns:
+        missing = next(
+            (f, r, c)
+            for f in flanks
+            for r in range(1, rows + 1)
+            for c in range(1, columns + 1)
+            if (f, r, c) not in points
+        )
+        raise InputError(
+            f"{source}: the grid has {rows} rows and {columns} columns, but the {missing[0]} flank has no point in row "
+            f"{missing[1]}, column {missing[2]}"
+        )
+    values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, 2, 3)
+    grid = ("flank", "row", "column", "xyz")
+    return xr.Dataset(
+        {"position": (grid, values[..., 0, :]), "normal": (grid, values[..., 1, :])},
+        coords={
+            "flank": flanks,
+            "row": np.arange(1, rows + 1),
+            "column": np.arange(1, columns + 1),
+            "xyz": list("xyz"),
+        },
+        attrs=attributes,
+    )

@@ -1,0 +1,209 @@
+"""Surface patches as a STEP file: B-spline faces through every point, sewn along their common borders."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from ...core.errors import InputError, MissingPackageError
+from ...core.files import whole_file
+from .patches import oriented, rotations
+
+Array = NDArray[Any]
+
+SUFFIXES = (".step", ".stp")
+SEWING_TOLERANCE = 1e-5  # [mm]; common borders are the same curve, so this only has to exceed rounding
+DEGENERATE = 1e-7  # [mm]; a border shorter than this is a point
+
+
+def write_step(
+    patches: Mapping[str, Array],
+    path: str | os.PathLike[str],
+    *,
+    teeth: int = 1,
+    pitch: float | None = None,
+    name: str = "tooth",
+) -> None:
+    """Write the patches of a tooth as B-spline faces (STEP AP214, mm).
+
+    Each face goes through every point of its patch; between them it is the cubic spline in the point numbers, so that
+    neighbouring patches have the same curve along their common border. Every face carries the name of its patch.
+    Further teeth are references to the first one, turned about the z axis.
+
+    Parameters
+    ----------
+    patches
+        Points (m, n, 3) [mm] by name, smoothly spaced along both indices; the first patch of every connected group
+        looks outwards, see ``patches``.
+    path
+        A ``.step`` or ``.stp`` file, replaced if it exists. It appears complete or not at all.
+    teeth
+        How many copies of the tooth.
+    pitch
+        Angle between them [rad]; ``None`` to spread them over the whole turn.
+    name
+        Name of the product.
+
+    Raises
+    ------
+    InputError
+        If a patch is no grid of points, the suffix is another one, or the file cannot be written.
+    MissingPackageError
+        If OpenCASCADE is not installed.
+    """
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise InputError(f"{path}: STEP files are called {' or '.join(SUFFIXES)}")
+    angles = rotations(teeth, pitch)
+    surfaces = oriented(patches)
+    require_opencascade()
+    content = _step(surfaces, angles, name)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def require_opencascade() -> None:
+    """Refuse a STEP file before any work is done for it.
+
+    Raises
+    ------
+    MissingPackageError
+        If OpenCASCADE is not installed, or too old.
+    """
+    try:
+        import OCP.collections
+        import OCP.STEPControl  # noqa: F401
+    except ImportError as error:
+        raise MissingPackageError(
+            "STEP files need OpenCASCADE with Python bindings of version 8: pip install 'easeoff[cad]'"
+        ) from error
+
+
+def spline(points: Array) -> tuple[Array, list[Array], tuple[int, int]]:
+    """Tensor-product spline through a grid of points, with the point numbers as parameters.
+
+    Parameters
+    ----------
+    points
+        Grid (m, n, 3) [mm].
+
+    Returns
+    -------
+    tuple
+        Poles (m, n, 3) [mm], the knots of both directions with their repetitions (m + degree + 1) and
+        (n + degree + 1), and both degrees: 3, or less where there are fewer than 4 points.
+    """
+    poles, knots, degrees = points, [], []
+    for axis in (0, 1):
+        count = points.shape[axis]
+        degree = min(3, count - 1)
+        found = make_interp_spline(np.linspace(0.0, 1.0, count), poles, k=degree, axis=axis)
+        poles = np.moveaxis(found.c, 0, axis)  # scipy keeps the spline's own axis first
+        knots.append(found.t)
+        degrees.append(degree)
+    return poles, knots, (degrees[0], degrees[1])
+
+
+def _surface(points: Array) -> Any:
+    from OCP.collections import Array1_double, Array1_int, Array2_gp_Pnt
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.gp import gp_Pnt
+
+    poles, knots, degrees = spline(points)
+    m, n = points.shape[:2]
+    net = Array2_gp_Pnt(1, m, 1, n)
+    for i in range(m):
+        for j in range(n):
+            net.SetValue(i + 1, j + 1, gp_Pnt(*poles[i, j].tolist()))
+    values, repetitions = [], []
+    for sequence in knots:
+        unique, counts = np.unique(sequence, return_counts=True)
+        value, repetition = Array1_double(1, unique.size), Array1_int(1, unique.size)
+        for i in range(unique.size):
+            value.SetValue(i + 1, float(unique[i]))
+            repetition.SetValue(i + 1, int(counts[i]))
+        values.append(value)
+        repetitions.append(repetition)
+    return Geom_BSplineSurface(net, *values, *repetitions, *degrees)
+
+
+def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
+    """The content of the file."""
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
+    from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS_Compound
+
+    sewing = BRepBuilderAPI_Sewing(SEWING_TOLERANCE)
+    faces = {patch: BRepBuilderAPI_MakeFace(_surface(points), DEGENERATE).Face() for patch, points in patches.items()}
+    for face in faces.values():
+        sewing.Add(face)
+    sewing.Perform()
+    tooth = sewing.SewedShape()
+    shape, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(shape)
+    for angle in angles:
+        turn = gp_Trsf()
+        turn.SetRotation(gp_Ax1(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0.0, 0.0, 1.0)), float(angle))
+        # A turn by zero is a place of its own for OpenCASCADE, under which the faces are not found again.
+        builder.Add(shape, tooth.Moved(TopLoc_Location(turn)) if angle != 0.0 else tooth)
+
+    stream = io.BytesIO()
+    with _silent():
+        writer = STEPControl_Writer()
+        if writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone:
+            raise InputError("OpenCASCADE cannot make a STEP model of these patches: check that they are surfaces")
+        sewn = {patch: sewing.Modified(face) if sewing.IsModified(face) else face for patch, face in faces.items()}
+        _set_names(writer, sewn, name)
+        if writer.WriteStream(stream) != IFSelect_RetDone:
+            raise InputError("OpenCASCADE cannot write these patches as STEP")
+    return stream.getvalue()
+
+
+def _set_names(writer: Any, faces: Mapping[str, Any], name: str) -> None:
+    """Name the product and the faces."""
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.StepBasic import StepBasic_Product
+    from OCP.STEPConstruct import STEPConstruct
+    from OCP.TCollection import TCollection_HAsciiString
+
+    finder = writer.WS().TransferWriter().FinderProcess()
+    for patch, face in faces.items():
+        entity = STEPConstruct.FindEntity_s(finder, face)
+        if entity is not None:
+            entity.SetName(TCollection_HAsciiString(patch))
+    model = writer.Model()
+    for i in range(1, model.NbEntities() + 1):
+        entity = model.Value(i)
+        if isinstance(entity, StepBasic_Product):
+            entity.SetId(TCollection_HAsciiString(name))
+            entity.SetName(TCollection_HAsciiString(name))
+    header = APIHeaderSection_MakeHeader(model)
+    header.SetName(TCollection_HAsciiString(name))
+    header.SetOriginatingSystem(TCollection_HAsciiString("easeoff"))
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Keep OpenCASCADE's progress messages off the standard output."""
+    from OCP.Message import Message, Message_Gravity
+
+    printers = list(Message.DefaultMessenger_s().Printers())
+    levels = [printer.GetTraceLevel() for printer in printers]
+    for printer in printers:
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+    try:
+        yield
+    finally:
+        for printer, level in zip(printers, levels, strict=True):
+            printer.SetTraceLevel(level)
