@@ -1,8 +1,9 @@
-"""Case files: their schema, reading, checking and writing, the shipped cases, and exchange with other programs."""
+"""Case and design files: schemas, reading, checking and writing, the shipped ones, exchange with other programs."""
 
 from .conversion import gear_pair
+from .design_model import Design
 from .model import Case
-from .reading import parse_case, read_case, shipped_cases
+from .reading import parse_case, parse_design, read_case, read_design, shipped_cases, shipped_designs
 from .rexs_reading import read_rexs
 from .rexs_writing import write_rexs
 from .session_script import read_session_script
@@ -10,13 +11,17 @@ from .writing import case_toml, write_case
 
 __all__ = [
     "Case",
+    "Design",
     "case_toml",
     "gear_pair",
     "parse_case",
+    "parse_design",
     "read_case",
+    "read_design",
     "read_rexs",
     "read_session_script",
     "shipped_cases",
+    "shipped_designs",
     "write_case",
     "write_rexs",
 ]

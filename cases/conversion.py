@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 from ..contact.bending import ElasticModel
 from ..contact.compliance import ElasticFoundation, Material
-from ..core.errors import InputError
+from ..core.errors import GeometryError, InputError
 from ..geometry.assembly import Assembly, Misalignment
+from ..geometry.basic_settings import blank_section
 from ..geometry.blade import Blade
 from ..geometry.blade_sections import Relief
+from ..geometry.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ..geometry.generating_surface import GeneratingSurface, Hand
 from ..geometry.machine import MachineSettings
 from ..geometry.pair import FlankName, GearPair, Member
 from ..geometry.section import BlankSection
-from .model import Blank, Case, FlankSettings, Machine, MemberTable, MisalignmentTable, Motions
+from ..geometry.synthesis import EaseOffTarget
+from .blank_design_table import BlankDesignTable
+from .model import (
+    Blank,
+    Case,
+    FlankSettings,
+    Machine,
+    MemberTable,
+    MisalignmentTable,
+    Motions,
+    PairTable,
+    TargetTable,
+)
 
 Side = Literal["concave", "convex"]
 
@@ -35,6 +49,49 @@ def section(blank: Blank) -> BlankSection:
         front_angle=None if blank.front_angle is None else math.radians(blank.front_angle),
         back_angle=None if blank.back_angle is None else math.radians(blank.back_angle),
     )
+
+
+def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDesign:
+    """Basic data of a pair in rad, with what other tables give: teeth of pinion and gear, offset, shaft angle.
+
+    Raises
+    ------
+    InputError
+        If the data do not fit together; the message names the key.
+    """
+    values: dict[str, Any] = {
+        key: math.radians(value) if key in table.angles() and value is not None else value
+        for key, value in table.model_dump().items()
+    }
+    try:
+        return BlankDesign(
+            number_of_teeth=teeth,
+            shaft_angle=math.radians(pair.shaft_angle),
+            hypoid_offset=pair.hypoid_offset,
+            **values,
+        )
+    except InputError as error:
+        raise InputError(f"[blank_design] {error}") from error
+
+
+def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
+    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if there are none."""
+    design = blank_design(table, teeth, pair)
+    try:
+        return blank_dimensions(design)
+    except (InputError, GeometryError) as error:
+        raise type(error)(f"[blank_design] {error}") from error
+
+
+def sections(case: Case) -> tuple[BlankSection, BlankSection]:
+    """Axial sections of pinion and gear, from their blanks or from the basic data of the pair."""
+    if case.blank_design is not None:
+        teeth = case.pinion.number_of_teeth, case.gear.number_of_teeth
+        blanks = designed_blanks(case.blank_design, teeth, case.pair)
+        return blank_section(blanks.pinion, blanks.clearance), blank_section(blanks.gear, blanks.clearance)
+    assert case.pinion.blank is not None  # the schema sees to it
+    assert case.gear.blank is not None
+    return section(case.pinion.blank), section(case.gear.blank)
 
 
 def machine_settings(machine: Machine, indexing_ratio: float = 0.0) -> MachineSettings:
@@ -99,12 +156,12 @@ def _relief(depth: float | None, angle: float, radius: float | None) -> Relief |
     return None if depth is None else Relief(depth, math.radians(angle), radius)
 
 
-def _member(table: MemberTable, loaded: Side, hand: Hand, *, pinion: bool) -> Member:
+def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *, pinion: bool) -> Member:
     other: Side = "convex" if loaded == "concave" else "concave"
     settings, opposite = getattr(table, loaded), getattr(table, other)
     return Member(
         teeth=table.number_of_teeth,
-        section=section(table.blank),
+        section=blank,
         loaded=generating_surface(settings, loaded, hand, table.number_of_teeth, pinion=pinion),
         opposite=None
         if opposite is None
@@ -116,6 +173,11 @@ def _member(table: MemberTable, loaded: Side, hand: Hand, *, pinion: bool) -> Me
 def misalignment(table: MisalignmentTable) -> Misalignment:
     """Assembly errors in mm and rad."""
     return Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+
+
+def ease_off_target(table: TargetTable) -> EaseOffTarget:
+    """Wanted ease-off in mm."""
+    return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
 def elastic_model(case: Case) -> ElasticModel:
@@ -160,8 +222,9 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
         hypoid_offset=case.pair.hypoid_offset,
         misalignment=misalignment(case.misalignment),
     )
+    pinion_section, gear_section = sections(case)
     return GearPair(
-        pinion=_member(case.pinion, pinion_side, assembly.pinion_hand, pinion=True),
-        gear=_member(case.gear, gear_side, assembly.gear_hand, pinion=False),
+        pinion=_member(case.pinion, pinion_section, pinion_side, assembly.pinion_hand, pinion=True),
+        gear=_member(case.gear, gear_section, gear_side, assembly.gear_hand, pinion=False),
         assembly=assembly,
     )

@@ -5,23 +5,13 @@ Names follow the REXS standard where it has one. A misspelt key is an error, nev
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
-
-class Table(BaseModel):
-    """A table of a case file: frozen, no unknown keys, no NaN."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
-
-
-def _number(description: str, unit: str, **limits: Any) -> Any:
-    return Field(description=f"{description} [{unit}]", json_schema_extra={"unit": unit}, **limits)
-
-
-Number = Annotated[float, Field(strict=False)]
-Integer = Annotated[int, Field(strict=True)]
+from .blank_design_table import BlankDesignTable
+from .table import Integer, Number, Table
+from .table import number as _number
 
 
 class Blank(Table):
@@ -59,9 +49,10 @@ class Blank(Table):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        if self.face_angle <= self.root_angle:
+        if self.face_angle < self.root_angle:
             raise ValueError(
-                f"face_angle = {self.face_angle}: must be greater than root_angle = {self.root_angle} (degrees)"
+                f"face_angle = {self.face_angle}: must not be smaller than root_angle = {self.root_angle} (degrees); "
+                "both are the same for teeth of uniform depth"
             )
         if self.face_width >= self.outer_cone_distance:
             raise ValueError(
@@ -274,7 +265,7 @@ class MemberTable(Table):
         gt=0,
         lt=200,
     )
-    blank: Blank
+    blank: Blank | None = None
     concave: FlankSettings | None = None
     convex: FlankSettings | None = None
     material: Steel = Steel()
@@ -368,6 +359,7 @@ class Case(Table):
     title: Annotated[str, Field(min_length=1, max_length=200)]
     description: str = ""
     pair: PairTable
+    blank_design: BlankDesignTable | None = None
     pinion: PinionTable
     gear: MemberTable
     misalignment: MisalignmentTable = MisalignmentTable()
@@ -380,6 +372,21 @@ class Case(Table):
     def text(self) -> str:
         """The case file as it was read; empty for a case built in Python."""
         return self._text
+
+    @model_validator(mode="after")
+    def _has_blanks_once(self) -> Self:
+        for name, member in (("pinion", self.pinion), ("gear", self.gear)):
+            if self.blank_design is None and member.blank is None:
+                raise ValueError(
+                    f"[{name}.blank] is missing: give [pinion.blank] and [gear.blank], or the basic data of both in "
+                    "[blank_design]"
+                )
+            if self.blank_design is not None and member.blank is not None:
+                raise ValueError(
+                    f"[blank_design] and [{name}.blank] are both given: basic data stand for the blanks of both "
+                    "members, so leave out either [blank_design] or [pinion.blank] and [gear.blank]"
+                )
+        return self
 
     @model_validator(mode="after")
     def _has_a_pair_of_flanks(self) -> Self:

@@ -1,23 +1,42 @@
-"""Reading case files and telling the user, in one message, what is wrong with them."""
+"""Reading case and design files and telling the user, in one message, what is wrong with them."""
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
-from ..core.errors import InputError
+from ..core.errors import EaseoffError, InputError
+from ..geometry.free_settings import scale_of
+from .conversion import designed_blanks
+from .design_model import Design
 from .model import Case
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 def shipped_cases() -> dict[str, str]:
     """Names and titles of the cases that come with the package."""
-    names = sorted(f.name[:-5] for f in resources.files(__package__).iterdir() if f.name.endswith(".toml"))
-    return {name: read_case(name).title for name in names}
+    return {name: read_case(name).title for name in _names(_folder("case"))}
+
+
+def shipped_designs() -> dict[str, str]:
+    """Names and titles of the designs that come with the package."""
+    return {name: read_design(name).title for name in _names(_folder("design"))}
+
+
+def _folder(kind: str) -> Traversable:
+    root = resources.files(__package__)
+    return root if kind == "case" else root.joinpath("designs")
+
+
+def _names(folder: Traversable) -> list[str]:
+    return sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".toml"))
 
 
 def case_text(name_or_path: str | Path) -> str:
@@ -28,20 +47,22 @@ def case_text(name_or_path: str | Path) -> str:
     InputError
         If there is neither a shipped case nor a readable file of that name.
     """
-    name = str(name_or_path)
-    shipped = resources.files(__package__).joinpath(f"{name}.toml")
+    return _text("case", name_or_path)
+
+
+def _text(kind: str, name_or_path: str | Path) -> str:
+    name, folder = str(name_or_path), _folder(kind)
+    shipped = folder.joinpath(f"{name}.toml")
     if "/" not in name and "\\" not in name and shipped.is_file():
         return shipped.read_text(encoding="utf-8")
     path = Path(name_or_path)
     if not path.is_file():
-        known = ", ".join(
-            sorted(f.name[:-5] for f in resources.files(__package__).iterdir() if f.name.endswith(".toml"))
-        )
-        raise InputError(f"case {name!r}: there is no such file, and the shipped cases are: {known}")
+        known = ", ".join(_names(folder))
+        raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"case {name!r} cannot be read as text: {error}") from error
+        raise InputError(f"{kind} {name!r} cannot be read as text: {error}") from error
 
 
 def read_case(name_or_path: str | Path) -> Case:
@@ -67,21 +88,75 @@ def read_case(name_or_path: str | Path) -> Case:
 
 def parse_case(text: str, origin: str = "case") -> Case:
     """Check the text of a case; ``origin`` names it in messages. Raises as ``read_case``."""
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{origin} is not a TOML file: {error}") from error
-    case = check_case(data, origin)
+    case = _checked(Case, text, origin)
+    _check_blanks(case, origin)
     case._text = text
     return case
 
 
+def read_design(name_or_path: str | Path) -> Design:
+    """Read and check a design.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a shipped design, or path of a design file in TOML.
+
+    Raises
+    ------
+    InputError
+        Naming every wrong key, its value and what is allowed.
+
+    Examples
+    --------
+    >>> read_design("fm-11x41").gear.number_of_teeth
+    41
+    """
+    return parse_design(_text("design", name_or_path), str(name_or_path))
+
+
+def parse_design(text: str, origin: str = "design") -> Design:
+    """Check the text of a design; ``origin`` names it in messages. Raises as ``read_design``."""
+    design = _checked(Design, text, origin)
+    _check_blanks(design, origin)
+    try:
+        for name in design.pinion.free_settings or ():
+            scale_of(name)
+    except InputError as error:
+        raise InputError(f"{origin} has a mistake:\n  pinion.free_settings: {error}") from error
+    return design
+
+
+def _checked(model: type[Model], text: str, origin: str) -> Model:
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{origin} is not a TOML file: {error}") from error
+    return _validated(model, data, origin)
+
+
+def _validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model:
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{origin} has {_count(error)}:\n{mistakes(model, error)}") from error
+
+
 def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:
     """Check the tables of a case, wherever they come from. Arguments and exceptions are those of ``parse_case``."""
+    case = _validated(Case, data, origin)
+    _check_blanks(case, origin)
+    return case
+
+
+def _check_blanks(case: Case | Design, origin: str) -> None:
+    """Whether basic data make blanks; a quick computation that no table can stand for."""
+    if case.blank_design is None:
+        return
     try:
-        return Case.model_validate(data)
-    except ValidationError as error:
-        raise InputError(f"{origin} has {_count(error)}:\n" + "\n".join(_lines(error))) from error
+        designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
+    except EaseoffError as error:
+        raise type(error)(f"{origin}: {error}") from error
 
 
 def _count(error: ValidationError) -> str:
@@ -89,11 +164,16 @@ def _count(error: ValidationError) -> str:
     return "a mistake" if count == 1 else f"{count} mistakes"
 
 
-def _lines(error: ValidationError) -> list[str]:
+def mistakes(model: type[BaseModel], error: ValidationError) -> str:
+    """Every mistake in a table, one a line: key, value, what is allowed."""
+    return "\n".join(_lines(model, error))
+
+
+def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:
     lines = []
     for item in error.errors(include_url=False):
-        key = ".".join(str(part) for part in item["loc"]) or "case"
-        lines.append(f"  {key}{_value(item)}: {_allowed(item)}")
+        key = ".".join(str(part) for part in item["loc"]) or model.__name__.lower()
+        lines.append(f"  {key}{_value(item)}: {_allowed(model, item)}")
     return lines
 
 
@@ -103,17 +183,16 @@ def _value(item: Any) -> str:
     return f" = {item['input']!r}"
 
 
-def _allowed(item: Any) -> str:
+def _allowed(model: type[BaseModel], item: Any) -> str:
     """What is allowed, in plain words."""
     kind, context = item["type"], item.get("ctx", {})
     if kind == "missing":
         return "is missing; it must be given"
     if kind == "extra_forbidden":
         table = item["loc"][:-1]
-        known = ", ".join(_known_keys(table))
-        return (
-            f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else 'a case file'}; known are: {known}"
-        )
+        known = ", ".join(_known_keys(model, table))
+        whole = f"a {model.__name__.lower()} file"
+        return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else whole}; known are: {known}"
     if kind == "value_error":
         return str(context["error"])
     limits = {"greater_than": "gt", "greater_than_equal": "ge", "less_than": "lt", "less_than_equal": "le"}
@@ -126,9 +205,9 @@ def _allowed(item: Any) -> str:
     return str(item["msg"][0].lower() + item["msg"][1:])
 
 
-def _known_keys(table: tuple[Any, ...]) -> list[str]:
-    """Keys of the table at the given place of a case."""
-    schema = Case.model_json_schema()
+def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
+    """Keys of the table at the given place of a case or design."""
+    schema = model.model_json_schema()
     definitions = schema["$defs"]
     node = schema
     for part in table:

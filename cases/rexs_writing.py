@@ -17,6 +17,7 @@ from pydantic import BaseModel
 from ..core.files import whole_file
 from .conversion import machine_settings
 from .model import Case, Cutter, FlankSettings, MemberTable
+from .recording import with_blanks
 from .rexs_file import ModelWriter, Value
 from .rexs_vocabulary import (
     ANGULAR,
@@ -60,6 +61,9 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
         If the file cannot be written.
     """
     notes: list[str] = []
+    if case.blank_design is not None:
+        notes.append("blank_design: written as the blanks it gives")
+        case = with_blanks(case)
     file = ModelWriter(
         {
             "version": VERSION,
@@ -107,11 +111,8 @@ def _noted(where: str, table: BaseModel, terms: dict[str, Term], notes: list[str
 
 
 def _write_member(file: ModelWriter, name: str, table: MemberTable, hand: Hand, notes: list[str]) -> int:
-    attributes = [
-        *_terms(table, MEMBER),
-        (HAND, hand),
-        *_noted(f"{name}.blank", table.blank, BLANK, notes),
-    ]
+    assert table.blank is not None  # see ``with_blanks``
+    attributes = [*_terms(table, MEMBER), (HAND, hand), *_noted(f"{name}.blank", table.blank, BLANK, notes)]
     gear = file.component("bevel_gear", name, attributes)
     steel = file.component("material", f"material of the {name}", _terms(table.material, MATERIAL))
     file.relation("reference", origin=gear, referenced=steel)

@@ -1,6 +1,6 @@
-"""Write the tables of keys in ``case_file.md`` from the schema that checks case files.
+"""Write the tables of keys in ``case_file.md`` and ``design_file.md`` from the schemas that check these files.
 
-``python docs/make_case_reference.py`` updates the page; with ``--print`` it only prints the tables.
+``python docs/make_case_reference.py`` updates the pages; with ``--print`` it only prints the tables.
 """
 
 from __future__ import annotations
@@ -16,15 +16,26 @@ from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from easeoff.cases import model
+from easeoff.cases import design_model, model
+from easeoff.cases.blank_design_table import BlankDesignTable
 
 PAGE = Path(__file__).with_name("case_file.md")
+DESIGN_PAGE = Path(__file__).with_name("design_file.md")
 
 # What the schema itself says nothing about, because a type or a table says it there: (meaning, unit).
 MEANINGS = {
     "easeoff_case": ("version of the format", ""),
     "title": ("one line for lists and plots", ""),
     "description": ("where the numbers come from", ""),
+    "process": ("how the pair is cut; methods 2 and 3 are face-hobbed", ""),
+    "depth_taper": ("how the depth changes along the face; instead of the gear's two angles", ""),
+    "easeoff_design": ("version of the format", ""),
+    "basic_settings": (
+        "whether the gear's settings are corrected until its flanks have the blank's angles at the mean point, or "
+        "follow from the root line by the closed form",
+        "",
+    ),
+    "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "torques": ("torques at the pinion, one or more", "N m"),
     "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
@@ -40,15 +51,32 @@ def updated(page: str) -> str:
     return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{case_tables()}\n\n{end}", page, flags=re.DOTALL)
 
 
+def updated_design(page: str) -> str:
+    """The page of design files with its generated part made anew."""
+    begin, end = "<!-- begin generated: design keys -->", "<!-- end generated: design keys -->"
+    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{design_tables()}\n\n{end}", page, flags=re.DOTALL)
+
+
 def case_tables() -> str:
     """The tables of a case file and of all its sub-tables, as Markdown."""
     return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in sections())
+
+
+def design_tables() -> str:
+    """The tables of a design file that a case file does not have, as Markdown."""
+    own = (
+        ("### Top level", design_model.Design),
+        ("### `[pinion]`", design_model.DesignedPinion),
+        ("### `[gear]`", design_model.DesignedGear),
+    )
+    return "\n\n".join(f"{heading}\n\n{keys(table)}" for heading, table in own)
 
 
 def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     """Heading and schema of every table, in the order of a case file."""
     yield "### Top level", model.Case
     yield "### `[pair]`", model.PairTable
+    yield "### `[blank_design]`", BlankDesignTable
     yield "### `[pinion]` and `[gear]`", model.PinionTable
     yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
     yield "### `[pinion.concave.machine]`, and so on for every flank", model.Machine
@@ -68,7 +96,7 @@ def keys(table: type[BaseModel]) -> str:
         if sub_table(field.annotation):
             continue
         meaning, unit = described(name, field)
-        rows.append(f"| `{name}` | {meaning} | {unit} | {allowed(field)} | {default(field)} |")
+        rows.append(f"| `{name}` | {meaning} | {unit} | {allowed(name, field)} | {default(field)} |")
     return "\n".join(rows)
 
 
@@ -87,10 +115,13 @@ def described(name: str, field: FieldInfo) -> tuple[str, str]:
     return field.description.removesuffix(f" [{unit}]"), "" if unit == "1" else unit
 
 
-def allowed(field: FieldInfo) -> str:
+def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
-    if get_origin(field.annotation) is Literal:
-        return ", ".join(written(choice) for choice in get_args(field.annotation))
+    if name == "free_settings":
+        return "names of settings"
+    for option in (field.annotation, *get_args(field.annotation)):
+        if get_origin(option) is Literal:
+            return ", ".join(written(choice) for choice in get_args(option))
     limits = [
         f"{sign} {getattr(limit, type(limit).__name__.lower()):g}"
         for limit in field.metadata
@@ -130,8 +161,9 @@ def written(value: Any) -> str:
 def main() -> None:
     """Print the tables or update the page."""
     if "--print" in sys.argv[1:]:
-        print(case_tables())
+        print(case_tables(), design_tables(), sep="\n\n")
         return
+    DESIGN_PAGE.write_text(updated_design(DESIGN_PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
 
 

@@ -110,7 +110,7 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
         error = np.where(found.converged, np.abs(distance - expected), np.inf)
         best = int(np.argmin(error))
         if error[best] < 1.5 * depth:
-            parameters = found.parameters[:, [best]]
+            parameters = _nearest_slot(surface, found.parameters[:, [best]])
             parameters.setflags(write=False)  # remembered for the next caller
             return np.asarray(parameters)
     raise GeometryError(
@@ -118,6 +118,19 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
         f"(axial {target[0, 0]:.3f} mm, radial {target[1, 0]:.3f} mm); check radial_distance, cradle_angle, "
         "machine_root_angle, machine_center_to_crossing_point and the blank's cones"
     )
+
+
+def _nearest_slot(surface: GeneratingSurface, parameters: Array) -> Array:
+    """The same point (2, 1) in the slot nearest to the x axis.
+
+    A whole turn of a face-hobbing cutter leads to another slot of the same member. Which one a search comes upon is
+    chance, and the flank must not depend on it.
+    """
+    if surface.settings.indexing_ratio == 0.0:
+        return parameters
+    turns = parameters + np.outer([2.0 * np.pi, 0.0], np.arange(-2, 3))
+    position, _, _ = surface.evaluate(turns)
+    return np.asarray(turns[:, [int(np.argmax(position[0]))]])
 
 
 def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array) -> tuple[Array, Array]:

@@ -49,8 +49,12 @@ class Member:
 
     @property
     def one_set_up(self) -> bool:
-        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot."""
-        return self.opposite is not None and self.opposite.settings == self.loaded.settings
+        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot.
+
+        Not so for face hobbing: there the slot comes from the timing of the blades within their group.
+        """
+        settings = self.loaded.settings
+        return self.opposite is not None and self.opposite.settings == settings and settings.indexing_ratio == 0.0
 
     def flank(self, lengthwise: Array, profile: Array) -> Flank:
         """The loaded flank on a grid of fractions (nt) and (nh); nodes in lengthwise-major order."""
@@ -214,8 +218,11 @@ def _left_by_cutter(member: Member) -> float:
 
 def _given(member: Member) -> float | None:
     """Angular thickness [rad] from the given normal thickness, or ``None``."""
-    if member.mean_thickness is None:
-        return None
+    return None if member.mean_thickness is None else member.mean_thickness / thickness_per_angle(member)
+
+
+def thickness_per_angle(member: Member) -> float:
+    """Normal circular thickness per angle about the member's axis, in the middle of the flank [mm/rad]."""
     middle = member.middle()
     position, normal = middle.position[:, 0], middle.normal[:, 0]
     radius = float(np.hypot(position[0], position[1]))
@@ -224,4 +231,4 @@ def _given(member: Member) -> float | None:
     up = np.array([-np.sin(member.section.pitch_angle), np.cos(member.section.pitch_angle)])
     outward = np.array([position[0] / radius * up[1], position[1] / radius * up[1], up[0]])
     in_pitch_plane = np.sqrt(1.0 - float(normal @ outward) ** 2)
-    return float(member.mean_thickness / (radius * abs(circumferential) / in_pitch_plane))
+    return float(radius * abs(circumferential) / in_pitch_plane)

@@ -2,41 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..core.errors import GeometryError, InputError
+from ..core.errors import GeometryError
 from .ease_off_surface import compute
+from .free_settings import get_setting, scale_of, with_settings
 from .generating_surface import GeneratingSurface
 from .pair import GearPair, grid
 
 Array = NDArray[Any]
 
-# What each setting is moved by to change the flank about equally: mm, rad, or per radian.
-SCALES = {
-    "point_radius": 1.0,
-    "pressure_angle": 0.01,
-    "radial_distance": 1.0,
-    "cradle_angle": 0.01,
-    "machine_root_angle": 0.01,
-    "work_offset": 1.0,
-    "sliding_base": 1.0,
-    "machine_center_to_crossing_point": 1.0,
-    "cutter_tilt": 0.01,
-    "cutter_swivel": 0.02,
-    "ratio_of_roll": 0.02,
-    "modified_roll_2c": 0.02,
-    "modified_roll_6d": 0.2,
-    "modified_roll_24e": 2.0,
-    "modified_roll_120f": 20.0,
-}
-MODIFIED_ROLL = {"modified_roll_2c": 2, "modified_roll_6d": 3, "modified_roll_24e": 4, "modified_roll_120f": 5}
 FAR = 1e9  # residual [um] of settings with which the flanks do not meet
 # Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
 FREE = (
@@ -104,29 +85,6 @@ class Synthesis:
     residual: Array
 
 
-def get_setting(surface: GeneratingSurface, name: str) -> float:
-    """One setting of a generating surface by name (see ``SCALES``)."""
-    if name in ("point_radius", "pressure_angle"):
-        return float(getattr(surface.blade, name))
-    if name in MODIFIED_ROLL:
-        order, roll = MODIFIED_ROLL[name], surface.settings.modified_roll
-        return float(roll[order - 2] * math.factorial(order)) if len(roll) > order - 2 else 0.0
-    return float(getattr(surface.settings, name))
-
-
-def with_settings(surface: GeneratingSurface, values: dict[str, float]) -> GeneratingSurface:
-    """The same surface with some settings changed by name (see ``SCALES``)."""
-    blade: dict[str, Any] = {k: v for k, v in values.items() if k in ("point_radius", "pressure_angle")}
-    roll = list(surface.settings.modified_roll)
-    for name in MODIFIED_ROLL.keys() & values.keys():
-        order = MODIFIED_ROLL[name]
-        roll += [0.0] * (order - 1 - len(roll))
-        roll[order - 2] = values[name] / math.factorial(order)
-    machine: dict[str, Any] = {k: v for k, v in values.items() if k not in blade and k not in MODIFIED_ROLL}
-    settings = replace(surface.settings, **machine, modified_roll=tuple(roll))
-    return replace(surface, blade=replace(surface.blade, **blade), settings=settings)
-
-
 def fit_pinion(
     pair: GearPair,
     target: EaseOffTarget,
@@ -143,7 +101,7 @@ def fit_pinion(
     target
         The wanted ease-off on the gear flank.
     free
-        Settings that may move, of ``SCALES``.
+        Settings that may move, see ``free_settings``.
     nodes
         Gear nodes of the fit, lengthwise and along the profile.
 
@@ -159,14 +117,11 @@ def fit_pinion(
     GeometryError
         If the flanks do not meet on enough of the gear flank.
     """
-    unknown = [name for name in free if name not in SCALES]
-    if unknown:
-        raise InputError(f"free setting {unknown[0]!r}: allowed are {', '.join(SCALES)}")
+    scale = np.array([scale_of(name) for name in free])
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
     start = pair.pinion.loaded
     origin = np.array([get_setting(start, name) for name in free])
-    scale = np.array([SCALES[name] for name in free])
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
     lever = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
     known = compute(gear, start, pair.pinion.section, pair.assembly)

@@ -246,7 +246,10 @@ def _plate(section: BlankSection, nodes: Array, axial: Array, radial: Array, thi
 
 
 def _azimuth(flank: Flank) -> Array:
-    return np.asarray(np.arctan2(flank.position[1], flank.position[0]))
+    """Azimuth of the nodes, without a jump of a whole turn between them."""
+    azimuth = np.asarray(np.arctan2(flank.position[1], flank.position[0]))
+    middle = azimuth[azimuth.size // 2]
+    return np.asarray(middle + np.mod(azimuth - middle + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def _middle(values: Array) -> float:

@@ -79,7 +79,7 @@ def relief(name: str, height: st.SearchStrategy[float]) -> st.SearchStrategy[dic
     )
 
 
-profile = st.one_of(
+profile: st.SearchStrategy[dict[str, float]] = st.one_of(
     st.just({}),
     st.fixed_dictionaries(
         {"blade_spheric_radius": number(1.0, 1e7) | number(-1e7, -1.0), "blade_reference_height": number(-50.0, 100.0)}

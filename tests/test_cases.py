@@ -168,3 +168,71 @@ def test_every_number_has_a_unit_in_its_documentation() -> None:
 def test_errors_share_one_base() -> None:
     assert issubclass(InputError, EaseoffError)
     assert issubclass(GeometryError, EaseoffError)
+
+
+BASIC_DATA = """
+[blank_design]
+method = 1
+process = "face_milled"
+mean_spiral_angle = 40.5
+gear_outer_pitch_diameter = 211.8355
+gear_face_width = 33.3
+cutter_radius = 95.25
+limit_pressure_angle_influence = 1.0
+gear_mean_addendum_factor = 0.2
+depth_factor = 2.0
+clearance_factor = 0.125
+thickness_factor = 0.1
+depth_taper = "modified_slot_width"
+"""
+
+
+def with_basic_data(basic_data: str = BASIC_DATA) -> str:
+    """The case fm-11x41 with its blanks as basic data."""
+    text = case_text("fm-11x41")
+    text = re.sub(r"\[(pinion|gear)\.blank\]\n(.+\n)+", "", text)
+    return text.replace("\n[misalignment]\n", f"{basic_data}\n[misalignment]\n", 1)
+
+
+def test_basic_data_make_the_same_pair_as_the_blanks_they_stand_for() -> None:
+    """The blanks of fm-11x41 come from these basic data and stand in its file with ten digits."""
+    given, designed = gear_pair(read_case("fm-11x41")), gear_pair(parse_case(with_basic_data()))
+    for one, two in ((given.pinion, designed.pinion), (given.gear, designed.gear)):
+        for key, value in vars(one.section).items():
+            if isinstance(value, float):
+                assert getattr(two.section, key) == pytest.approx(value, abs=1e-9), key
+
+
+BLANK_MISTAKES = {
+    "no blank": (with_basic_data(""), ["[pinion.blank]", "missing", "[blank_design]"]),
+    "both": (
+        case_text("fm-11x41").replace("\n[misalignment]\n", f"{BASIC_DATA}\n[misalignment]\n"),
+        ["both given", "[blank_design]"],
+    ),
+    "missing diameter": (
+        with_basic_data(BASIC_DATA.replace("gear_outer_pitch_diameter = 211.8355\n", "")),
+        ["[blank_design]", "gear_outer_pitch_diameter", "method 1 needs it"],
+    ),
+    "method without a process": (
+        with_basic_data(BASIC_DATA.replace("method = 1", "method = 3")),
+        ["[blank_design]", "process", "face_hobbed"],
+    ),
+    "unknown method": (with_basic_data(BASIC_DATA.replace("method = 1", "method = 7")), ["blank_design.method", "7"]),
+    "no pitch cones": (
+        with_basic_data(BASIC_DATA.replace("cutter_radius = 95.25", "cutter_radius = 9.0")),
+        ["[blank_design]", "cutter_radius"],
+    ),
+    "too wide": (
+        with_basic_data(BASIC_DATA.replace("gear_face_width = 33.3", "gear_face_width = 300.0")),
+        ["[blank_design]"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BLANK_MISTAKES)
+def test_mistakes_in_basic_data_name_the_key(name: str) -> None:
+    text, words = BLANK_MISTAKES[name]
+    with pytest.raises(EaseoffError) as caught:
+        parse_case(text, "mycase.toml")
+    for word in ["mycase.toml", *words]:
+        assert word in str(caught.value), str(caught.value)

@@ -16,12 +16,16 @@ import pytest
 from click.testing import CliRunner
 
 import easeoff
-from easeoff.cases import gear_pair, model, parse_case
+from easeoff.cases import design_model, gear_pair, model, parse_case, parse_design
+from easeoff.cases.blank_design_table import BlankDesignTable
+from easeoff.cases.table import Table
 from easeoff.contact import read_problems, solve
 from easeoff.contact.solvers.settings import SOLVERS
 from easeoff.geometry import MachineSettings, ease_off
+from easeoff.geometry.free_settings import BLADE, CURVATURE, MACHINE, MODIFIED_ROLL
 from easeoff.geometry.machine import IncrementSense
 from easeoff.geometry.machine_pose import machine_pose
+from easeoff.geometry.synthesis import FREE
 from easeoff.study.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -105,9 +109,34 @@ def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch
     assert page == reference.updated(page)
     assert reference.case_tables() in page
     described = {table for _, table in reference.sections()}
-    for _, table in inspect.getmembers(model, lambda m: inspect.isclass(m) and issubclass(m, model.Table)):
+    for _, table in inspect.getmembers(model, lambda m: inspect.isclass(m) and issubclass(m, Table)):
         keys = [k for k, field in table.model_fields.items() if not reference.sub_table(field.annotation)]
         assert table in described or not keys or any(issubclass(other, table) for other in described), table
+
+
+def test_design_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_case_reference.py."""
+    reference = script("make_case_reference", monkeypatch)
+    page = text("design_file")
+    assert page == reference.updated_design(page)
+    assert reference.design_tables() in page
+    # Tables of its own are described here, the others on the page of case files.
+    shared = {table for _, table in reference.sections()}
+    for name, field in design_model.Design.model_fields.items():
+        table = field.annotation
+        if inspect.isclass(table) and issubclass(table, Table):
+            assert table in shared or f"`[{name}" in page, name
+
+
+def test_example_design_is_a_design() -> None:
+    ((_, code),) = blocks(text("design_file"), "toml")
+    assert parse_design(code).target.drive.lengthwise_crowning > 0.0
+
+
+def test_free_settings_of_the_page_are_those_of_the_code() -> None:
+    listed = [row[0].strip("`") for row in rows(text("design_file"), "## Free settings")]
+    assert listed == [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "..._motion_1"]
+    assert set(FREE) == {row[0].strip("`") for row in rows(text("design_file"), "## Free settings") if row[2] == "yes"}
 
 
 def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -145,12 +174,13 @@ def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: p
 
 
 def test_example_case_is_a_case() -> None:
-    whole, formate = (code for _, code in blocks(text("case_file"), "toml"))
+    whole, formate, basic = (code for _, code in blocks(text("case_file"), "toml"))
     case = parse_case(whole)
     middle = ease_off(gear_pair(case), (7, 7))
     assert np.mean(middle["inside"].values) > 0.5
     machine = model.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])
     assert machine.ratio_of_roll is None
+    BlankDesignTable.model_validate(tomllib.loads(basic)["blank_design"])
 
 
 def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,9 +17,10 @@ from easeoff.geometry.conventional import PointContact, path_of_contact
 from easeoff.geometry.curvature import shape_operator
 from easeoff.geometry.ease_off_surface import EaseOff, compute
 from easeoff.geometry.flank_surface import Flank
+from easeoff.geometry.free_settings import with_settings
 from easeoff.geometry.pair import ease_off, grid
 from easeoff.geometry.section import BlankSection
-from easeoff.geometry.synthesis import fit_pinion, with_settings
+from easeoff.geometry.synthesis import fit_pinion
 from easeoff.geometry.vectors import cross, dot
 
 ARC_SECOND = math.pi / 180 / 3600

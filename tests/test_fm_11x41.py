@@ -1,9 +1,8 @@
-"""The rebuilt hypoid case: its settings follow from its target, and its contact compares with the dissertation."""
+"""The rebuilt hypoid case: its contact compares with the dissertation."""
 
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import fm_11x41
 import numpy as np
@@ -39,25 +38,6 @@ def group(name: str, **position: float) -> xr.Dataset:
     return analysis(**position)[name].to_dataset()
 
 
-def test_settings_follow_from_the_target(case: Case) -> None:
-    """Blank, gear and both pinion flanks made again agree with the file to well below a micrometre on the flank."""
-    for name, table in fm_11x41.tables(fm_11x41.rebuild()).items():
-        stored: Any = case
-        for part in name.split("."):
-            stored = getattr(stored, part)
-        for key, value in table.items():
-            tolerance = 1e-5 if name.startswith("pinion.c") else 1e-9
-            assert getattr(stored, key) == pytest.approx(value, rel=tolerance, abs=tolerance), f"{name}.{key}"
-
-
-def test_file_records_the_target(case: Case) -> None:
-    for side, target in (("drive", fm_11x41.DRIVE), ("coast", fm_11x41.COAST)):
-        recorded = getattr(case.target, side)
-        for key, value in vars(target).items():
-            assert getattr(recorded, key) == pytest.approx(1e3 * value)
-    assert case.misalignment.offset == fm_11x41.MISALIGNMENT.offset
-
-
 def test_ease_off_is_the_target_within_the_fit(case: Case) -> None:
     """What nine settings leave of the target: under 4 um anywhere on the common flank, up to a rotation of the gear."""
     ease_off = group("ease_off")
@@ -72,7 +52,7 @@ def test_ease_off_is_the_target_within_the_fit(case: Case) -> None:
 
 def test_teeth_have_the_thickness_of_the_blank(case: Case) -> None:
     """Mean normal thickness from the generated flanks against ISO 23509, at pitch height."""
-    blank = fm_11x41.blank()
+    blank = fm_11x41.rebuild()[1].blank
     for body, member in zip(bodies(gear_pair(case)), (blank.pinion, blank.gear), strict=True):
         mean = body.thickness.mean(axis=0)
         up = (member.mean_dedendum) / body.height.mean()

@@ -209,6 +209,9 @@ def test_values_arrive_under_our_names(tmp_path: Path) -> None:
     case, notes = read(script("LEFT", with_extras("PINION", PINION_EXTRAS)), tmp_path)
     shipped = read_case("nasa-12x36")
     assert case.pinion.hand_of_spiral == "left"
+    assert case.pinion.blank is not None
+    assert case.gear.blank is not None
+    assert shipped.pinion.blank is not None
     assert case.pinion.blank.pitch_angle == shipped.pinion.blank.pitch_angle
     assert case.pinion.blank.pitch_apex_beyond_crossing_point == 0.1
     assert case.gear.blank.back_angle == 69.0
@@ -258,6 +261,7 @@ def test_blades_arrive_under_our_names(tmp_path: Path) -> None:
 def test_root_angle_of_the_machine_serves_without_tilt_alone(tmp_path: Path) -> None:
     bare = "\n".join(line for line in script("LEFT", MACHINES).splitlines() if not line.startswith("ROOTANGLE"))
     case, notes = read(bare, tmp_path)
+    assert case.pinion.blank is not None
     assert case.pinion.blank.root_angle == 16.8667
     assert any("root angle of the pinion" in note for note in notes)
     with pytest.raises(InputError, match="add ROOTANGLE"):

@@ -1,0 +1,51 @@
+"""The schema of a design file: basic data and wanted ease-offs, from which a case file is made."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from .blank_design_table import BlankDesignTable
+from .model import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
+from .table import Integer, Table, number
+
+
+class DesignedGear(Table):
+    """The Formate gear."""
+
+    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    basic_settings: Literal["mean_point", "root_line"] = "mean_point"
+    material: Steel = Steel()
+
+
+class DesignedPinion(Table):
+    """The generated pinion."""
+
+    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    hand_of_spiral: Literal["left", "right"]
+    free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
+    material: Steel = Steel()
+
+
+class DesignTargets(Table):
+    """Wanted ease-off of both sides, in the misalignment of the design."""
+
+    drive: TargetTable
+    coast: TargetTable
+
+
+class Design(Table):
+    """A whole design file."""
+
+    easeoff_design: Literal[1]
+    title: Annotated[str, Field(min_length=1, max_length=200)]
+    description: str = ""
+    pair: PairTable
+    blank_design: BlankDesignTable
+    pinion: DesignedPinion
+    gear: DesignedGear
+    misalignment: MisalignmentTable = MisalignmentTable()
+    contact: ContactTable = ContactTable()
+    compliance: ComplianceTable = ComplianceTable()
+    target: DesignTargets

@@ -1,0 +1,119 @@
+"""A whole pair from basic data and wanted ease-offs: blanks, Formate gear, and a pinion flank for each side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .assembly import Assembly
+from .basic_settings import Flanks, blank_section, formate_gear
+from .blank import BlankDesign, BlankDimensions, blank_dimensions
+from .conjugate_pinion import conjugate_pinion
+from .flank_surface import solve_flank
+from .mean_point import mean_point_angles
+from .pair import FlankName, GearPair, Member, thickness_per_angle
+from .synthesis import FREE, EaseOffTarget, Synthesis, fit_pinion
+
+SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
+
+
+@dataclass(frozen=True)
+class DesignedPair:
+    """A pair as designed.
+
+    Parameters
+    ----------
+    blank
+        Blanks of both members.
+    assembly
+        Axes, with the misalignment in which the pinion was fitted.
+    gear
+        Convex and concave flank of the gear.
+    pinion
+        Concave (drive) and convex (coast) flank of the pinion, each with what its fit moved and left.
+    gear_thickness
+        Normal circular thickness of the gear's tooth in the middle of the flank [mm], where the cutter does not fix
+        it (face hobbing); ``None`` where it does.
+    """
+
+    blank: BlankDimensions
+    assembly: Assembly
+    gear: Flanks
+    pinion: Mapping[FlankName, Synthesis]
+    gear_thickness: float | None
+
+    def pair(self, side: FlankName = "drive") -> GearPair:
+        """The pair seen from one side."""
+        order = 1 if side == "drive" else -1
+        gear = self.gear[::order]
+        pinion = [self.pinion[name].surface for name in SIDES][::order]
+        blanks, clearance = self.blank, self.blank.clearance
+        return GearPair(
+            Member(self.assembly.pinion_teeth, blank_section(blanks.pinion, clearance), pinion[0], pinion[1]),
+            Member(
+                self.assembly.gear_teeth, blank_section(blanks.gear, clearance), gear[0], gear[1], self.gear_thickness
+            ),
+            self.assembly,
+        )
+
+
+def design_pair(
+    design: BlankDesign,
+    assembly: Assembly,
+    targets: Mapping[FlankName, EaseOffTarget],
+    *,
+    free: Sequence[str] = FREE,
+    corrected: bool = True,
+) -> DesignedPair:
+    """Blanks, gear and pinion of a pair with a Formate gear.
+
+    Parameters
+    ----------
+    design
+        Basic data of the blanks; cutter radius and blade groups are those of the cutters too.
+    assembly
+        Axes and teeth as in ``design``, hand of the pinion, and the misalignment in which the targets hold.
+    targets
+        Wanted ease-off of the two sides.
+    free
+        Pinion settings that may move, see ``free_settings``.
+    corrected
+        Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+    GeometryError
+        If the basic data give no blanks, no cutter fits them, or the flanks do not meet.
+    """
+    blank = blank_dimensions(design)
+    groups = design.number_of_blade_groups or 0
+    gear = formate_gear(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
+    sections = [blank_section(member, blank.clearance) for member in (blank.pinion, blank.gear)]
+    # The pinion's blade tips run along its root, opposite those of the gear's cutter.
+    height = blank.gear.mean_dedendum + blank.pinion.mean_dedendum
+    pinion: dict[FlankName, Synthesis] = {}
+    for side, loaded, opposite in zip(SIDES, gear, gear[::-1], strict=True):
+        start = Member(assembly.pinion_teeth, sections[0], conjugate_pinion(loaded, assembly, height))
+        wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
+        pinion[side] = fit_pinion(GearPair(start, wheel, assembly), targets[side], free=free)
+    thickness = _middle_thickness(blank, gear) if groups else None
+    return DesignedPair(blank, assembly, gear, pinion, thickness)
+
+
+def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:
+    """The blank's mean normal thickness, carried from the mean point to the middle of the flank along both flanks."""
+    member, section = blank.gear, blank_section(blank.gear, blank.clearance)
+    at_mean = mean_point_angles(gear[0], section, member).azimuth - mean_point_angles(gear[1], section, member).azimuth
+    middle = section.points(np.array([0.5]), np.array([0.5]))
+    sides = [solve_flank(flank, section, middle[0], middle[1]).position[:, 0] for flank in gear]
+    hand = 1.0 if gear[0].hand == "right" else -1.0
+    azimuths = [hand * math.atan2(position[1], position[0]) for position in sides]
+    # What the slot, from the concave to the convex flank, grows by the tooth loses.
+    growth = azimuths[0] - azimuths[1] - at_mean
+    angle = 2.0 * member.mean_transverse_thickness / member.mean_pitch_diameter - growth
+    return angle * thickness_per_angle(Member(member.number_of_teeth, section, gear[0]))

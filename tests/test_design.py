@@ -1,0 +1,250 @@
+"""From a design to a case: shipped cases follow from their designs, and mistakes in a design are told plainly."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from easeoff.cases import Case, case_toml, gear_pair, parse_case, parse_design, read_case, read_design, shipped_designs
+from easeoff.cases.conversion import ease_off_target
+from easeoff.cases.reading import _text
+from easeoff.core.errors import EaseoffError
+from easeoff.geometry import ease_off
+from easeoff.geometry.mean_point import mean_point_angles
+from easeoff.geometry.pair import bodies
+from easeoff.study.analysis import analyze
+from easeoff.study.cli import main
+from easeoff.study.design import DesignReport, design_case
+
+NAMES = list(shipped_designs())
+FM = _text("design", "fm-11x41")
+
+
+@cache
+def made(name: str) -> tuple[Case, DesignReport]:
+    return design_case(read_design(name))
+
+
+def numbers(table: dict[str, Any], place: str = "") -> dict[str, Any]:
+    """Every value of a case under its dotted name."""
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        name = f"{place}.{key}" if place else key
+        if isinstance(value, dict):
+            found |= numbers(value, name)
+        else:
+            found[name] = value
+    return found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shipped_case_follows_from_its_design(name: str) -> None:
+    """Blank and gear to rounding; the pinion's settings as far as a least-squares fit stops at one point."""
+    stored, again = numbers(read_case(name).model_dump()), numbers(made(name)[0].model_dump())
+    assert stored.keys() == again.keys()
+    for key, value in again.items():
+        if isinstance(value, float):
+            tolerance = 1e-5 if key.startswith("pinion.con") else 1e-9
+            assert stored[key] == pytest.approx(value, rel=tolerance, abs=tolerance), key
+        else:
+            assert stored[key] == value, key
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_case_file_reads_back_as_the_same_case(name: str) -> None:
+    case, _ = made(name)
+    assert parse_case(case_toml(case)).model_dump() == case.model_dump()
+
+
+@pytest.mark.parametrize("side", ["drive", "coast"])
+@pytest.mark.parametrize("name", NAMES)
+def test_ease_off_of_the_case_is_the_target_as_reported(name: str, side: Any) -> None:
+    """The case, read back and computed on another grid than the fit's."""
+    case, report = made(name)
+    found = ease_off(gear_pair(case, side), (13, 9))
+    t, h = np.meshgrid(found["lengthwise"], found["profile"], indexing="ij")
+    target = ease_off_target(getattr(case.target, side))
+    known = np.isfinite(found["ease_off"].values)
+    left = (1e-3 * found["ease_off"].values - target(t, h))[known]
+    lever = found["lever_arm"].values[known]
+    left = left - lever * (lever @ left) / (lever @ lever)
+    assert np.abs(left).max() < 1.2 * report.sides[side].greatest_left + 2e-4
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(report.sides[side].rms_left, rel=0.2)
+
+
+def test_report_warns_of_what_is_doubtful() -> None:
+    """The cutter of fm-11x41's concave pinion flank does not reach its root line; a fit without freedom misses."""
+    assert [w for w in made("fm-11x41")[1].warnings if "out of the cutter's reach" in w] == list(
+        made("fm-11x41")[1].warnings
+    )
+    for name in NAMES:
+        if name.startswith("fh-"):
+            assert made(name)[1].warnings == ()
+    poor = changed(r'^hand_of_spiral = "left"$', 'hand_of_spiral = "left"\nfree_settings = ["point_radius"]')
+    warnings = design_case(parse_design(poor))[1].warnings
+    assert any("free other settings" in warning for warning in warnings)
+
+
+def test_report_warns_of_pointed_teeth() -> None:
+    thin = changed(r"^thickness_factor = .*$", "thickness_factor = 0.75")
+    warnings = design_case(parse_design(thin))[1].warnings
+    assert any("gear's tooth is pointed" in warning for warning in warnings), warnings
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gear_tooth_has_the_thickness_of_the_blank(name: str) -> None:
+    """At the mean point, from the azimuths of the two flanks of the tooth body."""
+    case, report = made(name)
+    gear, pair = report.blank.gear, gear_pair(case)
+    _, body = bodies(pair)
+    radius = gear.mean_pitch_diameter / 2.0
+    t, h = pair.gear.section.fractions(
+        np.array(gear.mean_cone_distance * math.cos(gear.pitch_angle) - gear.pitch_apex), np.array(radius)
+    )
+    half = np.polynomial.legendre.legval2d(2 * t - 1, 2 * h - 1, body.half_angle)
+    opposite = pair.gear.opposite
+    assert opposite is not None
+    angles = [mean_point_angles(flank, pair.gear.section, gear) for flank in (pair.gear.loaded, opposite)]
+    spiral = (angles[0].spiral_angle + angles[1].spiral_angle) / 2.0
+    thickness = 2.0 * float(half) * radius * math.cos(spiral)
+    tolerance = 0.1 if read_design(name).gear.basic_settings == "root_line" else 1e-3
+    assert thickness == pytest.approx(gear.mean_normal_thickness, abs=tolerance)
+
+
+def changed(pattern: str, replacement: str) -> str:
+    text, count = re.subn(pattern, replacement, FM, count=1, flags=re.MULTILINE)
+    assert count == 1
+    return text
+
+
+MISTAKES = {
+    "unknown key": (r"^gear_face_width", "gear_width", ["blank_design.gear_width", "known are", "gear_face_width"]),
+    "missing value": (r"^gear_outer_pitch_diameter.*$", "", ["[blank_design]", "gear_outer_pitch_diameter"]),
+    "a hand like neither": (r'"left"', '"up"', ["pinion.hand_of_spiral", "up"]),
+    "no target": (r"^\[target.coast\]$", "[target.other]", ["target.coast", "missing"]),
+    "unknown setting": (
+        r'^hand_of_spiral = "left"$',
+        'hand_of_spiral = "left"\nfree_settings = ["blade"]',
+        ["pinion.free_settings", "'blade'", "modified_roll_2c", "_motion_1"],
+    ),
+    "face too wide": (r"^gear_face_width = .*$", "gear_face_width = 500.0", ["[blank_design]"]),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_mistakes_name_key_and_what_is_allowed(name: str) -> None:
+    pattern, replacement, words = MISTAKES[name]
+    with pytest.raises(EaseoffError) as caught:
+        parse_design(changed(pattern, replacement), "mine.toml")
+    for word in ["mine.toml", *words]:
+        assert word in str(caught.value), str(caught.value)
+
+
+def test_a_design_that_is_not_there_lists_the_shipped_ones() -> None:
+    with pytest.raises(EaseoffError, match=r"the shipped designs are: .*fm-11x41"):
+        read_design("fm-11x42")
+
+
+def test_command_writes_a_case_and_reports(tmp_path: Path) -> None:
+    outcome = CliRunner().invoke(main, ["design", "fm-11x41", "-o", str(tmp_path / "case.toml"), "--report"])
+    assert outcome.exit_code == 0, outcome.output
+    assert read_case(tmp_path / "case.toml").model_dump() == made("fm-11x41")[0].model_dump()
+    for word in ("Drive side", "Coast side", "mean spiral angle", "modified_roll_2c", "um"):
+        assert word in outcome.output
+    assert [p.name for p in tmp_path.iterdir()] == ["case.toml"]
+
+
+def test_command_leaves_nothing_behind_after_a_mistake(tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text(changed(r"^cutter_radius = .*$", "cutter_radius = 20.0"))
+    outcome = CliRunner().invoke(main, ["design", str(tmp_path / "bad.toml"), "-o", str(tmp_path / "case.toml")])
+    assert outcome.exit_code == 2
+    assert "cutter_radius" in outcome.output
+    assert [p.name for p in tmp_path.iterdir()] == ["bad.toml"]
+
+
+def test_both_hands_make_the_same_pair() -> None:
+    """The pinion of the other hand has the same settings, and the ease-off is the same."""
+    mirrored, _ = design_case(parse_design(changed(r'"left"', '"right"')))
+    one, two = numbers(made("fm-11x41")[0].model_dump()), numbers(mirrored.model_dump())
+    for key, value in one.items():
+        if isinstance(value, float):
+            assert two[key] == pytest.approx(value, rel=1e-5, abs=1e-5), key
+        elif key != "pinion.hand_of_spiral":
+            assert two[key] == value, key
+
+
+# Kolivand 2009, Tables 4.3 and 5.4: spiral angles of pinion and gear [deg] and how far they are rounded, offset, and
+# outer cone distances or the gear's pitch diameter [mm].
+PRINTED: dict[str, tuple[tuple[float, float], float, float, dict[str, tuple[float | None, float]]]] = {
+    "fh-12x41-45": ((50.0, 24.0), 0.5, 45.0, {"outer_cone_distance": (105.0, 130.0)}),
+    "fh-design-a": ((40.0, 31.3), 0.05, 15.0, {"outer_pitch_diameter": (None, 220.0)}),
+    "fh-design-b": ((47.0, 29.6), 0.05, 30.0, {"outer_pitch_diameter": (None, 220.0)}),
+}
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_printed_numbers_of_the_dissertation_come_out(name: str) -> None:
+    spirals, rounding, offset, lengths = PRINTED[name]
+    case, report = made(name)
+    assert (case.pinion.number_of_teeth, case.gear.number_of_teeth) == (12, 41)
+    assert case.pinion.hand_of_spiral == "left"
+    assert case.pair.hypoid_offset == offset
+    assert case.gear.convex is not None
+    assert case.gear.convex.machine.ratio_of_roll is None
+    assert case.gear.convex.cutter.number_of_blade_groups > 0
+    for k, member in enumerate((report.blank.pinion, report.blank.gear)):
+        assert math.degrees(member.mean_spiral_angle) == pytest.approx(spirals[k], abs=rounding)
+        for key, values in lengths.items():
+            if values[k] is not None:
+                assert getattr(member, key) == pytest.approx(values[k], abs=0.5)
+
+
+@pytest.mark.parametrize("side", ["drive", "coast"])
+@pytest.mark.parametrize("name", PRINTED)
+def test_hobbed_gear_flanks_have_the_spiral_angle_of_the_blank(name: str, side: Any) -> None:
+    """Measured on the case as read from its file, with its ten decimals."""
+    gear, blank = gear_pair(read_case(name), side).gear, made(name)[1].blank
+    found = mean_point_angles(gear.loaded, gear.section, blank.gear)
+    assert found.spiral_angle == pytest.approx(blank.gear.mean_spiral_angle, abs=1e-9)
+
+
+@pytest.mark.parametrize("side", ["drive", "coast"])
+def test_designs_a_and_b_have_matched_ease_offs(side: Any) -> None:
+    """The dissertation compares them at one ease-off: they differ by less than 1 um of 100 um on the common flank."""
+    maps = [ease_off(gear_pair(read_case(name), side), (21, 15)) for name in ("fh-design-a", "fh-design-b")]
+    inside = np.all([m["inside"].values == 1 for m in maps], axis=0)
+    one, two = (m["ease_off"].values[inside] for m in maps)
+    assert np.abs(one - two).max() < 1.0
+    for values in (one, two):
+        assert 85.0 < values.max() < 105.0
+
+
+@pytest.mark.parametrize("side", ["drive", "coast"])
+@pytest.mark.parametrize("name", PRINTED)
+def test_hobbed_pairs_are_certified_from_50_to_500_newton_metres(name: str, side: Any) -> None:
+    """With a pattern in the middle of the flank at 50 N m that carries little at the ends of the lines."""
+    case = read_case(name)
+    coarse = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 12})})
+    tree = analyze(coarse, flank=side, torques=[50.0, 200.0, 500.0])
+    loaded = tree["loaded"].to_dataset()
+    assert np.all(loaded["status"].values == 0)
+    force = loaded["force"].sel(torque=50.0)
+    for direction in ("lengthwise", "profile"):
+        centre = float((force * loaded[direction].sel(torque=50.0)).sum() / force.sum())
+        assert 0.42 < centre < 0.6
+
+
+def test_errors_of_the_wide_offset_pair_are_near_the_dissertations() -> None:
+    """Table 4.4: 36.9 urad unloaded and 23.9 urad at 200 N m, peak to peak; an equivalent design, not the same one."""
+    tree = analyze("fh-12x41-45", torques=[200.0])
+    assert tree["unloaded"].attrs["peak_to_peak"] == pytest.approx(36.9, rel=0.25)
+    loaded = tree["loaded"].to_dataset()
+    assert float(loaded["peak_to_peak"][0]) == pytest.approx(23.9, rel=0.25)
+    assert float(loaded["harmonic"][0, 0]) == pytest.approx(12.1, rel=0.25)
