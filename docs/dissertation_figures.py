@@ -151,8 +151,9 @@ def mark_lines(axes: Axes, view: ToothView, pattern: Pattern, names: tuple[str, 
         drawn = view.place(line)
         axes.plot(*drawn, color=INK, linewidth=2.2, zorder=6.2, solid_capstyle="round")
         within = 0.65 * drawn[:, drawn.shape[1] // 2] + 0.35 * centre
-        place, away, align = (within, (0, 0), "center") if inside else (drawn[:, np.argmin(drawn[0])], (-3, 4), "right")
-        axes.annotate(name, place, away, textcoords="offset points", fontsize=BODY_SIZE, color=INK, ha=align,
+        beside = drawn[:, np.argmin(drawn[0])]
+        (x, y), away, align = (within, (0, 0), "center") if inside else (beside, (-3, 4), "right")
+        axes.annotate(name, (x, y), away, textcoords="offset points", fontsize=BODY_SIZE, color=INK, ha=align,
                       va="center", path_effects=halo(), zorder=9)  # fmt: skip
 
 
@@ -169,7 +170,7 @@ def pattern_of_the_pair(tree: xr.DataTree) -> Figure:
     separation = tree["unloaded"].attrs["separation"]
     big, small = (WIDTH - 0.9) * view.aspect + 1.05, (WIDTH - 0.6) / 3.0 * view.aspect + 0.35
     figure = sheet(big + small)
-    upper, lower = figure.subfigures(2, 1, height_ratios=[big, small])
+    upper, lower = np.asarray(figure.subfigures(2, 1, height_ratios=[big, small]))
     axes = upper.subplots()
     draw_pattern(axes, view, pattern, path=False)
     finite = np.isfinite(whole.lines[:, 0, 0])

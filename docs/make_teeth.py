@@ -72,8 +72,8 @@ def whole_pair() -> GearPair:
 
 def closed(patches: dict[str, Array], section: BlankSection, hub: float) -> dict[str, Array]:
     """The patches of a tooth, and what closes them at toe and heel down to the rim and on to a hub of some radius."""
-    root = np.stack(section.points(np.array([0.0, 1.0]), np.zeros(2)))  # (axial and radial, toe and heel)
-    tip = np.stack(section.points(np.array([0.5]), np.ones(1)))[:, 0]
+    root = section.points(np.array([0.0, 1.0]), np.zeros(2))  # (axial and radial, toe and heel)
+    tip = section.points(np.array([0.5]), np.ones(1))[:, 0]
     along = root[:, 1] - root[:, 0]
     down = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     down *= -np.sign(down @ (tip - root[:, 0]))
@@ -155,7 +155,7 @@ def draw() -> Figure:
     """Draw the pair."""
     pair = whole_pair()
     members: tuple[MemberName, ...] = ("pinion", "gear")
-    corners = {}
+    corners: dict[str, Array] = {}
     for member in members:
         which = named_member(pair, member)
         corners[member] = quads(closed(tooth_patches(pair, member, NODES), which.section, HUB[member]), which.teeth)
@@ -170,7 +170,7 @@ def draw() -> Figure:
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.add_collection(
-        PolyCollection(flat[order], facecolors=colours[order], edgecolors=colours[order], linewidths=0.2)
+        PolyCollection(list(flat[order]), facecolors=colours[order], edgecolors=colours[order], linewidths=0.2)
     )
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
