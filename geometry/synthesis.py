@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from ..core.errors import GeometryError
 from .ease_off_surface import compute
-from .free_settings import get_setting, scale_of, with_settings
+from .free_settings import CURVATURE, get_setting, scale_of, with_settings
 from .generating_surface import GeneratingSurface
 from .pair import GearPair, grid
 
@@ -143,12 +143,15 @@ def fit_pinion(
         arm = lever[usable]
         return np.asarray(1e3 * (error - arm * float(arm @ error) / float(arm @ arm)))
 
+    # A blade all but straight is an arc of enormous radius, whose points are lost in rounding: begin well away from it,
+    # and differentiate with long steps, which a flank that is nearly linear in its blade's curvature allows.
+    curved = np.array([name in CURVATURE for name in free])
     found = least_squares(
         residual,
-        np.zeros(len(free)),
+        np.where(curved & (origin == 0.0), 0.1, 0.0),
         method="trf",
         x_scale=1.0,
-        diff_step=[1e-4],
+        diff_step=np.where(curved, 0.1, 1e-4),
         xtol=1e-12,
         ftol=1e-12,
         gtol=1e-12,

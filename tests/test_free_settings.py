@@ -19,6 +19,7 @@ from easeoff.geometry.free_settings import (
     with_settings,
 )
 from easeoff.geometry.machine_pose import machine_pose
+from easeoff.geometry.synthesis import EaseOffTarget, fit_pinion
 
 NAMES = [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "sliding_base_motion_1", "cutter_tilt_motion_3"]
 
@@ -55,3 +56,18 @@ def test_several_orders_of_one_motion_stand_together() -> None:
 def test_other_names_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=name):
         scale_of(name)
+
+
+def test_curved_blade_gives_profile_crowning_that_a_straight_one_cannot() -> None:
+    """A hollow blade crowns the pinion; its curvature is near that of the wanted parabola over the flank's depth."""
+    pair, target = conjugate_pair(), EaseOffTarget(profile_crowning=0.02)
+    free = ("point_radius", "pressure_angle", "radial_distance", "work_offset", "machine_center_to_crossing_point")
+    straight = fit_pinion(pair, target, free=free)
+    curved = fit_pinion(pair, target, free=(*free, "blade_curvature"))
+    rms = [float(np.sqrt(np.mean(fit.residual**2))) for fit in (straight, curved)]
+    assert rms[1] < 0.3 * rms[0]
+    corners = pair.gear.section.corners
+    half_depth = 0.5 * float(np.mean(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)))
+    curvature = curved.moved["blade_curvature"][1]
+    assert curvature == pytest.approx(2.0 * 0.02 / half_depth**2, rel=0.2)
+    assert curved.surface.blade.spheric_radius == pytest.approx(1.0 / curvature)
