@@ -8,7 +8,7 @@ from pydantic import Field
 
 from .blank_design_table import BlankDesignTable
 from .model import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
-from .table import Integer, Table, number
+from .table import Integer, Number, Table, number
 
 
 class DesignedGear(Table):
@@ -16,6 +16,7 @@ class DesignedGear(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     basic_settings: Literal["mean_point", "root_line"] = "mean_point"
+    tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
     material: Steel = Steel()
 
 
@@ -24,6 +25,8 @@ class DesignedPinion(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     hand_of_spiral: Literal["left", "right"]
+    tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
+    follow_root: bool = False
     free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
     material: Steel = Steel()
 

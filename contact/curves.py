@@ -23,6 +23,7 @@ Array = NDArray[Any]
 
 DENSE = 65  # points along a curve while it is traced and clipped
 SHORTEST = 1e-3  # curves shorter than this part of the longest are dropped
+USUAL_CURVATURE = 0.1  # separation curvature of ordinary pairs [1/rad]; matters for the interpolation alone
 CROSSING_STEPS = 24  # false position on the boundary; eight are usual
 
 
@@ -40,17 +41,27 @@ def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str,
         "roll_angle",
         "ease_off_angle",
         "lever_arm",
-        "separation_curvature",
-        "separation_skew",
         "pinion_lengthwise",
         "pinion_profile",
         "blade_distance",
     ]
-    fields = {name: ease_off[name].transpose("lengthwise", "profile").values for name in names}
-    gear = flanks["position"].sel(member="gear").transpose("lengthwise", "profile", "xyz")
+    order = ("lengthwise", "profile")
+    fields = {name: ease_off[name].transpose(*order).values for name in names}
+    # Towards undercut the curvature grows without limit, and a spline through it would swing far into the flank. Its
+    # arc tangent, and the derivative of that by the rotation, stay finite; ``curvature_and_skew`` takes them back.
+    curvature, skew = (ease_off[n].transpose(*order).values for n in ("separation_curvature", "separation_skew"))
+    share = curvature / USUAL_CURVATURE
+    fields |= {"separation_bend": np.arctan(share), "separation_bend_slope": skew / (1.0 + share**2) / USUAL_CURVATURE}
+    gear = flanks["position"].sel(member="gear").transpose(*order, "xyz")
     fields["position"] = gear.values
     fields |= extra or {}
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, fields)
+
+
+def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
+    """Separation curvature [1/rad] and skew [1/rad^2] from the fields ``separation_bend`` and its slope."""
+    share = np.tan(bend)
+    return USUAL_CURVATURE * share, USUAL_CURVATURE * (1.0 + share**2) * slope
 
 
 @dataclass(frozen=True)

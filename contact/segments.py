@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
-from .curves import ContactLines, trace
+from .curves import ContactLines, curvature_and_skew, trace
 from .fields import FlankFields
 
 Array = NDArray[Any]
@@ -113,8 +113,8 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     points
         Points of contact curves (2, ...).
     """
-    names = ["roll_angle", "ease_off_angle", "lever_arm", "separation_curvature"]
-    value = fields.evaluate(names, points)
+    parting = ["separation_bend", "separation_bend_slope"]
+    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *parting], points)
     first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
     second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
 
@@ -138,17 +138,18 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     ease_slope, ease_bend = along_across("ease_off_angle")
     by_roll = ease_slope / slope
     bend_by_roll = (ease_bend - by_roll * roll_bend) / slope**2
-    stiffness = value["separation_curvature"] + bend_by_roll
+    stiffness = curvature_and_skew(*(value[name] for name in parting))[0] + bend_by_roll
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
     opens = stiffness > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(opens, -by_roll / stiffness, 0.0)
     curvature = np.where(opens, value["lever_arm"] * stiffness * slope**2, 0.0)
     closest = np.clip(points + across * step / slope, 0.0, 1.0)
-    there = fields.evaluate(["roll_angle", "ease_off_angle", "separation_curvature", "separation_skew"], closest)
+    there = fields.evaluate(["roll_angle", "ease_off_angle", *parting], closest)
     left = value["roll_angle"] - there["roll_angle"]
-    parting = 0.5 * there["separation_curvature"] * left**2 + there["separation_skew"] * left**3 / 6.0
-    return ClosestApproach(there["ease_off_angle"] + parting, closest - points, value["lever_arm"], curvature)
+    second_order, third_order = curvature_and_skew(*(there[name] for name in parting))
+    gap = there["ease_off_angle"] + 0.5 * second_order * left**2 + third_order * left**3 / 6.0
+    return ClosestApproach(gap, closest - points, value["lever_arm"], curvature)
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:

@@ -45,7 +45,9 @@ def _line_ends(
     lines: ContactLines, closest: ClosestApproach, smallest: Array, where: Array, separation: float
 ) -> tuple[Array, Array, Array]:
     """Both ends (m, 2) of the contact lines within a separation [mm], as fractions, and their lengths (m) [mm]."""
-    excess = (closest.separation_angle - smallest[:, None]) * closest.lever_arm - separation
+    # Along the line the gap grows like a parabola: its root is nearly straight between two points.
+    gap = (closest.separation_angle - smallest[:, None]) * closest.lever_arm
+    excess = np.sqrt(np.maximum(gap, 0.0)) - separation**0.5
     count = excess.shape[1]
     ends = np.empty((2, smallest.size))
     for side, step in enumerate((-1, 1)):

@@ -11,12 +11,10 @@ from tabulate import tabulate
 
 import easeoff
 from easeoff.cases import gear_pair, shipped_cases
-from easeoff.contact import available_solvers, lines_in_mesh, unloaded_contact
-from easeoff.contact.curves import contact_fields
-from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.geometry.conventional import path_of_contact
-from easeoff.geometry.ease_off_surface import compute
-from easeoff.geometry.pair import DEFAULT_NODES, FlankName, grid
+from easeoff.contact import available_solvers
+from easeoff.contact.conventional_check import both_methods, line_differences, point_differences
+from easeoff.geometry import Misalignment
+from easeoff.geometry.pair import FlankName
 from easeoff.study.plot import write_pictures
 
 HERE = Path(__file__).parent
@@ -30,6 +28,7 @@ THESIS = {
 }
 # Signs of the misalignments as in the case file; the dissertation prints magnitudes only.
 POSITIONS = [(-0.15, 0.12), (-0.08, 0.05), (-0.26, 0.13)]
+SEPARATIONS = (6.0, 3.0, 1.5)  # [um] at the ends of a contact line
 
 
 def table(rows: list[tuple[object, ...]], headers: list[str]) -> str:
@@ -123,39 +122,35 @@ def against_the_dissertation() -> tuple[str, str, str]:
     return first, second, third
 
 
-def conventional() -> str:
-    """Ease-off method against five-equation contact analysis on every shipped pair, nominal and misaligned."""
-    rows: list[tuple[object, ...]] = []
+def conventional() -> tuple[str, str]:
+    """Ease-off method against conventional contact analysis on every shipped pair: points, and contact lines."""
+    points: list[tuple[object, ...]] = []
+    lines: list[tuple[object, ...]] = []
     flanks: tuple[FlankName, ...] = ("drive", "coast")
     for name, flank, errors in itertools.product(
         shipped_cases(), flanks, (Misalignment(), Misalignment(0.1, -0.1, 0.05))
     ):
-        pair = gear_pair(easeoff.read_case(name), flank).misaligned(errors)
-        geometry = pair_geometry(pair)
-        gear = pair.gear.flank(*grid(DEFAULT_NODES))
-        surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-        fields = contact_fields(geometry.flanks, geometry.ease_off)
-        own = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 48))
-        stacked = own.stack(q=("pair", "mesh_position"))
-        rotation = stacked["pinion_rotation"].values - stacked["pair"].values * pair.assembly.pinion_pitch
-        exact = path_of_contact(gear, surface, rotation)
-        t, h = pair.gear.section.fractions(exact.gear_position[2], np.hypot(*exact.gear_position[:2]))
-        on_pinion = pair.pinion.section.fractions(exact.pinion_position[2], np.hypot(*exact.pinion_position[:2]))
-        _, _, blade = pair.pinion.loaded.evaluate(exact.pinion_parameters)
-        inside = exact.converged & (blade > 0.1)
-        for fraction in (t, h, *on_pinion):
-            inside &= np.abs(fraction - 0.5) < 0.48
-        error = 1e6 * (exact.closing_angle - geometry.ease_off.attrs["first_contact_rad"])
-        error = np.abs(error - stacked["transmission_error"].values)[inside]
-        height = float(np.ptp(pair.gear.section.corners[:, :, 1].mean(axis=0)))
-        away = np.hypot(
-            pair.gear.section.face_width * (t - stacked["path_lengthwise"].values),
-            height * (h - stacked["path_profile"].values),
-        )[inside]
+        both = both_methods(gear_pair(easeoff.read_case(name), flank).misaligned(errors))
         where = "nominal" if errors == Misalignment() else "E +0.1, P -0.1, G +0.05"
-        rows.append((f"`{name}` {flank}", where, inside.sum(), f"{error.max():.3f}", f"{1e3 * away.max():.1f}",
-                     int((~exact.converged).sum())))  # fmt: skip
-    return table(rows, ["pair", "position [mm]", "points", "transmission error [urad]", "path [um]", "not converged"])
+        error, away = (np.nanmax(np.abs(v)) for v in point_differences(both))
+        converged = both.contact.converged
+        missed = f"{int((~converged).sum())} of {converged.size}"
+        points.append(
+            (f"`{name}` {flank}", where, both.inside.sum(), f"{1e6 * error:.3f}", f"{1e3 * away:.1f}", missed)
+        )
+        found = np.array([line_differences(both, separation) for separation in SEPARATIONS])
+        found = found[..., np.all(np.isfinite(found), axis=(0, 1))]
+        angle, longer = np.abs(found).max(axis=2).T
+        change = np.abs(np.diff(found, axis=0)).sum(axis=2)
+        cells = [f"{v:.3f}" for v in (*np.degrees(angle), *(100.0 * longer))]
+        orders = [f"{v:.2f}" for v in np.log2(change[0] / change[1])]
+        lines.append((f"`{name}` {flank}", where, found.shape[2], *cells, *orders))
+    point_heads = ["transmission error [urad]", "path [um]", "not converged"]
+    line_heads = [f"{what}, {s:g} um" for what in ("direction [deg]", "length [%]") for s in SEPARATIONS]
+    return (
+        table(points, ["pair", "position [mm]", "points", *point_heads]),
+        table(lines, ["pair", "position [mm]", "lines", *line_heads, "order, direction", "order, length"]),
+    )
 
 
 def convergence() -> str:
@@ -230,9 +225,11 @@ def solvers() -> str:
 def main() -> None:
     """Write the page."""
     loaded, misaligned, unloaded = against_the_dissertation()
+    points, lines = conventional()
     template = (HERE / "validation.template.md").read_text(encoding="utf-8")
     page = template.format(
-        conventional=conventional(),
+        conventional=points,
+        lines=lines,
         loaded=loaded,
         misaligned=misaligned,
         unloaded=unloaded,

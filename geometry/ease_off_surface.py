@@ -236,10 +236,9 @@ def _place(motion: ConjugateMotion, parameters: Array) -> Array:
 
 def _seeds(motion: ConjugateMotion, section: BlankSection, target: Array) -> tuple[Array, float]:
     """First guess of the pinion parameters (2, n) for each target, and the orientation of the valid side."""
-    mean = mean_parameters(motion.surface, section)
-    lattice, orientation = seed_lattice(motion.surface, section, mean)
+    lattice, orientation = seed_lattice(motion.surface, section)
     with np.errstate(all="ignore"):
-        return nearest_seeds(_place(motion, lattice), lattice, target), float(orientation)
+        return nearest_seeds(_place(motion, lattice), lattice, target), orientation
 
 
 def _classified(

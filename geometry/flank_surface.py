@@ -133,7 +133,8 @@ def _nearest_slot(surface: GeneratingSurface, parameters: Array) -> Array:
     return np.asarray(turns[:, [int(np.argmax(position[0]))]])
 
 
-def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array) -> tuple[Array, Array]:
+@lru_cache(maxsize=64)
+def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> tuple[Array, float]:
     """Surface parameters spread over the whole flank and somewhat beyond, as first guesses.
 
     Parameters
@@ -142,14 +143,18 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array)
         What generates the flank.
     section
         The blank.
-    mean
-        Parameters of the mean point (2, 1).
 
     Returns
     -------
     tuple
         Parameters (2, m) on the same side of the surface as the mean point, and that side's orientation sign.
+
+    Raises
+    ------
+    GeometryError
+        If the cutter meets no tooth of this blank.
     """
+    mean = mean_parameters(surface, section)
     corners = section.corners.reshape(4, 2)
     reach = float(np.max(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))
     orientation = float(np.sign(surface.orientation(mean))[0])
@@ -161,8 +166,9 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection, mean: Array)
     axes = [np.linspace(-s, s, 25) + m for s, m in zip(span, mean[:, 0], strict=True)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(2, -1)
     with np.errstate(all="ignore"):
-        keep = np.sign(surface.orientation(lattice)) == orientation
-    return lattice[:, keep], np.array(orientation)
+        lattice = lattice[:, np.sign(surface.orientation(lattice)) == orientation]
+    lattice.setflags(write=False)  # remembered for the next caller
+    return lattice, orientation
 
 
 def nearest_seeds(coordinates: Array, lattice: Array, target: Array) -> Array:
@@ -195,9 +201,8 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         If the cutter meets no tooth of this blank.
     """
     target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
-    mean = mean_parameters(surface, section)
     parts = surface.flank_parts
-    flanks = [_solve_part(part, section, mean, target) for part in parts]
+    flanks = [_solve_part(part, section, target) for part in parts]
     if len(flanks) == 1:
         return flanks[0]
     # Along the azimuth the outward normal points one way for the whole flank; the deepest cut lies furthest against it.
@@ -218,14 +223,14 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     )
 
 
-def _solve_part(surface: GeneratingSurface, section: BlankSection, mean: Array, target: Array) -> Flank:
+def _solve_part(surface: GeneratingSurface, section: BlankSection, target: Array) -> Flank:
     """The surface that one section of the blade cuts, at all nodes, with a status for each."""
-    lattice, orientation = seed_lattice(surface, section, mean)
+    lattice, orientation = seed_lattice(surface, section)
     start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
     found = solve(surface.axial_and_radial, start, target, surface.max_step)
     with np.errstate(all="ignore"):
         position, normal, distance = surface.evaluate(found.parameters)
-        side = surface.orientation(found.parameters) * float(orientation)
+        side = surface.orientation(found.parameters) * orientation
     status = np.full(target.shape[1], NodeStatus.INSIDE, dtype=np.int8)
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
     status[~(side > 0.0)] = NodeStatus.UNDERCUT

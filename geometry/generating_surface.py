@@ -64,8 +64,11 @@ class GeneratingSurface:
         """Surfaces of the sections that cut the flank, all but the edge radius, from the tip of the blade upwards."""
         return tuple(self.on(name) for name in self.blade.sections if name != "edge")
 
+    @np.errstate(all="ignore")
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
         """Flank at given parameters; analytic, so that it can be differentiated by complex step.
+
+        NaN where the blade has no point of the flank.
 
         Parameters
         ----------

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 STEP = 1e-30
+BLOCK = 2000  # columns at a time, so that what lies between parameters and result stays in the processor's cache
 
 
 def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tuple[Array, Array]:
@@ -33,6 +34,10 @@ def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tupl
         Value (..., n) and derivatives (m, ..., n).
     """
     count, n = parameters.shape
+    if n > BLOCK:
+        blocks = [complex_steps(function, parameters[:, i : i + BLOCK]) for i in range(0, n, BLOCK)]
+        values, slopes = zip(*blocks, strict=True)
+        return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-1)
     stepped = np.tile(parameters.astype(complex), count)
     for index in range(count):
         stepped[index, index * n : (index + 1) * n] += 1j * STEP

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,9 +13,10 @@ from .basic_settings import Flanks, blank_section, formate_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
 from .flank_surface import solve_flank
+from .generating_surface import GeneratingSurface
 from .mean_point import mean_point_angles
 from .pair import FlankName, GearPair, Member, thickness_per_angle
-from .synthesis import FREE, EaseOffTarget, Synthesis, fit_pinion
+from .synthesis import EaseOffTarget, Synthesis, fit_pinion
 
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
@@ -65,8 +66,10 @@ def design_pair(
     assembly: Assembly,
     targets: Mapping[FlankName, EaseOffTarget],
     *,
-    free: Sequence[str] = FREE,
+    free: Sequence[str] | None = None,
+    follow_root: bool = False,
     corrected: bool = True,
+    edge_radii: tuple[float, float] = (0.0, 0.0),
 ) -> DesignedPair:
     """Blanks, gear and pinion of a pair with a Formate gear.
 
@@ -79,9 +82,13 @@ def design_pair(
     targets
         Wanted ease-off of the two sides.
     free
-        Pinion settings that may move, see ``free_settings``.
+        Pinion settings that may move, see ``free_settings``; the usual ones if left out.
+    follow_root
+        Whether the tips of the pinion's blades shall run along its root cone, see ``fit_pinion``.
     corrected
         Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
+    edge_radii
+        Edge radius of the blades of pinion and gear [mm].
 
     Raises
     ------
@@ -92,17 +99,23 @@ def design_pair(
     """
     blank = blank_dimensions(design)
     groups = design.number_of_blade_groups or 0
-    gear = formate_gear(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
+    plain = formate_gear(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
+    gear = _rounded(plain[0], edge_radii[1]), _rounded(plain[1], edge_radii[1])
     sections = [blank_section(member, blank.clearance) for member in (blank.pinion, blank.gear)]
     # The pinion's blade tips run along its root, opposite those of the gear's cutter.
     height = blank.gear.mean_dedendum + blank.pinion.mean_dedendum
     pinion: dict[FlankName, Synthesis] = {}
     for side, loaded, opposite in zip(SIDES, gear, gear[::-1], strict=True):
-        start = Member(assembly.pinion_teeth, sections[0], conjugate_pinion(loaded, assembly, height))
+        conjugate = _rounded(conjugate_pinion(loaded, assembly, height), edge_radii[0])
+        start = Member(assembly.pinion_teeth, sections[0], conjugate)
         wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
-        pinion[side] = fit_pinion(GearPair(start, wheel, assembly), targets[side], free=free)
+        pinion[side] = fit_pinion(GearPair(start, wheel, assembly), targets[side], free=free, follow_root=follow_root)
     thickness = _middle_thickness(blank, gear) if groups else None
     return DesignedPair(blank, assembly, gear, pinion, thickness)
+
+
+def _rounded(surface: GeneratingSurface, edge_radius: float) -> GeneratingSurface:
+    return replace(surface, blade=replace(surface.blade, edge_radius=edge_radius))
 
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..core.errors import GeometryError
-from .ease_off_surface import compute
+from .ease_off_surface import EaseOff, compute
+from .flank_surface import Flank
 from .free_settings import CURVATURE, get_setting, scale_of, with_settings
 from .generating_surface import GeneratingSurface
 from .pair import GearPair, grid
+from .root_line import RootLine
 
 Array = NDArray[Any]
 
@@ -30,6 +32,11 @@ FREE = (
     "modified_roll_2c",
     "modified_roll_6d",
 )
+
+
+# To follow the root cone the cutter has to be tilted anew; the others then hold the flank.
+FREE_WITH_TILT = (*FREE, "cutter_tilt", "cutter_swivel", "sliding_base")
+ROOT_WEIGHT = 50.0  # [um/mm]
 
 
 @dataclass(frozen=True)
@@ -78,19 +85,69 @@ class Synthesis:
         What became of each free setting: (start, end), mm, rad or per radian.
     residual
         Ease-off less target at the fit's nodes (n) [mm], its mean removed.
+    root_gap
+        How far above the root cone the blade's tip stays at toe, middle and heel (3) [mm], negative where it cuts
+        deeper.
     """
 
     surface: GeneratingSurface
     moved: dict[str, tuple[float, float]]
     residual: Array
+    root_gap: Array
+
+
+@dataclass
+class _Fit:
+    """Residuals of a fit. It remembers where the flanks last met, as the start for the next settings."""
+
+    pair: GearPair
+    gear: Flank
+    wanted: Array
+    free: Sequence[str]
+    near: EaseOff
+    root_line: RootLine | None
+
+    def __post_init__(self) -> None:
+        self.start = self.pair.pinion.loaded
+        self.origin = np.array([get_setting(self.start, name) for name in self.free])
+        self.scale = np.array([scale_of(name) for name in self.free])
+        self.usable = np.isfinite(self.near.angle)
+        self.lever = self.near.lever_arm[self.usable]
+
+    def settings(self, steps: Array) -> dict[str, float]:
+        return dict(zip(self.free, (float(v) for v in self.origin + self.scale * steps), strict=True))
+
+    def surface(self, steps: Array) -> GeneratingSurface:
+        return with_settings(self.start, self.settings(steps))
+
+    def error(self, found: EaseOff) -> Array:
+        """Ease-off less target at the usable nodes [mm]; a rotation of the gear is no change of form."""
+        error = (found.angle * found.lever_arm - self.wanted)[self.usable]
+        return np.asarray(error - self.lever * float(self.lever @ error) / float(self.lever @ self.lever))
+
+    def __call__(self, steps: Array) -> Array:
+        """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
+        surface, pinion = self.surface(steps), self.pair.pinion
+        gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
+        try:
+            here = compute(self.gear, surface, pinion.section, self.pair.assembly, near=self.near)
+            residual = np.concatenate([1e3 * self.error(here), ROOT_WEIGHT * gap])
+        except GeometryError:
+            residual = np.full(self.lever.size + gap.size, np.nan)
+        if not np.all(np.isfinite(residual)):
+            # A step so large that the flanks no longer meet: the search must take a shorter one.
+            return np.linspace(FAR, 2.0 * FAR, residual.size)
+        self.near, self.root_line = here, root_line
+        return residual
 
 
 def fit_pinion(
     pair: GearPair,
     target: EaseOffTarget,
     *,
-    free: Sequence[str] = FREE,
+    free: Sequence[str] | None = None,
     nodes: tuple[int, int] = (9, 7),
+    follow_root: bool = False,
 ) -> Synthesis:
     """Fit the pinion's settings to a target ease-off.
 
@@ -101,9 +158,12 @@ def fit_pinion(
     target
         The wanted ease-off on the gear flank.
     free
-        Settings that may move, see ``free_settings``.
+        Settings that may move, see ``free_settings``; ``FREE`` or, to follow the root, ``FREE_WITH_TILT`` if left out.
     nodes
         Gear nodes of the fit, lengthwise and along the profile.
+    follow_root
+        Whether the blade tips shall also run along the root cone, which the conjugate pinion of a tapered tooth does
+        not let them do. A millimetre off it counts as much as 50 um of ease-off at one node.
 
     Returns
     -------
@@ -117,38 +177,21 @@ def fit_pinion(
     GeometryError
         If the flanks do not meet on enough of the gear flank.
     """
-    scale = np.array([scale_of(name) for name in free])
+    names = free if free is not None else FREE_WITH_TILT if follow_root else FREE
     t, h = grid(nodes)
-    gear = pair.gear.flank(t, h)
-    start = pair.pinion.loaded
-    origin = np.array([get_setting(start, name) for name in free])
+    gear, pinion = pair.gear.flank(t, h), pair.pinion
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    lever = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
-    known = compute(gear, start, pair.pinion.section, pair.assembly)
-    usable = np.isfinite(known.angle)
-    if usable.sum() < 2 * len(free):
+    near = compute(gear, pinion.loaded, pinion.section, pair.assembly)
+    root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
+    fit = _Fit(pair, gear, wanted, names, near, root_line)
+    if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
-
-    def residual(steps: Array) -> Array:
-        surface = with_settings(start, dict(zip(free, origin + scale * steps, strict=True)))
-        try:
-            here = compute(gear, surface, pair.pinion.section, pair.assembly, near=known)
-            error = (here.angle * here.lever_arm - wanted)[usable]
-        except GeometryError:
-            error = np.full(int(usable.sum()), np.nan)
-        if not np.all(np.isfinite(error)):
-            # A step so large that the flanks no longer meet: the search must take a shorter one.
-            return np.linspace(FAR, 2.0 * FAR, int(usable.sum()))
-        # The zero of the ease-off is free: a rotation of the gear is no change of form.
-        arm = lever[usable]
-        return np.asarray(1e3 * (error - arm * float(arm @ error) / float(arm @ arm)))
-
     # A blade all but straight is an arc of enormous radius, whose points are lost in rounding: begin well away from it,
     # and differentiate with long steps, which a flank that is nearly linear in its blade's curvature allows.
-    curved = np.array([name in CURVATURE for name in free])
+    curved = np.array([name in CURVATURE for name in names])
     found = least_squares(
-        residual,
-        np.where(curved & (origin == 0.0), 0.1, 0.0),
+        fit,
+        np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
         method="trf",
         x_scale=1.0,
         diff_step=np.where(curved, 0.1, 1e-4),
@@ -157,18 +200,14 @@ def fit_pinion(
         gtol=1e-12,
         max_nfev=60,
     )
-    values = dict(zip(free, (float(v) for v in origin + scale * found.x), strict=True))
-    moved = {name: (float(o), values[name]) for name, o in zip(free, origin, strict=True)}
-    surface = with_settings(start, values)
-    left = 1e-3 * residual(found.x)
+    values, surface = fit.settings(found.x), fit.surface(found.x)
+    moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
+    left = 1e-3 * fit(found.x)[: fit.lever.size]
     # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
-    fresh = compute(gear, surface, pair.pinion.section, pair.assembly)
-    error = (fresh.angle * fresh.lever_arm - wanted)[usable]
-    arm = lever[usable]
-    error = error - arm * float(arm @ error) / float(arm @ arm)
-    if not np.allclose(error, left, rtol=0.0, atol=1e-6):
+    fresh = compute(gear, surface, pinion.section, pair.assembly)
+    if not np.allclose(fit.error(fresh), left, rtol=0.0, atol=1e-6):
         raise GeometryError(
             "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
-            f"settings than {', '.join(free)}, or start nearer to the target"
+            f"settings than {', '.join(names)}, or start nearer to the target"
         )
-    return Synthesis(surface, moved, left)
+    return Synthesis(surface, moved, left, RootLine.of(surface, pinion.section).gap(surface)[0])

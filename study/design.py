@@ -22,7 +22,6 @@ from ..geometry.ease_off_surface import compute
 from ..geometry.flank_surface import NodeStatus
 from ..geometry.pair import FlankName, bodies, grid
 from ..geometry.pair_design import SIDES, DesignedPair, design_pair
-from ..geometry.synthesis import FREE
 
 Array = NDArray[Any]
 NODES = (15, 11)
@@ -49,6 +48,9 @@ class SideReport:
         Share of the gear flank that the pinion meets.
     uncut
         Share of the pinion's flank that is undercut or out of the cutter's reach.
+    root_gap
+        How far above the root cone the pinion's blade tip stays at toe, middle and heel (3) [mm]; negative where it
+        cuts deeper.
     """
 
     moved: Mapping[str, tuple[float, float]]
@@ -57,6 +59,7 @@ class SideReport:
     greatest_ease_off: float
     common_flank: float
     uncut: float
+    root_gap: Array
 
     @property
     def greatest_left(self) -> float:
@@ -121,8 +124,10 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         basic_data,
         assembly,
         {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
-        free=design.pinion.free_settings or FREE,
+        free=design.pinion.free_settings,
+        follow_root=design.pinion.follow_root,
         corrected=design.gear.basic_settings == "mean_point",
+        edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
     )
     try:
         case = _case(design, designed)
@@ -179,6 +184,12 @@ def _report(design: Design, designed: DesignedPair) -> DesignReport:
         for side, item in sides.items()
         if item.uncut > UNDERCUT
     ]
+    warnings += [
+        f"{side}: the tips of the pinion's blades run up to {np.abs(item.root_gap).max():.2f} mm off its root cone; "
+        "follow_root = true in [pinion] lets the fit tilt the cutter"
+        for side, item in sides.items()
+        if np.abs(item.root_gap).max() > designed.blank.clearance
+    ]
     return DesignReport(designed.blank, sides, (*warnings, *_pointed(designed)))
 
 
@@ -196,6 +207,7 @@ def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"
         greatest_ease_off=float(gap.max()),
         common_flank=float(inside.mean()),
         uncut=float(np.mean(np.isin(pair.pinion.flank(t, h).status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION)))),
+        root_gap=fit.root_gap,
     )
 
 

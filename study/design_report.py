@@ -38,7 +38,7 @@ def design_text(report: DesignReport) -> str:
     """The whole report."""
     parts = ["Blanks", tabulate(list(_blank_rows(report.blank)), headers=("", "pinion", "gear"), disable_numparse=True)]
     for side, item in report.sides.items():
-        parts += [f"{side.capitalize()} side: {left_over(item)}", _moved(item)]
+        parts += [f"{side.capitalize()} side: {left_over(item)}", _moved(item), _root(item)]
     return "\n\n".join([*parts, *warning_lines(report)])
 
 
@@ -58,6 +58,11 @@ def left_over(item: SideReport) -> str:
     within = f"ease-off within {1e3 * item.greatest_left:.2f} um of the target (rms {1e3 * item.rms_left:.2f} um)"
     common = f"{100 * item.common_flank:.0f} % of the gear flank"
     return f"{within}, up to {1e3 * item.greatest_ease_off:.1f} um on the common flank, {common}"
+
+
+def _root(item: SideReport) -> str:
+    gaps = " / ".join(f"{gap:+.3f}" for gap in item.root_gap)
+    return f"Blade tip above the root cone at toe / middle / heel: {gaps} mm"
 
 
 def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:

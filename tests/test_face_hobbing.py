@@ -14,6 +14,7 @@ from easeoff.cases import parse_case, read_case
 from easeoff.cases.conversion import gear_pair
 from easeoff.cases.reading import case_text
 from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields
+from easeoff.contact.conventional_check import both_methods, point_differences
 from easeoff.core.errors import InputError
 from easeoff.geometry import (
     Assembly,
@@ -23,6 +24,7 @@ from easeoff.geometry import (
     GeneratingSurface,
     MachineSettings,
     Member,
+    NodeStatus,
     conjugate_pinion,
     fit_pinion,
     pair_geometry,
@@ -146,6 +148,19 @@ def test_hobbed_pair_goes_through_the_whole_analysis() -> None:
     loaded, _ = loaded_contact(fields, geometry.teeth, mesh, ratio=41 / 11, torques=np.array([100.0, 300.0]))
     assert np.all(loaded["status"].values == 0)
     assert np.all(np.diff(loaded["mean_level"].values) > 0.0)
+
+
+def test_undercut_does_not_disturb_the_rest_of_the_flank() -> None:
+    """A quarter of this pinion cannot be cut, and curvatures grow without limit towards it: the error stays right."""
+    pair = hobbed_pair("left")
+    fitted = fit_pinion(pair, EaseOffTarget(0.02, 0.015, 0.0, 0.0, -0.005))
+    both = both_methods(replace(pair, pinion=replace(pair.pinion, loaded=fitted.surface)))
+    missing = pair.pinion.flank(*grid((31, 21))).status == NodeStatus.NO_SOLUTION
+    assert 0.2 < missing.mean() < 0.4
+    error, _ = point_differences(both)
+    assert np.isfinite(error).sum() > 80
+    assert np.nanmax(np.abs(error)) < 5e-6
+    assert np.nanmedian(np.abs(error)) < 1e-8
 
 
 def test_case_file_takes_hobbing_data() -> None:

@@ -205,5 +205,5 @@ def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, Pa
     closest = closest_approach(fields, ends)
     excess = 1e3 * closest.lever_arm * (closest.separation_angle - 1e-6 * middle["transmission_error"].values[:, None])
     edge = np.minimum(boundary_distance(fields, ends), np.min(np.minimum(ends, 1 - ends), axis=0)) < 1e-3
-    assert np.all((np.abs(excess - 6.0) < 0.1) | edge)
-    assert np.all(excess < 6.1)
+    assert np.all((np.abs(excess - 6.0) < 0.01) | edge)
+    assert np.all(excess < 6.01)

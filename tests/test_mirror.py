@@ -1,0 +1,115 @@
+"""Mirror images: with all hands swapped every result stays, and vectors change the sign of their y component alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+from test_face_hobbing import hobbed_pair
+
+from easeoff.cases import gear_pair, read_case, shipped_cases
+from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields, unloaded_contact
+from easeoff.geometry import EaseOffTarget, GearPair, Member, Misalignment, fit_pinion, pair_geometry
+from easeoff.geometry.generating_surface import GeneratingSurface, Hand
+from easeoff.geometry.pair import FlankName
+
+# Offset, axial positions and shaft angle are lengths and an angle of the pair: their mirror image is the same number.
+ERRORS = Misalignment(0.08, -0.05, 0.03, 0.0005)
+PAIRS = [*shipped_cases(), "face-hobbed"]
+
+
+@cache
+def crowned_hobbed_pair(flank: FlankName) -> GearPair:
+    pair = hobbed_pair("left", coast=flank == "coast")
+    fitted = fit_pinion(pair, EaseOffTarget(0.02, 0.015, 0.0, 0.0, -0.005))
+    return replace(pair, pinion=replace(pair.pinion, loaded=fitted.surface))
+
+
+def named(name: str, flank: FlankName) -> GearPair:
+    return crowned_hobbed_pair(flank) if name == "face-hobbed" else gear_pair(read_case(name), flank)
+
+
+def mirrored(pair: GearPair) -> GearPair:
+    """The pair with the hands of both members swapped and every other number kept."""
+
+    def other(hand: Hand) -> Hand:
+        return "left" if hand == "right" else "right"
+
+    def surface(one: GeneratingSurface) -> GeneratingSurface:
+        return replace(one, hand=other(one.hand))
+
+    def member(one: Member) -> Member:
+        opposite = None if one.opposite is None else surface(one.opposite)
+        return replace(one, loaded=surface(one.loaded), opposite=opposite)
+
+    assembly = replace(pair.assembly, pinion_hand=other(pair.assembly.pinion_hand))
+    return GearPair(member(pair.pinion), member(pair.gear), assembly)
+
+
+def analysed(pair: GearPair) -> dict[str, xr.Dataset]:
+    """Every dataset of an analysis, on a coarse grid."""
+    geometry = pair_geometry(pair, (17, 13))
+    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
+    loaded, _ = loaded_contact(
+        fields, geometry.teeth, mesh, ratio=pair.assembly.ratio, torques=np.array([60.0, 250.0]), segments_per_line=15
+    )
+    return {
+        "flanks": geometry.flanks,
+        "ease_off": geometry.ease_off,
+        "teeth": geometry.teeth,
+        "unloaded": unloaded_contact(fields, mesh),
+        "loaded": loaded,
+    }
+
+
+def differences(one: dict[str, xr.Dataset], two: dict[str, xr.Dataset]) -> dict[str, float]:
+    """Largest difference of every variable over its size; infinite where only one has a value."""
+    found = {}
+    for group, dataset in one.items():
+        for name, variable in dataset.data_vars.items():
+            a, b = (np.asarray(v.values, dtype=float) for v in (variable, two[group][name]))
+            same_holes = a.shape == b.shape and np.array_equal(np.isnan(a), np.isnan(b))
+            size = float(np.nanmax(np.abs(a), initial=0.0)) or 1.0
+            found[f"{group}/{name}"] = float(np.nanmax(np.abs(a - b), initial=0.0)) / size if same_holes else np.inf
+    return found
+
+
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize("name", PAIRS)
+def test_mirror_image_gives_the_same_results_from_flank_to_pressure(name: str, flank: FlankName) -> None:
+    pair = named(name, flank).misaligned(ERRORS)
+    one, two = analysed(pair), analysed(mirrored(pair))
+    for vector in ("position", "normal", "principal_direction"):
+        own, image = one["flanks"][vector], two["flanks"][vector]
+        signs = xr.DataArray([1.0, -1.0, 1.0], dims="xyz", coords={"xyz": own["xyz"]})
+        image = image * signs
+        if vector == "principal_direction":  # a line, not an arrow
+            image = image * np.sign((image * own).sum("xyz"))
+        two["flanks"][vector] = image.transpose(*own.dims)
+    assert np.all(one["loaded"]["status"].values == 0)
+    found = differences(one, two)
+    assert max(found.values()) < 1e-11
+
+
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize("name", shipped_cases())
+def test_other_hand_in_a_case_file_is_the_mirror_image(name: str, flank: FlankName) -> None:
+    case = read_case(name)
+    hand = "left" if case.pinion.hand_of_spiral == "right" else "right"
+    other = case.model_copy(update={"pinion": case.pinion.model_copy(update={"hand_of_spiral": hand})})
+    assert gear_pair(other, flank) == mirrored(gear_pair(case, flank))
+
+
+def test_every_misalignment_is_felt() -> None:
+    """With the other sign of any of them it is no mirror image."""
+    pair = named("nasa-12x36", "drive")
+    base = analysed(pair.misaligned(ERRORS))
+    for error in ("offset", "pinion_axial", "gear_axial", "shaft_angle"):
+        wrong = replace(ERRORS, **{error: -getattr(ERRORS, error)})
+        found = differences(base, analysed(mirrored(pair).misaligned(wrong)))
+        assert found["ease_off/ease_off"] > 1e-3, error
+        assert found["loaded/transmission_error"] > 1e-3, error
