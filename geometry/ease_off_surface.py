@@ -163,7 +163,6 @@ def compute(
     pinion_surface: GeneratingSurface,
     pinion_section: BlankSection,
     assembly: Assembly,
-    near: EaseOff | None = None,
 ) -> EaseOff:
     """Ease-off and roll angle of a pair at the nodes of the gear flank.
 
@@ -175,8 +174,6 @@ def compute(
         The pinion flank and blank.
     assembly
         The pair, with its misalignment.
-    near
-        Ease-off of nearly the same pair at the same nodes, to start from; saves the search for the tooth.
 
     Returns
     -------
@@ -188,22 +185,17 @@ def compute(
     GeometryError
         If no node of the gear has a conjugate point on the pinion.
     """
-    target = np.stack([gear.position[2], np.hypot(gear.position[0], gear.position[1])])
+    target = _axial_and_radial(gear.position)
     usable = np.all(np.isfinite(target), axis=0)
     if not np.any(usable):
         raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
     middle = target[:, usable].mean(axis=1)
     target = np.where(usable, target, middle[:, None])
-    if near is None or len(near.motion.surface.flank_parts) > 1:
-        motion = conjugate_motion(pinion_surface.on("profile"), pinion_section, assembly, middle)
-        starts = [_seeds(replace(motion, surface=part), pinion_section, target) for part in pinion_surface.flank_parts]
-    else:
-        motion = replace(near.motion, surface=pinion_surface, assembly=assembly)
-        orientation = pinion_surface.orientation(near.pinion_parameters)[near.inside]
-        starts = [(near.pinion_parameters, float(np.sign(np.median(orientation))))]
+    motion = conjugate_motion(pinion_surface.on("profile"), pinion_section, assembly, middle)
     surfaces = []
-    for part, (start, side) in zip(pinion_surface.flank_parts, starts, strict=True):
+    for part in pinion_surface.flank_parts:
         on_part = replace(motion, surface=part)
+        start, side = _seeds(on_part, pinion_section, target)
         found = solve(partial(_place, on_part), start, target, part.max_step)
         surfaces.append(_classified(on_part, pinion_section, gear, found, side, usable))
     result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
@@ -214,6 +206,44 @@ def compute(
             "hypoid_offset and shaft_angle"
         )
     return result
+
+
+def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) -> tuple[Array, Array]:
+    """Ease-off alone, for settings near others whose solution is known: no search for the tooth.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion, with the pinion flank of the new settings.
+    start
+        Pinion parameters (2, n) of the known solution.
+    side
+        Orientation sign of the valid side of the pinion's surface.
+    gear
+        Gear flank on its nodes (n).
+
+    Returns
+    -------
+    tuple
+        Ease-off as a gear rotation (n) [rad], up to a constant and NaN where there is none, and the parameters.
+    """
+    with np.errstate(all="ignore"):
+        found = solve(partial(_place, motion), start, _axial_and_radial(gear.position), motion.surface.max_step)
+        point, _ = motion.conjugate_gear(found.parameters)
+        valid_side = motion.surface.orientation(found.parameters) * side > 0.0
+    known = found.converged & np.all(np.isfinite(point), axis=0) & valid_side
+    return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
+
+
+def _axial_and_radial(points: Array) -> Array:
+    return np.stack([points[2], np.hypot(points[0], points[1])])
+
+
+def _turned(gear: Flank, point: Array, known: NDArray[np.bool_]) -> Array:
+    """Azimuth of the gear nodes beyond that of the conjugate points (n) [rad], without jumps by a turn."""
+    turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
+    reference = turned[np.argmax(known)]
+    return np.asarray(np.mod(turned - reference + np.pi, 2 * np.pi) - np.pi + reference)
 
 
 def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
@@ -256,9 +286,7 @@ def _classified(
         position, normal, distance = motion.surface.evaluate(parameters)
         valid_side = motion.surface.orientation(parameters) * side > 0.0
         # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
-        turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
-        reference = turned[np.argmax(found.converged & usable)]
-        turned = np.mod(turned - reference + np.pi, 2 * np.pi) - np.pi + reference
+        turned = _turned(gear, point, found.converged & usable)
         curvature, skew = _separation(motion, parameters, roll_angle)
     lengthwise, profile = section.fractions(position[2], np.hypot(position[0], position[1]))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..core.errors import GeometryError
-from .ease_off_surface import EaseOff, compute
+from .ease_off_surface import EaseOff, angle_near, compute
 from .flank_surface import Flank
 from .free_settings import CURVATURE, get_setting, scale_of, with_settings
 from .generating_surface import GeneratingSurface
@@ -104,15 +104,17 @@ class _Fit:
     gear: Flank
     wanted: Array
     free: Sequence[str]
-    near: EaseOff
+    known: EaseOff
     root_line: RootLine | None
 
     def __post_init__(self) -> None:
         self.start = self.pair.pinion.loaded
         self.origin = np.array([get_setting(self.start, name) for name in self.free])
         self.scale = np.array([scale_of(name) for name in self.free])
-        self.usable = np.isfinite(self.near.angle)
-        self.lever = self.near.lever_arm[self.usable]
+        self.parameters = self.known.pinion_parameters
+        self.usable = np.isfinite(self.known.angle)
+        self.lever = self.known.lever_arm[self.usable]
+        self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
 
     def settings(self, steps: Array) -> dict[str, float]:
         return dict(zip(self.free, (float(v) for v in self.origin + self.scale * steps), strict=True))
@@ -120,24 +122,22 @@ class _Fit:
     def surface(self, steps: Array) -> GeneratingSurface:
         return with_settings(self.start, self.settings(steps))
 
-    def error(self, found: EaseOff) -> Array:
+    def error(self, angle: Array) -> Array:
         """Ease-off less target at the usable nodes [mm]; a rotation of the gear is no change of form."""
-        error = (found.angle * found.lever_arm - self.wanted)[self.usable]
+        error = angle[self.usable] * self.lever - self.wanted[self.usable]
         return np.asarray(error - self.lever * float(self.lever @ error) / float(self.lever @ self.lever))
 
     def __call__(self, steps: Array) -> Array:
         """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
-        surface, pinion = self.surface(steps), self.pair.pinion
+        surface = self.surface(steps)
         gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
-        try:
-            here = compute(self.gear, surface, pinion.section, self.pair.assembly, near=self.near)
-            residual = np.concatenate([1e3 * self.error(here), ROOT_WEIGHT * gap])
-        except GeometryError:
-            residual = np.full(self.lever.size + gap.size, np.nan)
+        motion = replace(self.known.motion, surface=surface)
+        angle, parameters = angle_near(motion, self.parameters, self.side, self.gear)
+        residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
         if not np.all(np.isfinite(residual)):
             # A step so large that the flanks no longer meet: the search must take a shorter one.
             return np.linspace(FAR, 2.0 * FAR, residual.size)
-        self.near, self.root_line = here, root_line
+        self.parameters, self.root_line = parameters, root_line
         return residual
 
 
@@ -181,9 +181,9 @@ def fit_pinion(
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    near = compute(gear, pinion.loaded, pinion.section, pair.assembly)
+    known = compute(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
-    fit = _Fit(pair, gear, wanted, names, near, root_line)
+    fit = _Fit(pair, gear, wanted, names, known, root_line)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
     # A blade all but straight is an arc of enormous radius, whose points are lost in rounding: begin well away from it,
@@ -205,7 +205,7 @@ def fit_pinion(
     left = 1e-3 * fit(found.x)[: fit.lever.size]
     # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
     fresh = compute(gear, surface, pinion.section, pair.assembly)
-    if not np.allclose(fit.error(fresh), left, rtol=0.0, atol=1e-6):
+    if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):
         raise GeometryError(
             "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
             f"settings than {', '.join(names)}, or start nearer to the target"

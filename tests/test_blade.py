@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -276,6 +277,11 @@ def test_curved_flank_in_another_formulation() -> None:
         np.testing.assert_allclose(to_work(on_cone(theta, along)[0], cradle), expected[:, 0], atol=1e-6)
 
 
+def _with_cutter(lines: str) -> str:
+    plain = re.sub(r"tool_edge_radius = .*\n", "", case_text("fm-11x41"))
+    return plain.replace("[gear.convex.cutter]", f"[gear.convex.cutter]\n{lines}")
+
+
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
@@ -290,7 +296,7 @@ def test_curved_flank_in_another_formulation() -> None:
     ],
 )
 def test_blades_that_cannot_be_made(lines: str, message: str) -> None:
-    text = case_text("fm-11x41").replace("[gear.convex.cutter]", f"[gear.convex.cutter]\n{lines}")
+    text = _with_cutter(lines)
     with pytest.raises(InputError, match=message):
         gear_pair(parse_case(text))
 
@@ -300,7 +306,7 @@ def test_case_file_takes_a_whole_blade() -> None:
         "blade_spheric_radius = 800.0\nblade_reference_height = 3.0\ntool_edge_radius = 0.8\ntoprem_depth = 2.0\n"
         "toprem_angle = 1.5\nflankrem_depth = 8.0\nflankrem_radius = 150.0"
     )
-    text = case_text("fm-11x41").replace("[gear.convex.cutter]", f"[gear.convex.cutter]\n{lines}")
+    text = _with_cutter(lines)
     blade = gear_pair(parse_case(text)).gear.loaded.blade
     assert (blade.spheric_radius, blade.reference_height, blade.edge_radius) == (800.0, 3.0, 0.8)
     assert blade.toprem == Relief(2.0, math.radians(1.5))

@@ -160,6 +160,19 @@ def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPa
             assert all(f"`{name}`" in page for name in group.ncattrs())
 
 
+def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_dissertation_figures.py."""
+    tables = script("dissertation_tables", monkeypatch)
+    page = text("dissertation")
+    made = {"2.9: unloaded": tables.figure_2_9, "3.6: loaded": tables.figure_3_6}
+    for name, make in made.items():
+        printed = {row[0]: row[1] for row in rows(page, f"## Figure {name} transmission error")}
+        fresh = {row[0]: row[1] for row in rows(f"here\n\n{make()[0]}", "here")}
+        assert list(printed) == list(fresh)
+        for quantity, value in fresh.items():
+            assert float(printed[quantity]) == pytest.approx(float(value), rel=0.02, abs=0.15), quantity
+
+
 def test_example_case_is_a_case() -> None:
     whole, formate, basic = (code for _, code in blocks(text("case_file"), "toml"))
     case = parse_case(whole)

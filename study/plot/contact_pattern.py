@@ -31,14 +31,20 @@ class CarryingRange:
 
     Parameters
     ----------
-    outline
-        Closed curve (2, k) around the contact lines, as fractions.
+    lines
+        Contact lines (m, 2, POINTS) from the transfer to this pair to the transfer to the next one, as fractions.
     path
         Path of contact (2, m), as fractions.
     """
 
-    outline: Array
+    lines: Array
     path: Array
+
+    @property
+    def outline(self) -> Array:
+        """Closed curve (2, k) around the contact lines, as fractions."""
+        lines = self.lines
+        return np.concatenate([lines[:, :, 0].T, lines[-1], lines[::-1, :, -1].T, lines[0, :, ::-1]], axis=1)
 
 
 @dataclass(frozen=True)
@@ -91,9 +97,7 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
         first, last = path.first + start, path.first + stop - 1
         before, after = _transfer(error, first, -1), _transfer(error, last, 1)
         steps = np.concatenate([before, np.arange(first, last + 1), after])
-        lines = bent_lines(fields, ends.at(steps))
-        outline = np.concatenate([lines[:, :, 0].T, lines[-1], lines[::-1, :, -1].T, lines[0, :, ::-1]], axis=1)
-        ranges.append(CarryingRange(outline, path.at(steps).T))
+        ranges.append(CarryingRange(bent_lines(fields, ends.at(steps)), path.at(steps).T))
     return Pattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
 
 
@@ -180,7 +184,23 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         f"lines where the gap is within {separation:g} µm",
     )
     axes = figure.subplots()
-    draw_flank(axes, view)
+    draw_pattern(axes, view, pattern)
+    entries = [
+        Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
+        Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the pattern"),
+        Line2D([], [], color=BLUE, linewidth=0.8, alpha=0.75, label="contact lines, carrying pair"),
+        Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
+        Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
+    ]
+    legend_below(axes, entries, columns=3)
+    return figure
+
+
+def draw_pattern(
+    axes: Axes, view: ToothView, pattern: Pattern, *, labels: tuple[bool, bool] = (True, True), path: bool = True
+) -> None:
+    """Draw a pattern on its flank: contact lines, outlines, and the path of contact if asked for."""
+    draw_flank(axes, view, labels=labels)
     # Lines may run out of the flank by a hair; they end at its edge.
     styles = ((False, FAINT, 0.6, 1.0), (True, BLUE, 0.8, 0.75))
     for carrying, colour, width, alpha in styles:
@@ -191,16 +211,8 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     for span in pattern.ranges:
         axes.fill(*view.place(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
         axes.plot(*view.place(span.outline), color=BLUE, linewidth=1.4, zorder=4)
-    draw_path(axes, view, pattern)
-    entries = [
-        Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
-        Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the pattern"),
-        Line2D([], [], color=BLUE, linewidth=0.8, alpha=0.75, label="contact lines, carrying pair"),
-        Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
-        Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
-    ]
-    legend_below(axes, entries, columns=3)
-    return figure
+    if path:
+        draw_path(axes, view, pattern)
 
 
 def draw_path(axes: Axes, view: ToothView, pattern: Pattern) -> None:

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
@@ -47,21 +49,13 @@ def contour_levels(gap: Array) -> Array:
 
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     """Draw the picture of a result on its gear flank."""
-    grid, gap, inside = ease_off_map(view)
-    levels = contour_levels(gap[inside])
+    mapped = ease_off_map(view)
+    levels = contour_levels(mapped[1][mapped[2]])
     step = levels[1] - levels[0]
     figure = page(tree, "Ease-off, gear flank", (WIDTH - 0.8) * view.aspect + 0.63, f"contour lines every {step:g} µm")
     axes = figure.subplots()
     draw_flank(axes, view)
-    if np.any(inside):
-        x, y = view.place(grid)
-        # The shading reaches beyond the boundary and is cut off there, so that its edge is smooth.
-        shading = axes.contourf(x, y, gap, levels=levels, cmap=SHADES, extend="both", zorder=1)
-        shading.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
-        lines = axes.contour(
-            x, y, np.where(inside, gap, np.nan), levels=levels, colors=INK, linewidths=0.7, zorder=2
-        )  # fmt: skip
-        axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE, inline_spacing=2)
+    draw_map(axes, view, mapped, levels)
     pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
     draw_path(axes, view, pattern)
     entries = [
@@ -71,3 +65,20 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     ]
     legend_below(axes, entries, columns=3)
     return figure
+
+
+def draw_map(
+    axes: Axes, view: ToothView, mapped: tuple[Array, Array, NDArray[np.bool_]], levels: Array
+) -> QuadContourSet | None:
+    """Shade and contour an ease-off of ``ease_off_map`` at levels [um]; ``None`` if the common flank is empty."""
+    grid, gap, inside = mapped
+    if not np.any(inside):
+        return None
+    x, y = view.place(grid)
+    # The shading reaches beyond the boundary and is cut off there, so that its edge is smooth.
+    shading = axes.contourf(x, y, gap, levels=levels, cmap=SHADES, extend="both", zorder=1)
+    shading.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
+    inner = np.where(inside, gap, np.nan)
+    lines = axes.contour(x, y, inner, levels=levels, colors=INK, linewidths=0.7, zorder=2)
+    axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE, inline_spacing=2)
+    return shading

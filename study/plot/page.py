@@ -49,8 +49,7 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
         Further small print.
     """
     height = body_height + HEADER + FOOTER
-    figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = sheet(height)
     engine = figure.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
     engine.set(rect=(0.01, FOOTER / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
@@ -60,6 +59,13 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top", parse_math=False)
     print_ = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
     figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
+    return figure
+
+
+def sheet(height: float) -> Figure:
+    """A white sheet without heading or small print, as wide as a page and as high as given [in]."""
+    figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
     return figure
 
 
