@@ -19,17 +19,8 @@ from ..geometry.pair import FlankName, GearPair, Member
 from ..geometry.section import BlankSection
 from ..geometry.synthesis import EaseOffTarget
 from .blank_design_table import BlankDesignTable
-from .model import (
-    Blank,
-    Case,
-    FlankSettings,
-    Machine,
-    MemberTable,
-    MisalignmentTable,
-    Motions,
-    PairTable,
-    TargetTable,
-)
+from .cutting_table import FlankSettings, Machine, Motions
+from .model import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
 
 Side = Literal["concave", "convex"]
 

@@ -14,7 +14,8 @@ from ..geometry.generating_surface import GeneratingSurface
 from ..geometry.iso23509_dimensions import MemberBlank
 from ..geometry.machine import MachineSettings
 from .conversion import designed_blanks
-from .model import Blank, Case, Cutter, FlankSettings, Machine, Motions
+from .cutting_table import Cutter, FlankSettings, Machine, Motions
+from .model import Blank, Case
 
 ANGLES = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
 ROLL = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")

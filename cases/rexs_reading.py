@@ -12,7 +12,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from ..core.errors import InputError
-from .model import Blank, Case, Cutter, Machine, MemberTable
+from .cutting_table import Cutter, Machine
+from .model import Blank, Case, MemberTable
 from .reading import check_case
 from .rexs_file import Component, Model, read_model
 from .rexs_vocabulary import (

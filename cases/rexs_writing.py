@@ -16,7 +16,8 @@ from pydantic import BaseModel
 
 from ..core.files import whole_file
 from .conversion import machine_settings
-from .model import Case, Cutter, FlankSettings, MemberTable
+from .cutting_table import Cutter, FlankSettings
+from .model import Case, MemberTable
 from .recording import with_blanks
 from .rexs_file import ModelWriter, Value
 from .rexs_vocabulary import (

@@ -16,7 +16,7 @@ from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from easeoff.cases import design_model, model
+from easeoff.cases import cutting_table, design_model, model
 from easeoff.cases.blank_design_table import BlankDesignTable
 
 PAGE = Path(__file__).with_name("case_file.md")
@@ -80,9 +80,9 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[blank_design]`", BlankDesignTable
     yield "### `[pinion]` and `[gear]`", model.PinionTable
     yield "### `[pinion.blank]` and `[gear.blank]`", model.Blank
-    yield "### `[pinion.concave.machine]`, and so on for every flank", model.Machine
-    yield "### `[pinion.concave.machine.motions]`, and so on for every generated flank", model.Motions
-    yield "### `[pinion.concave.cutter]`, and so on for every flank", model.Cutter
+    yield "### `[pinion.concave.machine]`, and so on for every flank", cutting_table.Machine
+    yield "### `[pinion.concave.machine.motions]`, and so on for every generated flank", cutting_table.Motions
+    yield "### `[pinion.concave.cutter]`, and so on for every flank", cutting_table.Cutter
     yield "### `[pinion.material]` and `[gear.material]`", model.Steel
     yield "### `[misalignment]`", model.MisalignmentTable
     yield "### `[contact]`", model.ContactTable

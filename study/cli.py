@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..core.errors import EaseoffError, InputError
+from .cli_options import margins, misalignment, nodes, teeth, torques
 
 # Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
 if TYPE_CHECKING:
-    from ..geometry.assembly import Misalignment
     from .analysis import Analysis
 
 EXIT_UNCERTIFIED = 1
 EXIT_MISTAKE = 2
-MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 
 
 class _Mistake(click.ClickException):
@@ -42,41 +41,6 @@ def main() -> None:
     """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
 
 
-def _torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
-    if text is None:
-        return None
-    try:
-        values = tuple(float(part) for part in text.split(","))
-    except ValueError as error:
-        raise click.BadParameter(f"{text!r}: give numbers in N m separated by commas, such as 50,250,500") from error
-    for value in values:
-        if not 0.0 < value < 1e7:
-            raise click.BadParameter(f"{value:g}: every torque must be greater than 0 and below 1e7 N m")
-    return values
-
-
-def _misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | None:
-    if text is None:
-        return None
-    import math
-
-    from ..geometry.assembly import Misalignment
-
-    values = dict.fromkeys(MISALIGNMENT_KEYS, 0.0)
-    for part in text.split(","):
-        key, _, number = part.partition("=")
-        try:
-            value = float(number)
-        except ValueError as error:
-            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as E=0.15,P=-0.12") from error
-        if key not in values:
-            raise click.BadParameter(f"{key!r}: known are {', '.join(MISALIGNMENT_KEYS)} (mm, Sigma in degrees)")
-        if not abs(value) < 10.0:
-            raise click.BadParameter(f"{part!r}: must lie between -10 and 10 (mm, Sigma in degrees)")
-        values[key] = value
-    return Misalignment(values["E"], values["P"], values["G"], math.radians(values["Sigma"]))
-
-
 def _analysis_options(command: Any) -> Any:
     for option in reversed(
         (
@@ -91,13 +55,13 @@ def _analysis_options(command: Any) -> Any:
             click.option(
                 "--torque",
                 "torques",
-                callback=_torques,
+                callback=torques,
                 metavar="T1,T2,...",
                 help="Torques at the pinion in N m; the case's own if left out.",
             ),
             click.option(
                 "--misalignment",
-                callback=_misalignment,
+                callback=misalignment,
                 metavar="E=..,P=..,G=..,Sigma=..",
                 help="Assembly errors in mm (Sigma in degrees); the case's own if left out.",
             ),
@@ -239,43 +203,6 @@ def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str
     click.echo(f"wrote {output}: {len(solved)} contact problems")
 
 
-def _nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
-    if text is None:
-        return None
-    first, _, second = text.lower().partition("x")
-    try:
-        nodes = int(first), int(second)
-    except ValueError as error:
-        raise click.BadParameter(f"{text!r}: give LENGTHWISExPROFILE, such as 61x31") from error
-    if min(nodes) < 5 or max(nodes) > 1001:
-        raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
-    return nodes
-
-
-def _teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int | str | None:
-    if text is None or text == "all":
-        return text
-    try:
-        return int(text)
-    except ValueError as error:
-        raise click.BadParameter(f"{text!r}: give a number of teeth, or all") from error
-
-
-def _margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
-    if text is None:
-        return None
-    values = {}
-    for part in text.split(","):
-        key, _, number = part.partition("=")
-        if key not in ("toe", "heel", "root", "tip"):
-            raise click.BadParameter(f"{key!r}: known are toe, heel, root, tip (mm)")
-        try:
-            values[key] = float(number)
-        except ValueError as error:
-            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as toe=3,root=1.2") from error
-    return values
-
-
 @main.command()
 @click.argument("case")
 @click.option(
@@ -291,12 +218,12 @@ def _margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> 
 @click.option("--columns", type=click.IntRange(2, 1001), help="Points: columns from toe to heel.  [default: 9]")
 @click.option(
     "--margins",
-    callback=_margins,
+    callback=margins,
     metavar="toe=..,heel=..,root=..,tip=..",
     help="Points: strips left out at the edges in mm.  [default: a tenth of face width and depth]",
 )
-@click.option("--teeth", callback=_teeth, metavar="N|all", help="Surfaces: number of teeth.  [default: 1]")
-@click.option("--nodes", callback=_nodes, metavar="LxP", help="Surfaces: nodes of a flank.  [default: 61x31]")
+@click.option("--teeth", callback=teeth, metavar="N|all", help="Surfaces: number of teeth.  [default: 1]")
+@click.option("--nodes", callback=nodes, metavar="LxP", help="Surfaces: nodes of a flank.  [default: 61x31]")
 def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
     """Write the teeth of CASE as measuring points, CAD surfaces or a mesh; the suffix decides."""
     from ..cases import read_case

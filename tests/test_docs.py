@@ -16,7 +16,7 @@ import pytest
 from click.testing import CliRunner
 
 import easeoff
-from easeoff.cases import design_model, gear_pair, model, parse_case, parse_design
+from easeoff.cases import cutting_table, design_model, gear_pair, model, parse_case, parse_design
 from easeoff.cases.blank_design_table import BlankDesignTable
 from easeoff.cases.table import Table
 from easeoff.contact import read_problems, solve
@@ -178,7 +178,7 @@ def test_example_case_is_a_case() -> None:
     case = parse_case(whole)
     middle = ease_off(gear_pair(case), (7, 7))
     assert np.mean(middle["inside"].values) > 0.5
-    machine = model.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])
+    machine = cutting_table.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])
     assert machine.ratio_of_roll is None
     BlankDesignTable.model_validate(tomllib.loads(basic)["blank_design"])
 

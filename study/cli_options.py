@@ -1,0 +1,90 @@
+"""Reading the options of the command line: from text to numbers, with one clear message for a mistake."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+# Everything heavy is imported where it is needed: `easeoff --help` stays quick.
+if TYPE_CHECKING:
+    from ..geometry.assembly import Misalignment
+
+MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
+
+
+def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
+    """Torques at the pinion [N m]."""
+    if text is None:
+        return None
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: give numbers in N m separated by commas, such as 50,250,500") from error
+    for value in values:
+        if not 0.0 < value < 1e7:
+            raise click.BadParameter(f"{value:g}: every torque must be greater than 0 and below 1e7 N m")
+    return values
+
+
+def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | None:
+    """Assembly errors in mm and rad."""
+    if text is None:
+        return None
+    import math
+
+    from ..geometry.assembly import Misalignment
+
+    values = dict.fromkeys(MISALIGNMENT_KEYS, 0.0)
+    for part in text.split(","):
+        key, _, number = part.partition("=")
+        try:
+            value = float(number)
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as E=0.15,P=-0.12") from error
+        if key not in values:
+            raise click.BadParameter(f"{key!r}: known are {', '.join(MISALIGNMENT_KEYS)} (mm, Sigma in degrees)")
+        if not abs(value) < 10.0:
+            raise click.BadParameter(f"{part!r}: must lie between -10 and 10 (mm, Sigma in degrees)")
+        values[key] = value
+    return Misalignment(values["E"], values["P"], values["G"], math.radians(values["Sigma"]))
+
+
+def nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    """Nodes lengthwise and along the profile."""
+    if text is None:
+        return None
+    first, _, second = text.lower().partition("x")
+    try:
+        nodes = int(first), int(second)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: give LENGTHWISExPROFILE, such as 61x31") from error
+    if min(nodes) < 5 or max(nodes) > 1001:
+        raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
+    return nodes
+
+
+def teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int | str | None:
+    """A number of teeth, or ``all``."""
+    if text is None or text == "all":
+        return text
+    try:
+        return int(text)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: give a number of teeth, or all") from error
+
+
+def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
+    """Strips left out at the edges of a measuring grid [mm], by edge."""
+    if text is None:
+        return None
+    values = {}
+    for part in text.split(","):
+        key, _, number = part.partition("=")
+        if key not in ("toe", "heel", "root", "tip"):
+            raise click.BadParameter(f"{key!r}: known are toe, heel, root, tip (mm)")
+        try:
+            values[key] = float(number)
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as toe=3,root=1.2") from error
+    return values
