@@ -73,9 +73,9 @@ class BladeSection:
         return self.outward + radius * math.cos(self.angle), self.height - radius * math.sin(self.angle)
 
     @property
-    def middle_angle(self) -> float:
-        """Angle between edge and cutter axis in the middle [rad]; at the beginning of a section without end."""
-        return self.angle if math.isinf(self.end) else self.angle_at(0.5 * (self.begin + self.end))
+    def middle(self) -> float:
+        """Coordinate of the middle; of the beginning of a section without end."""
+        return self.begin if math.isinf(self.end) else 0.5 * (self.begin + self.end)
 
     def angle_at(self, coordinate: float) -> float:
         """Angle between edge and cutter axis [rad]."""
@@ -83,11 +83,13 @@ class BladeSection:
 
     def point(self, coordinate: float) -> tuple[float, float]:
         """Place (outward, height) [mm] at a coordinate."""
+        along = coordinate - self.begin
         if self.radius is None:
-            along = coordinate - self.begin
             return self.outward + along * math.sin(self.angle), self.height + along * math.cos(self.angle)
-        angle, center = self.angle_at(coordinate), self.center
-        return center[0] - self.radius * math.cos(angle), center[1] + self.radius * math.sin(angle)
+        # Along the chord: exact for an arc of any radius, with no difference of large numbers.
+        half = 0.5 * self.rate * along
+        chord = 2.0 * self.radius * math.sin(half)
+        return self.outward + chord * math.sin(self.angle + half), self.height + chord * math.cos(self.angle + half)
 
     def at_height(self, height: float) -> float:
         """Coordinate at a height above the tip plane.

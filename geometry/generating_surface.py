@@ -18,7 +18,7 @@ from .blade import Blade
 from .blade_sections import BladeSection, SectionName
 from .machine import IncrementSense, MachineSettings
 from .machine_pose import machine_pose
-from .meshing import Velocity, circular_edge, straight_edge
+from .meshing import Velocity, circular_edge, on_arc, straight_edge
 from .newton import complex_steps
 from .vectors import cos_sin, cross, dot
 
@@ -127,15 +127,15 @@ class GeneratingSurface:
             if self.settings.generated:
                 place = straight_edge(origin, edge, *velocities)
             return origin + place * edge, edge, place
-        center = tip + section.center[0] * outward + section.center[1] * upward
+        middle, middle_angle = section.point(section.middle), section.angle_at(section.middle)
+        origin = tip + middle[0] * outward + middle[1] * upward
         if self.settings.generated:
-            angle = circular_edge(center, section.radius, plane, *velocities, section.middle_angle)
-            place = section.begin + (angle - section.angle) / section.rate
+            turn = circular_edge(origin, section.radius, plane, *velocities, middle_angle)
+            place = section.middle + turn / section.rate
         else:
-            angle = section.angle + section.rate * (place - section.begin)
-        cosine, sine = cos_sin(angle)
-        point = center + section.radius * (sine * upward - cosine * outward)
-        return point, sine * outward + cosine * upward, place
+            turn = section.rate * (place - section.middle)
+        point, edge = on_arc(origin, section.radius, plane, middle_angle, turn)
+        return point, edge, place
 
     def axial_and_radial(self, parameters: Array) -> Array:
         """Axial and radial coordinates (2, n) [mm] of the flank at given parameters (2, n)."""

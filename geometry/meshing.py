@@ -46,23 +46,38 @@ def straight_edge(origin: Array, edge: Array, by_cutter: Velocity, by_cradle: Ve
     return np.asarray(-2.0 * constant / (linear + np.sign(linear.real) * root))
 
 
+def on_arc(
+    middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, turn: Array
+) -> tuple[Array, Array]:
+    """Point [mm] and direction (3, n) of a circular edge, ``turn`` (n) [rad] of its direction away from the middle.
+
+    The point lies on the chord, whose direction is that of the edge half way: exact for a radius of any size.
+    """
+    outward, upward = plane
+    _, half_sine = cos_sin(0.5 * turn)
+    cosine, sine = cos_sin(middle_angle + 0.5 * turn)
+    chord = sine * outward + cosine * upward
+    end_cosine, end_sine = cos_sin(middle_angle + turn)
+    return middle + 2.0 * radius * half_sine * chord, end_sine * outward + end_cosine * upward
+
+
 def circular_edge(
-    center: Array,
+    middle: Array,
     radius: float,
     plane: tuple[Array, Array],
     by_cutter: Velocity,
     by_cradle: Velocity,
     middle_angle: float,
 ) -> Array:
-    """Angle (n) [rad] between edge and cutter axis at the touched point of a circular edge.
+    """Turn (n) [rad] of a circular edge's direction from its middle to the touched point.
 
     Closed form for a face-milling cutter, whose points all move along one direction. In face hobbing that is the start
     of a Newton iteration.
 
     Parameters
     ----------
-    center
-        Centre of the arc (3, n) [mm].
+    middle
+        Middle of the arc (3, n) [mm].
     radius
         Radius [mm], positive with the centre on the side of the metal; it may be zero.
     plane
@@ -70,47 +85,51 @@ def circular_edge(
     by_cutter, by_cradle
         Velocities of the blade's points.
     middle_angle
-        Angle in the middle of the arc [rad]: the nearest solution is taken.
+        Angle between edge and cutter axis in the middle of the arc [rad]: the nearest solution is taken.
     """
 
     def real(values: Array) -> Array:
         return np.asarray(values.real)
 
-    arguments = (real(center), (real(plane[0]), real(plane[1])))
+    arc = (real(middle), radius, (real(plane[0]), real(plane[1])), middle_angle)
     velocities = [(real(spin), real(shift)) for spin, shift in (by_cutter, by_cradle)]
-    angle = _start(*arguments, radius, velocities, middle_angle)
+    turn = _start(*arc, velocities)
     for _ in range(ITERATIONS):
-        step = _newton_step(angle, *arguments, radius, velocities)
-        angle = angle + step
+        step = _newton_step(*arc, velocities, turn)
+        turn = turn + step
         if not np.any(np.abs(step) > 1e-14):
             break
     # One more step in the possibly complex data carries the derivatives.
-    return np.asarray(angle + _newton_step(angle, center, plane, radius, [by_cutter, by_cradle]))
+    return np.asarray(turn + _newton_step(middle, radius, plane, middle_angle, [by_cutter, by_cradle], turn))
 
 
 def _start(
-    center: Array, plane: tuple[Array, Array], radius: float, velocities: list[Velocity], middle_angle: float
+    middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, velocities: list[Velocity]
 ) -> Array:
     """Solution with the cutting velocity of the middle of the arc; for a flat arc, that of its tangent there."""
     outward, upward = plane
     sine, cosine = np.sin(middle_angle), np.cos(middle_angle)
-    middle = center + radius * (sine * upward - cosine * outward)
+    center = middle + radius * (cosine * outward - sine * upward)
     cutting, rolling = _of(velocities[0], middle), _of(velocities[1], center)
     angle = np.arctan2(-dot(rolling, cross(upward, cutting)), dot(rolling, cross(outward, cutting)))
-    angle = np.mod(angle - middle_angle + np.pi / 2, np.pi) - np.pi / 2
+    turn = np.mod(angle - middle_angle + np.pi / 2, np.pi) - np.pi / 2
     if radius != 0.0:
         along_tangent = straight_edge(middle, sine * outward + cosine * upward, *velocities) / radius
-        angle = np.where(np.abs(along_tangent) < FLAT, along_tangent, angle)
-    return np.asarray(middle_angle + angle)
+        turn = np.where(np.abs(along_tangent) < FLAT, along_tangent, turn)
+    return np.asarray(turn)
 
 
 def _newton_step(
-    angle: Array, center: Array, plane: tuple[Array, Array], radius: float, velocities: list[Velocity]
+    middle: Array,
+    radius: float,
+    plane: tuple[Array, Array],
+    middle_angle: float,
+    velocities: list[Velocity],
+    turn: Array,
 ) -> Array:
-    outward, upward = plane
-    cosine, sine = cos_sin(angle)
-    edge, inward = sine * outward + cosine * upward, sine * upward - cosine * outward
-    point = center + radius * inward
+    point, edge = on_arc(middle, radius, plane, middle_angle, turn)
+    cosine, sine = cos_sin(middle_angle + turn)
+    inward = sine * plane[1] - cosine * plane[0]
     cutting, rolling = (_of(velocity, point) for velocity in velocities)
     plane_normal = cross(cutting, rolling)
     value = dot(edge, plane_normal)

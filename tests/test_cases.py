@@ -176,9 +176,9 @@ method = 1
 process = "face_milled"
 mean_spiral_angle = 40.5
 gear_outer_pitch_diameter = 211.8355
-gear_face_width = 33.3
+gear_face_width = 34.5
 cutter_radius = 95.25
-limit_pressure_angle_influence = 1.0
+limit_pressure_angle_influence = 0.0
 gear_mean_addendum_factor = 0.2
 depth_factor = 2.0
 clearance_factor = 0.125
@@ -223,7 +223,7 @@ BLANK_MISTAKES = {
         ["[blank_design]", "cutter_radius"],
     ),
     "too wide": (
-        with_basic_data(BASIC_DATA.replace("gear_face_width = 33.3", "gear_face_width = 300.0")),
+        with_basic_data(BASIC_DATA.replace("gear_face_width = 34.5", "gear_face_width = 300.0")),
         ["[blank_design]"],
     ),
 }

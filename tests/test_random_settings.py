@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +14,13 @@ from numpy.typing import NDArray
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.core.errors import EaseoffError
 from easeoff.geometry import Blade, GearPair, GeneratingSurface, Member, Misalignment, NodeStatus, pair_geometry
+from easeoff.geometry.blade_sections import Relief
 from easeoff.geometry.ease_off_surface import EaseOff, compute
+from easeoff.geometry.flank_parts import on_parts
 from easeoff.geometry.flank_surface import Flank
 from easeoff.geometry.machine import MOVING
 from easeoff.geometry.pair import FlankName, grid
-from easeoff.geometry.vectors import cross, dot
+from easeoff.geometry.vectors import column, cross, dot, rotate
 
 NODES = (5, 5)
 BATCHES, SAMPLES = 20, 50
@@ -62,7 +65,16 @@ def shaken_surface(surface: GeneratingSurface, rng: Random, scale: float) -> Gen
         turned = tuple(0.3 * scale * rng.normal(size=3))
     radius = blade.point_radius + 10.0 * scale * rng.normal()
     angle = blade.pressure_angle + 0.3 * scale * rng.normal()
-    return replace(surface, settings=settings, blade=Blade(radius, angle, blade.side, *turned))
+    whole: dict[str, Any] = {}
+    if rng.random() < 0.3:
+        whole |= {"spheric_radius": float(rng.choice([-1, 1]) * 10.0 ** rng.uniform(1.5, 6.0))}
+    if rng.random() < 0.3:
+        whole |= {"edge_radius": float(rng.uniform(0.0, 1.5))}
+    if rng.random() < 0.15:
+        whole |= {"toprem": Relief(float(rng.uniform(0.5, 4.0)), float(rng.uniform(0.0, 0.1)), 50.0)}
+    if rng.random() < 0.15:
+        whole |= {"flankrem": Relief(float(rng.uniform(4.0, 9.0)), float(rng.uniform(0.0, 0.1)), 80.0)}
+    return replace(surface, settings=settings, blade=Blade(radius, angle, blade.side, *turned, **whole))
 
 
 def shaken_pair(rng: Random) -> GearPair:
@@ -96,15 +108,22 @@ def check_flank(member: Member, flank: Flank) -> None:
     check_normals(flank, inside)
 
 
+def position_of(surface: GeneratingSurface, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+    return surface.evaluate(parameters)[0]
+
+
 def check_normals(flank: Flank, inside: NDArray[np.bool_]) -> None:
     """At right angles to the chords between neighbours, and on one side of the surface all over the flank."""
     parameters = flank.parameters[:, inside]
-    size = 1e-5 * np.array([1.0, 1.0 if flank.surface.settings.generated else 100.0])
+    size = 2e-6 * np.array([1.0, 1.0 if flank.surface.settings.generated else 100.0])
     chords = []
     for k in range(2):
         step = np.zeros((2, 1))
         step[k] = size[k]
-        ahead, behind = (flank.surface.evaluate(parameters + sign * step)[0] for sign in (1.0, -1.0))
+        ahead, behind = (
+            on_parts(flank.surface.flank_parts, flank.part[inside], parameters + sign * step, position_of)
+            for sign in (1.0, -1.0)
+        )
         chords.append(ahead - behind)
     for chord in chords:
         length = np.sqrt(dot(chord, chord))
@@ -129,7 +148,12 @@ def check_ease_off(pair: GearPair, gear: Flank, surface: EaseOff) -> None:
     for fraction in (surface.pinion_lengthwise[inside], surface.pinion_profile[inside]):
         assert np.all((fraction >= 0.0) & (fraction <= 1.0))
     rotation = surface.roll_angle[inside] + motion.center
-    position, normal = motion.action_point(surface.pinion_parameters[:, inside], rotation)
+    position, normal = motion.assembly.pinion_to_global(
+        surface.pinion_position[:, inside], surface.pinion_normal[:, inside]
+    )
+    origin = column(motion.assembly.pinion_origin, position)
+    position = rotate(motion.pinion_axis, rotation, position - origin) + origin
+    normal = rotate(motion.pinion_axis, rotation, normal)
     assert np.all(np.abs(motion.closing_velocity(position, normal)) < 1e-9)
     point = motion.in_gear(position, rotation)
     np.testing.assert_allclose(point[2], gear.position[2, inside], rtol=0, atol=1e-8)

@@ -106,7 +106,7 @@ def volume_of(shape: Any) -> float:
 
 @pytest.mark.parametrize("case", ["fm-11x41", "nasa-12x36"])
 @pytest.mark.parametrize("name", ["pinion", "gear"])
-def test_faces_lie_within_a_tenth_of_a_micrometre_of_the_true_flanks(case: str, name: str, tmp_path: Path) -> None:
+def test_faces_lie_within_a_fifth_of_a_micrometre_of_the_true_flanks(case: str, name: str, tmp_path: Path) -> None:
     """Points of the exact flanks between the nodes, edges included, projected onto the faces read back."""
     pair = gear_pair(read_case(case))
     patches = tooth_patches(pair, name, (61, 31))
@@ -121,8 +121,10 @@ def test_faces_lie_within_a_tenth_of_a_micrometre_of_the_true_flanks(case: str, 
         t, h = np.meshgrid(np.linspace(0, 1, 14), np.linspace(float(low[:, 0].max()), 1, 10), indexing="ij")
         exact = flank.at(*flank.section.points(t.ravel(), h.ravel()))
         distance, normal = feet(face, exact.position.T)
-        assert np.max(distance) < 1e-4
-        assert np.min(np.sum(normal * exact.normal.T, axis=1)) > 1.0 - 1e-6
+        assert np.max(distance) < 2e-4
+        assert (
+            np.min(np.sum(normal * exact.normal.T, axis=1)) > 1.0 - 1e-4
+        )  # next to undercut a flank bends within one spacing of the nodes
 
 
 def test_faces_converge_with_fourth_order(tmp_path: Path) -> None:
@@ -233,10 +235,11 @@ def test_command_writes_and_says_nothing_else(tmp_path: Path, capfd: pytest.Capt
     path = tmp_path / "gear.step"
     done = CliRunner().invoke(main, ["export", "fm-11x41", "-o", str(path), "--member", "gear", "--teeth", "all"])
     assert done.exit_code == 0, done.output
-    patches = "convex_flank, convex_root_land, concave_flank, concave_root_land, top_land"
+    sides = [f"{side}_{part}" for side in ("convex", "concave") for part in ("flank", "fillet", "root_land")]
+    patches = ", ".join([*sides, "top_land"])
     assert done.output == f"wrote {path}: 41 of 41 teeth of the gear: {patches}\n"
     assert capfd.readouterr().out == ""
-    assert len(parts(shape_of(path), "FACE")) == 5 * 41
+    assert len(parts(shape_of(path), "FACE")) == 7 * 41
     assert [p.name for p in tmp_path.iterdir()] == ["gear.step"]
 
 
