@@ -34,6 +34,7 @@ from dissertation_tables import (
     named,
     statements,
     table,
+    table_4_4,
 )
 
 import easeoff
@@ -115,11 +116,11 @@ def draw() -> None:
 
 
 def sections() -> dict[str, str]:
-    """What the template leaves open for fm-11x41."""
+    """What the template leaves open, but for figure 5.3."""
     parts = {"base": named(BASE), "toe": f"{TOE:g}", "heel": f"{HEEL:g}", "edge_share": f"{100 * EDGE_SHARE:.0f} %"}
     for name, make in (("2_9", figure_2_9), ("2_11", figure_2_11), ("3_6", figure_3_6), ("3_7", figure_3_7)):
         parts[f"figure_{name}"], parts[f"statements_{name}"] = make()
-    return parts | {"figure_2_10": figure_2_10()}
+    return parts | {"figure_2_10": figure_2_10(), "table_4_4": table_4_4()}
 
 
 def main() -> None:
