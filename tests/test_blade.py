@@ -74,6 +74,45 @@ def test_sections_are_arcs_of_their_radius() -> None:
             assert length == pytest.approx(end - section.begin, rel=1e-5)
 
 
+def test_whole_edge_is_that_of_another_programs_tool() -> None:
+    """Centres of four arcs from point radius, angles and depths, as an open reading of HypoidFaceMilled (SpyGO) has them.
+
+    There the tip plane is z = 0, the body at negative z, and toprem and flankrem turn the angle of the blade at their
+    depth by an angle of their own.
+    """
+    point, edge, blade, angle = 80.0, 0.7, 900.0, math.radians(19.0)
+    toprem, flankrem = Relief(2.0, math.radians(3.0), 120.0), Relief(8.0, math.radians(1.5), 150.0)
+    assert toprem.radius is not None
+    assert flankrem.radius is not None
+    height = blade * math.sin(angle)
+    across = point + blade * math.cos(angle)
+    low, high = (math.asin((height + relief.height) / blade) for relief in (toprem, flankrem))
+    start, end = low - toprem.angle, high + flankrem.angle
+    top = (
+        across + toprem.radius * math.cos(start) - blade * math.cos(low),
+        toprem.radius * math.sin(start) - toprem.height,
+    )
+    foot = math.asin((top[1] + edge) / (toprem.radius + edge))
+    centers = {
+        "edge": (top[0] - (toprem.radius + edge) * math.cos(foot), -edge),
+        "toprem": top,
+        "profile": (across, height),
+        "flankrem": (
+            across + flankrem.radius * math.cos(end) - blade * math.cos(high),
+            flankrem.radius * math.sin(end) - flankrem.height,
+        ),
+    }
+    ends = {"edge": (math.pi / 2, foot), "toprem": (foot, start), "profile": (low, high)}
+    sections = Blade(
+        point, angle, "outside", spheric_radius=blade, edge_radius=edge, toprem=toprem, flankrem=flankrem
+    ).sections
+    assert list(sections) == list(centers)
+    for name, section in sections.items():
+        assert (point + section.center[0], -section.center[1]) == pytest.approx(centers[name], abs=1e-11)
+        if name in ends:
+            assert (section.angle, section.angle_at(section.end)) == pytest.approx(ends[name], abs=1e-13)
+
+
 def test_curved_profile_touches_its_pressure_line() -> None:
     blade = replace(BLADES["curved"], edge_radius=0.0)
     profile = blade.sections["profile"]
