@@ -185,12 +185,10 @@ def compute(
     GeometryError
         If no node of the gear has a conjugate point on the pinion.
     """
-    target = _axial_and_radial(gear.position)
-    usable = np.all(np.isfinite(target), axis=0)
+    target, usable = _targets(gear)
     if not np.any(usable):
         raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
     middle = target[:, usable].mean(axis=1)
-    target = np.where(usable, target, middle[:, None])
     motion = conjugate_motion(pinion_surface.on("profile"), pinion_section, assembly, middle)
     surfaces = []
     for part in pinion_surface.flank_parts:
@@ -227,16 +225,20 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) 
     tuple
         Ease-off as a gear rotation (n) [rad], up to a constant and NaN where there is none, and the parameters.
     """
+    target, usable = _targets(gear)
     with np.errstate(all="ignore"):
-        found = solve(partial(_place, motion), start, _axial_and_radial(gear.position), motion.surface.max_step)
+        found = solve(partial(_place, motion), start, target, motion.surface.max_step)
         point, _ = motion.conjugate_gear(found.parameters)
         valid_side = motion.surface.orientation(found.parameters) * side > 0.0
-    known = found.converged & np.all(np.isfinite(point), axis=0) & valid_side
+    known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
     return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
 
 
-def _axial_and_radial(points: Array) -> Array:
-    return np.stack([points[2], np.hypot(points[0], points[1])])
+def _targets(gear: Flank) -> tuple[Array, NDArray[np.bool_]]:
+    """Axial and radial coordinate of the gear nodes (2, n) [mm], and which nodes exist; the middle for the others."""
+    target = np.stack([gear.position[2], np.hypot(gear.position[0], gear.position[1])])
+    usable = np.all(np.isfinite(target), axis=0)
+    return np.where(usable, target, target[:, usable].mean(axis=1, keepdims=True)) if np.any(usable) else target, usable
 
 
 def _turned(gear: Flank, point: Array, known: NDArray[np.bool_]) -> Array:
