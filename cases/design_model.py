@@ -12,9 +12,10 @@ from .table import Integer, Number, Table, number
 
 
 class DesignedGear(Table):
-    """The Formate gear."""
+    """The gear, cut by one spread-blade cutter or hobbed."""
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    generation: Literal["formate", "generated"] = "formate"
     basic_settings: Literal["mean_point", "root_line"] = "mean_point"
     tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
     material: Steel = Steel()

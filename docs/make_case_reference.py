@@ -30,6 +30,7 @@ MEANINGS = {
     "process": ("how the pair is cut; methods 2 and 3 are face-hobbed", ""),
     "depth_taper": ("how the depth changes along the face; instead of the gear's two angles", ""),
     "easeoff_design": ("version of the format", ""),
+    "generation": ("whether the gear is rolled while it is cut, or only indexed", ""),
     "basic_settings": (
         "whether the gear's settings are corrected until its flanks have the blank's angles at the mean point, or "
         "follow from the root line by the closed form",

@@ -1,7 +1,7 @@
 """Tooth flanks, blanks, ease-off and surface of roll angle: geometry alone, no loads."""
 
 from .assembly import Assembly, Misalignment
-from .basic_settings import blank_section, formate_gear
+from .basic_settings import blank_section, formate_gear, generated_gear
 from .blade import Blade
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
@@ -34,5 +34,6 @@ __all__ = [
     "fit_pinion",
     "flank",
     "formate_gear",
+    "generated_gear",
     "pair_geometry",
 ]

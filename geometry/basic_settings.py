@@ -1,4 +1,4 @@
-"""Basic machine settings of a Formate gear from its blank, face-milled or face-hobbed."""
+"""Basic machine settings of a gear from its blank: Formate or generated, face-milled or face-hobbed."""
 
 from __future__ import annotations
 
@@ -92,32 +92,72 @@ def formate_gear(
     -----
     Source: ISO 23509:2016, formulas 34 to 40 (crown gear).
     """
-    if number_of_blade_groups:
-        return _face_hobbed(blank, cutter_radius, hand, number_of_blade_groups, corrected)
-    return _face_milled(blank, cutter_radius, hand, corrected)
+    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, None)
 
 
-def _mean_point(gear: MemberBlank) -> tuple[float, float]:
-    """The mean point seen from the root cone: distance from its apex along it, height above it [mm]."""
-    axial = gear.mean_cone_distance * math.cos(gear.pitch_angle) - gear.pitch_apex + gear.root_apex
+def generated_gear(
+    blank: BlankDimensions,
+    cutter_radius: float,
+    hand: Hand,
+    number_of_blade_groups: int = 0,
+    *,
+    corrected: bool = True,
+) -> Flanks:
+    """Convex and concave flank of a generated gear: the cutter of ``formate_gear``, rolled with a crown gear.
+
+    The cradle axis passes through the apex of the pitch cone and the ratio of roll is cos(dedendum angle) / sin(pitch
+    angle): the pitch cone rolls without sliding. Parameters, return and exceptions are those of ``formate_gear``.
+    """
+    gear = blank.gear
+    ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
+    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, ratio)
+
+
+def _gear(
+    blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool, ratio: float | None
+) -> Flanks:
+    if groups:
+        return _face_hobbed(blank, cutter_radius, hand, groups, corrected, ratio)
+    return _face_milled(blank, cutter_radius, hand, corrected, ratio)
+
+
+def _machine_center(gear: MemberBlank, ratio: float | None) -> float:
+    """Machine centre to crossing point [mm].
+
+    The cradle axis of a Formate gear meets the work axis in the root apex; to roll on the pitch cone, in its apex.
+    """
+    return gear.root_apex if ratio is None else gear.pitch_apex
+
+
+def _mean_point(gear: MemberBlank, ratio: float | None) -> tuple[float, float]:
+    """The mean point seen on the machine: distance from the cradle axis along the root line, height above it [mm]."""
+    axial = gear.mean_cone_distance * math.cos(gear.pitch_angle) - gear.pitch_apex
     radial = gear.mean_cone_distance * math.sin(gear.pitch_angle)
     sine, cosine = math.sin(gear.root_angle), math.cos(gear.root_angle)
-    return axial * cosine + radial * sine, radial * cosine - axial * sine
+    along = (axial + _machine_center(gear, ratio)) * cosine + radial * sine
+    return along, radial * cosine - (axial + gear.root_apex) * sine
 
 
-def _machine(gear: MemberBlank, horizontal: float, vertical: float, indexing_ratio: float = 0.0) -> MachineSettings:
+def _machine(
+    gear: MemberBlank, horizontal: float, vertical: float, ratio: float | None, indexing_ratio: float = 0.0
+) -> MachineSettings:
+    center = _machine_center(gear, ratio)
     return MachineSettings(
         radial_distance=math.hypot(horizontal, vertical),
         cradle_angle=math.atan2(vertical, horizontal),
         machine_root_angle=gear.root_angle,
-        machine_center_to_crossing_point=gear.root_apex,
+        sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
+        machine_center_to_crossing_point=center,
+        ratio_of_roll=ratio,
         indexing_ratio=indexing_ratio,
     )
 
 
-def _face_milled(blank: BlankDimensions, cutter_radius: float, hand: Hand, corrected: bool) -> Flanks:
+def _face_milled(
+    blank: BlankDimensions, cutter_radius: float, hand: Hand, corrected: bool, ratio: float | None
+) -> Flanks:
     gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    along, _ = _mean_point(gear)
+    along, _ = _mean_point(gear, ratio)
     spiral = gear.mean_spiral_angle
     drive, coast = float(blank.generated_drive_pressure_angle), float(blank.generated_coast_pressure_angle)
     slot = math.pi * blank.mean_normal_module - gear.mean_normal_thickness
@@ -127,7 +167,7 @@ def _face_milled(blank: BlankDimensions, cutter_radius: float, hand: Hand, corre
         horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
         if width <= 0.0:
             raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
-        settings = _machine(gear, horizontal, vertical)
+        settings = _machine(gear, horizontal, vertical, ratio)
         inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
         outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
         return GeneratingSurface(inside, settings, hand, 1), GeneratingSurface(outside, settings, hand, 1)
@@ -151,9 +191,11 @@ def _face_milled(blank: BlankDimensions, cutter_radius: float, hand: Hand, corre
     return flanks(_corrected(error, start) if corrected else start)
 
 
-def _face_hobbed(blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool) -> Flanks:
+def _face_hobbed(
+    blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool, ratio: float | None
+) -> Flanks:
     gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    along, height = _mean_point(gear)
+    along, height = _mean_point(gear, ratio)
     lead_sine = groups * blank.mean_normal_module / (2.0 * cutter_radius)
     if not lead_sine < 1.0:
         raise GeometryError(f"number_of_blade_groups = {groups}: too many for cutter_radius = {cutter_radius:g} mm")
@@ -163,6 +205,7 @@ def _face_hobbed(blank: BlankDimensions, cutter_radius: float, hand: Hand, group
         gear,
         along - cutter_radius * math.sin(course),
         cutter_radius * math.cos(course),
+        ratio,
         groups / gear.number_of_teeth,
     )
 
@@ -214,7 +257,7 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     found = root(error, start, tol=1e-14)
     if not np.max(np.abs(error(found.x))) < CLOSE:
         raise GeometryError(
-            "no settings of a Formate gear were found that give the blank's spiral angle and pressure angles: "
+            "no settings of the gear were found that give the blank's spiral angle and pressure angles: "
             f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum "
             "angle and cutter_radius"
         )

@@ -1,15 +1,16 @@
-"""A whole pair from basic data and wanted ease-offs: blanks, Formate gear, and a pinion flank for each side."""
+"""A whole pair from basic data and wanted ease-offs: blanks, gear, and a pinion flank for each side."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core.errors import GeometryError
 from .assembly import Assembly
-from .basic_settings import Flanks, blank_section, formate_gear
+from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
 from .flank_surface import solve_flank
@@ -18,6 +19,7 @@ from .mean_point import mean_point_angles
 from .pair import FlankName, GearPair, Member, thickness_per_angle
 from .synthesis import EaseOffTarget, Synthesis, fit_pinion
 
+POOR = 0.005  # root mean square left of a target [mm] that is worth another try
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 
@@ -68,10 +70,11 @@ def design_pair(
     *,
     free: Sequence[str] | None = None,
     follow_root: bool = False,
+    generated: bool = False,
     corrected: bool = True,
     edge_radii: tuple[float, float] = (0.0, 0.0),
 ) -> DesignedPair:
-    """Blanks, gear and pinion of a pair with a Formate gear.
+    """Blanks, gear and pinion of a pair.
 
     Parameters
     ----------
@@ -85,6 +88,8 @@ def design_pair(
         Pinion settings that may move, see ``free_settings``; the usual ones if left out.
     follow_root
         Whether the tips of the pinion's blades shall run along its root cone, see ``fit_pinion``.
+    generated
+        Whether the gear is generated; Formate if not. The fit starts from the conjugate pinion of the Formate one.
     corrected
         Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
     edge_radii
@@ -99,19 +104,39 @@ def design_pair(
     """
     blank = blank_dimensions(design)
     groups = design.number_of_blade_groups or 0
-    plain = formate_gear(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
-    gear = _rounded(plain[0], edge_radii[1]), _rounded(plain[1], edge_radii[1])
+
+    def flanks(make: Callable[..., Flanks]) -> Flanks:
+        plain = make(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
+        return _rounded(plain[0], edge_radii[1]), _rounded(plain[1], edge_radii[1])
+
+    formate = flanks(formate_gear)
+    gear = flanks(generated_gear) if generated else formate
     sections = [blank_section(member, blank.clearance) for member in (blank.pinion, blank.gear)]
     # The pinion's blade tips run along its root, opposite those of the gear's cutter.
     height = blank.gear.mean_dedendum + blank.pinion.mean_dedendum
     pinion: dict[FlankName, Synthesis] = {}
-    for side, loaded, opposite in zip(SIDES, gear, gear[::-1], strict=True):
-        conjugate = _rounded(conjugate_pinion(loaded, assembly, height), edge_radii[0])
+    for side, like, loaded, opposite in zip(SIDES, formate, gear, gear[::-1], strict=True):
+        conjugate = _rounded(conjugate_pinion(like, assembly, height), edge_radii[0])
         start = Member(assembly.pinion_teeth, sections[0], conjugate)
         wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
-        pinion[side] = fit_pinion(GearPair(start, wheel, assembly), targets[side], free=free, follow_root=follow_root)
+        pinion[side] = _fitted(GearPair(start, wheel, assembly), targets[side], free, follow_root)
     thickness = _middle_thickness(blank, gear) if groups else None
     return DesignedPair(blank, assembly, gear, pinion, thickness)
+
+
+def _fitted(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:
+    """The fit, and where it stops far from the target a second one that takes the form first and the root cone then."""
+    fit = fit_pinion(pair, target, free=free, follow_root=follow_root)
+    if not follow_root or free is not None or fit.rms < POOR:
+        return fit
+    try:
+        form = fit_pinion(pair, target)
+        near = replace(pair, pinion=replace(pair.pinion, loaded=form.surface))
+        second = fit_pinion(near, target, follow_root=True)
+    except GeometryError:
+        return fit
+    moved = {name: (fit.moved[name][0], end) for name, (_, end) in second.moved.items()}
+    return replace(second, moved=moved) if second.rms < fit.rms else fit
 
 
 def _rounded(surface: GeneratingSurface, edge_radius: float) -> GeneratingSurface:

@@ -95,6 +95,11 @@ class Synthesis:
     residual: Array
     root_gap: Array
 
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residual [mm]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
 
 @dataclass
 class _Fit:
@@ -186,8 +191,8 @@ def fit_pinion(
     fit = _Fit(pair, gear, wanted, names, known, root_line)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
-    # A straight blade has no radius to differentiate by: begin a little curved,
-    # and differentiate with long steps, which a flank that is nearly linear in its blade's curvature allows.
+    # A straight blade has no radius to differentiate by: begin a little curved, and differentiate with long steps, which
+    # a flank that is nearly linear in its blade's curvature allows.
     curved = np.array([name in CURVATURE for name in names])
     found = least_squares(
         fit,

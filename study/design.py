@@ -126,6 +126,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
         free=design.pinion.free_settings,
         follow_root=design.pinion.follow_root,
+        generated=design.gear.generation == "generated",
         corrected=design.gear.basic_settings == "mean_point",
         edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
     )

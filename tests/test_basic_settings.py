@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from easeoff.core.errors import GeometryError
-from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions, blank_section, formate_gear
+from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions, blank_section, formate_gear, generated_gear
 from easeoff.geometry.basic_settings import hobbing_blade
 from easeoff.geometry.flank_surface import solve_flank
 from easeoff.geometry.generating_surface import GeneratingSurface, Hand
@@ -94,6 +94,33 @@ def test_hobbed_flanks_have_the_spiral_and_pressure_angles_of_the_blank(name: st
         found = mean_point_angles(flank, section, blank.gear)
         assert found.spiral_angle == pytest.approx(blank.gear.mean_spiral_angle, abs=1e-9)
         assert found.pressure_angle == pytest.approx(angle, abs=1e-9)
+
+
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("name", ["hobbed", "hobbed bevel"])
+def test_generated_hobbed_flanks_have_them_in_closed_form(name: str, hand: Hand) -> None:
+    """The pitch cone rolls on the cradle's plane: at the mean point rolling changes nothing."""
+    design = DESIGNS[name]
+    blank = blank_dimensions(design)
+    groups = design.number_of_blade_groups or 0
+    for flank, angle in zip(
+        generated_gear(blank, design.cutter_radius, hand, groups, corrected=False),
+        (blank.generated_drive_pressure_angle, blank.generated_coast_pressure_angle),
+        strict=True,
+    ):
+        assert flank.settings.generated
+        found = mean_point_angles(flank, blank_section(blank.gear, blank.clearance), blank.gear)
+        assert found.spiral_angle == pytest.approx(blank.gear.mean_spiral_angle, abs=1e-9)
+        assert found.pressure_angle == pytest.approx(angle, abs=1e-9)
+
+
+def test_generated_milled_flanks_are_corrected_to_the_blank() -> None:
+    blank = blank_dimensions(MILLED)
+    flanks = generated_gear(blank, MILLED.cutter_radius, "right")
+    found = [mean_point_angles(flank, blank_section(blank.gear, blank.clearance), blank.gear) for flank in flanks]
+    assert found[0].pressure_angle == pytest.approx(blank.generated_drive_pressure_angle, abs=1e-9)
+    assert found[1].pressure_angle == pytest.approx(blank.generated_coast_pressure_angle, abs=1e-9)
+    assert (found[0].spiral_angle + found[1].spiral_angle) / 2 == pytest.approx(blank.gear.mean_spiral_angle, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", DESIGNS)

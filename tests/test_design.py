@@ -167,6 +167,19 @@ def test_command_leaves_nothing_behind_after_a_mistake(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["bad.toml"]
 
 
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
+def test_generated_gear_takes_the_same_target(name: str) -> None:
+    """Rolled on its pitch cone, it has the blank's angles like the Formate one, and its pinion is certified under load."""
+    text = _text("design", name).replace("[gear]\n", '[gear]\ngeneration = "generated"\n')
+    case, report = design_case(parse_design(text))
+    assert gear_pair(case).gear.loaded.settings.generated
+    assert report.warnings == ()
+    for side in report.sides.values():
+        assert side.greatest_left < 5e-3
+        assert np.abs(side.root_gap).max() < 0.1
+    assert np.all(analyze(case, torques=[200.0])["loaded"]["status"].values == 0)
+
+
 def test_both_hands_make_the_same_pair() -> None:
     """The pinion of the other hand has the same settings, and the ease-off is the same."""
     mirrored, _ = design_case(parse_design(changed(r'"left"', '"right"')))
