@@ -191,7 +191,7 @@ def fit_pinion(
     fit = _Fit(pair, gear, wanted, names, known, root_line)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
-    # A straight blade has no radius to differentiate by: begin a little curved, and differentiate with long steps, which
+    # A straight blade has no radius to differentiate by: begin a little curved, and differentiate by long steps, which
     # a flank that is nearly linear in its blade's curvature allows.
     curved = np.array([name in CURVATURE for name in names])
     found = least_squares(

@@ -169,7 +169,7 @@ def test_command_leaves_nothing_behind_after_a_mistake(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
 def test_generated_gear_takes_the_same_target(name: str) -> None:
-    """Rolled on its pitch cone, it has the blank's angles like the Formate one, and its pinion is certified under load."""
+    """Rolled on its pitch cone it is fitted like the Formate one, and the pair is certified under load."""
     text = _text("design", name).replace("[gear]\n", '[gear]\ngeneration = "generated"\n')
     case, report = design_case(parse_design(text))
     assert gear_pair(case).gear.loaded.settings.generated
