@@ -11,7 +11,7 @@ from typing import Any
 from ..core.errors import InputError
 from ..geometry.blade import Blade
 from ..geometry.generating_surface import GeneratingSurface
-from ..geometry.iso23509_dimensions import MemberBlank
+from ..geometry.iso23509.dimensions import MemberBlank
 from ..geometry.machine import MachineSettings
 from .conversion import designed_blanks
 from .cutting_table import Cutter, FlankSettings, Machine, Motions

@@ -15,7 +15,7 @@ from ..core.errors import GeometryError
 from .blade import Blade, BladeSide
 from .blank import BlankDimensions
 from .generating_surface import GeneratingSurface, Hand
-from .iso23509_dimensions import MemberBlank
+from .iso23509.dimensions import MemberBlank
 from .machine import MachineSettings
 from .mean_point import mean_point_angles
 from .section import BlankSection

@@ -6,15 +6,15 @@ import math
 from dataclasses import dataclass
 
 from ..core.errors import GeometryError
-from .iso23509_cones import PitchCones
-from .iso23509_crown import crown_gear
-from .iso23509_design import BlankDesign
-from .iso23509_dimensions import BlankDimensions, MemberBlank
-from .iso23509_member import MemberFrame, member_blank
-from .iso23509_pitch import pitch_cones
-from .iso23509_symbols import ISO_INPUT_SYMBOLS, ISO_SYMBOLS, blank_design_from_symbols, dimensions_by_symbol
-from .iso23509_taper import gear_taper_angles
-from .iso23509_teeth import (
+from .iso23509.cones import PitchCones
+from .iso23509.crown import crown_gear
+from .iso23509.design import BlankDesign
+from .iso23509.dimensions import BlankDimensions, MemberBlank
+from .iso23509.member import MemberFrame, member_blank
+from .iso23509.pitch import pitch_cones
+from .iso23509.symbols import ISO_INPUT_SYMBOLS, ISO_SYMBOLS, blank_design_from_symbols, dimensions_by_symbol
+from .iso23509.taper import gear_taper_angles
+from .iso23509.teeth import (
     PressureAngles,
     ToothDepth,
     mating_cone,
@@ -77,7 +77,7 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
 
     Notes
     -----
-    Source: ISO 23509:2016, clauses 6 and 7, annex C.5. Bare formula numbers in the ``iso23509_*`` modules are those
+    Source: ISO 23509:2016, clauses 6 and 7, annex C.5. Bare formula numbers in the modules of ``iso23509`` are those
     of the standard.
 
     Examples

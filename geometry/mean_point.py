@@ -14,7 +14,7 @@ import numpy as np
 from ..core.errors import GeometryError
 from .flank_surface import solve_flank
 from .generating_surface import GeneratingSurface
-from .iso23509_dimensions import MemberBlank
+from .iso23509.dimensions import MemberBlank
 from .section import BlankSection
 
 

@@ -27,8 +27,8 @@ from easeoff.geometry.blank import (
     blank_dimensions,
     dimensions_by_symbol,
 )
-from easeoff.geometry.iso23509_crown import crown_gear
-from easeoff.geometry.iso23509_symbols import is_angle
+from easeoff.geometry.iso23509.crown import crown_gear
+from easeoff.geometry.iso23509.symbols import is_angle
 
 SAMPLES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "data" / "iso23509_samples.toml").read_text())
 Vector = NDArray[np.float64]

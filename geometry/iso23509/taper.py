@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 
-from ..core.errors import GeometryError
-from .iso23509_design import DepthTaper
+from ...core.errors import GeometryError
+from .design import DepthTaper
 
 
 def standard_sum_of_dedendum_angles(

@@ -18,10 +18,10 @@ from collections.abc import Callable
 
 from scipy.optimize import brentq
 
-from ..core.errors import GeometryError, InputError
-from .iso23509_cones import PitchCones
-from .iso23509_crown import crown_gear
-from .iso23509_design import BlankDesign
+from ...core.errors import GeometryError, InputError
+from .cones import PitchCones
+from .crown import crown_gear
+from .design import BlankDesign
 
 
 def pitch_cones(design: BlankDesign) -> PitchCones:

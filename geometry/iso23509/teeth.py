@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..core.errors import GeometryError, InputError
-from .iso23509_cones import PitchCones
-from .iso23509_design import BlankDesign
+from ...core.errors import GeometryError, InputError
+from .cones import PitchCones
+from .design import BlankDesign
 
 
 @dataclass(frozen=True)

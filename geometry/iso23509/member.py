@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..core.errors import GeometryError
-from .iso23509_dimensions import MemberBlank
+from ...core.errors import GeometryError
+from .dimensions import MemberBlank
 
 
 @dataclass(frozen=True, kw_only=True)

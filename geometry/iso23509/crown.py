@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..core.errors import GeometryError
-from .iso23509_design import BlankDesign
+from ...core.errors import GeometryError
+from .design import BlankDesign
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..core.errors import InputError
-from .iso23509_design import BlankDesign
-from .iso23509_dimensions import BlankDimensions
+from ...core.errors import InputError
+from .design import BlankDesign
+from .dimensions import BlankDimensions
 
 _MEMBER_SYMBOLS = {
     "z": "number_of_teeth",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
-from ..core.errors import InputError
+from ...core.errors import InputError
 
 Process = Literal["face_milled", "face_hobbed"]
 DepthTaper = Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"]
