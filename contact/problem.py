@@ -38,6 +38,8 @@ from .validation import (
 if TYPE_CHECKING:
     import qpsolvers
 
+    from .modal_basis import ModalBasis
+
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
 NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 
@@ -124,6 +126,13 @@ class ContactProblem:
             diagonal, factor = self.compliance
             return read_only(diagonal + np.einsum("ij,ij->i", factor, factor))
         return read_only(self.compliance.diagonal().copy())
+
+    @cached_property
+    def modal_basis(self) -> ModalBasis | None:
+        """The factor of a structured compliance, compressed by blocks; None if the compliance is dense."""
+        from .modal_basis import modal_basis  # the rest of this module needs no scipy
+
+        return modal_basis(self.compliance[1]) if isinstance(self.compliance, tuple) else None
 
     @property
     def first_contact_rotation(self) -> float:
