@@ -7,7 +7,7 @@ eighty modes make up V V^T to all digits. The blocks U with U U^T = V V^T are wh
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +33,6 @@ class ModalBasis:
 
     index: NDArray[np.intp]
     modes: Array
-
-    def scaled(self, unit: float) -> ModalBasis:
-        """Return the basis with the compliance in another unit [mm/N]."""
-        return replace(self, modes=self.modes * (1.0 / np.sqrt(unit)))
 
 
 def modal_basis(factor: Array) -> ModalBasis:

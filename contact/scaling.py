@@ -65,12 +65,12 @@ class ScaledPair:
         """C, (n, n)."""
         return self.problem.dense_compliance * (1.0 / self.unit)
 
-    @property
+    @cached_property
     def diagonal(self) -> NDArray[np.float64]:
         """Local compliance d, (n)."""
         return self.problem.compliance[0] * (1.0 / self.unit)
 
-    @property
+    @cached_property
     def whole_diagonal(self) -> NDArray[np.float64]:
         """Diagonal of C, (n)."""
         return self.problem.compliance_diagonal * (1.0 / self.unit)
@@ -80,12 +80,17 @@ class ScaledPair:
         """Columns of V."""
         return int(self.problem.compliance[1].shape[1])
 
-    @cached_property
+    @property
     def modal_basis(self) -> ModalBasis:
-        """V, compressed by blocks."""
+        """V compressed by blocks, in the unit of the problem."""
         basis = self.problem.modal_basis
         assert basis is not None
-        return basis.scaled(self.unit)
+        return basis
+
+    @property
+    def mode_unit(self) -> float:
+        """Factor that brings the modes to the unit of the pair."""
+        return 1.0 / math.sqrt(self.unit)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,17 +14,24 @@ as a border: an iteration costs O(n m^2) for m modes a pair, and C is never form
 Signs and complementarity of the forces are exact by construction; what is left is rounding in c and theta, of which
 one step of refinement removes most. Digits are lost, and iterations gained, in the ratio of the bending to the local
 compliance, so the method declines where that is extreme.
+
+Where numba is installed, the same steps run as one compiled loop; the message of the answer says so.
 """
 
 from __future__ import annotations
 
+import importlib.util
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scaling import ScaledProblem
+from ..scaling import ScaledPair, ScaledProblem
 from .active_block import first_contact_index
 from .answer import ScaledAnswer
-from .modal_system import Array, ModalPoint, ModalSystem, modal_system
+from .modal_system import Array, ModalPoint, ModalSystem, has_modal_form, modal_system
 
 #: Iterations before giving up; two to eight are usual.
 MAX_ITERATIONS = 60
@@ -50,10 +57,39 @@ def modal_newton(
     ScaledAnswer or None
         None if the compliance has not the structure that this method lives on, or if it did not end.
     """
-    system = modal_system(problem)
-    if system is None:
+    if not has_modal_form(problem):
         return None
-    return _iterate(system, problem, active, max_iterations)
+    kernel = compiled_kernel()
+    if kernel is None:
+        return _iterate(modal_system(problem), problem, active, max_iterations)
+    pair = problem.given_compliance
+    assert isinstance(pair, ScaledPair)
+    basis = pair.modal_basis
+    iterations, rotation, force = kernel(
+        basis.index,
+        basis.modes,
+        pair.mode_unit,
+        pair.diagonal,
+        problem.lever_arm,
+        problem.separation,
+        problem.torque,
+        active,
+        max_iterations,
+        ROUNDING,
+    )
+    return ScaledAnswer(force, rotation, iterations, "modal, compiled") if iterations > 0 else None
+
+
+@cache
+def compiled_kernel() -> Callable[..., Any] | None:
+    """Return the compiled loop, or None where numba is missing or does not work."""
+    if importlib.util.find_spec("numba") is None:
+        return None
+    try:
+        from .modal_kernel import newton
+    except Exception:  # numba refuses some versions of numpy when it is imported, in more than one way
+        return None
+    return newton  # type: ignore[no-any-return, unused-ignore]
 
 
 def _iterate(
@@ -73,7 +109,7 @@ def _iterate(
         level = ROUNDING * float(np.abs(target.gap[active]).max() + abs(target.rotation) * system.largest_arm)
         if not changed.any() or float(np.abs(target.gap[changed]).max()) <= level:
             refined = newton.refined(target)
-            return ScaledAnswer(system.from_blocks(refined.force), refined.rotation, iteration, "modal active set")
+            return ScaledAnswer(system.from_blocks(refined.force), refined.rotation, iteration, "modal")
         if point is not None and target.energy > point.energy + ROUNDING * target.energy_scale:
             target = system.towards(point, target, exact_step(system, point, target))
             new_active = target.gap < 0.0

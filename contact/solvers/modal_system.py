@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scaling import ScaledProblem
+from ..scaling import ScaledPair, ScaledProblem
 
 Array = NDArray[np.float64]
 
@@ -162,25 +162,26 @@ class NewtonSystem:
         return self.system.point(point.amplitudes + free + turn * self.solved[..., 0], point.rotation + turn)
 
 
-def modal_system(problem: ScaledProblem) -> ModalSystem | None:
-    """Return the problem in blocks; None where the modal method has no place.
+def has_modal_form(problem: ScaledProblem) -> bool:
+    """Whether the modal method has a place.
 
-    That is: the compliance is a dense matrix, some segment has (nearly) no compliance of its own, or blocks of very
-    different sizes would be mostly padding.
+    It has none if the compliance is a dense matrix, if some segment has (nearly) no compliance of its own, or if
+    blocks of very different sizes would be mostly padding.
     """
     pair = problem.pair
-    if pair is None:
-        return None
-    local, whole = pair.diagonal, pair.whole_diagonal
-    if not (local > SMALLEST_LOCAL_FRACTION * whole).all():
-        return None
+    if pair is None or not (pair.diagonal > SMALLEST_LOCAL_FRACTION * pair.whole_diagonal).all():
+        return False
+    return pair.modal_basis.modes.size <= LARGEST_PADDING * problem.separation.size * (pair.mode_count + 1)
+
+
+def modal_system(problem: ScaledProblem) -> ModalSystem:
+    """Return the problem in blocks; it must have the modal form."""
+    pair = problem.given_compliance
+    assert isinstance(pair, ScaledPair)
     basis = pair.modal_basis
-    size = local.size
-    if basis.modes.size > LARGEST_PADDING * size * (pair.mode_count + 1):
-        return None
     rows = np.empty((*basis.index.shape, basis.modes.shape[2] + 2))
-    rows[..., :-2] = basis.modes
+    rows[..., :-2] = pair.mode_unit * basis.modes
     rows[..., -2] = np.append(problem.lever_arm, 0.0)[basis.index]
     rows[..., -1] = np.append(problem.separation, 1.0)[basis.index]  # the padding never touches
-    stiffness = np.append(1.0 / local, 0.0)[basis.index]
-    return ModalSystem(basis.index, rows, stiffness, problem.torque, size)
+    stiffness = np.append(1.0 / pair.diagonal, 0.0)[basis.index]
+    return ModalSystem(basis.index, rows, stiffness, problem.torque, problem.separation.size)
