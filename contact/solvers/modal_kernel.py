@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 #: The sum in a product may be taken in any order, so that it can use vector registers; nothing else is relaxed.
 ORDER_IS_FREE = {"reassoc", "contract"}
 
+#: Rows are padded with zeros to a multiple of this, so that no loop over a row has a rest.
+VECTOR = 8
+
 #: What `newton` returns instead of a number of iterations.
 NOT_SOLVABLE, NOT_ENDED = -1, -2
 
@@ -35,8 +38,9 @@ def newton(
 ) -> tuple[int, float, Array]:
     """Return the iterations (negative on failure), the rotation and the forces (n); arguments as in `ModalSystem`."""
     blocks, longest, rank = modes.shape
-    width, size = rank + 2, local.size
-    rows = np.empty((blocks, longest, width))
+    size = local.size
+    width = -(-(rank + 2) // VECTOR) * VECTOR
+    rows = np.zeros((blocks, longest, width))
     counts = np.zeros(blocks, dtype=np.intp)
     stiffness, gap = np.zeros((blocks, longest)), np.ones((blocks, longest))
     active, entered = np.zeros((blocks, longest), dtype=np.bool_), np.zeros((blocks, longest), dtype=np.bool_)
@@ -54,24 +58,27 @@ def newton(
             stiffness[p, i] = 1.0 / local[segment]
             active[p, i] = start[segment]
             largest_arm = max(largest_arm, abs(lever_arm[segment]))
-    gram, factor = np.zeros((blocks, width, width)), np.empty((blocks, rank, rank))
-    solved = np.empty((2, blocks, rank))
-    amplitudes, new_amplitudes = np.zeros((blocks, rank)), np.empty((blocks, rank))
+    gram = np.zeros((blocks, width, width))
+    factor, inverse_diagonal = np.empty((blocks, rank + 2, rank)), np.empty((blocks, rank))
+    weights, new_weights = np.zeros((blocks, width)), np.zeros((blocks, width))
     new_gap = gap.copy()
     force = np.zeros(size)
     rotation, energy, has_point = 0.0, 0.0, False
     for iteration in range(1, max_iterations + 1):
-        if not _turns(rows, counts, active):
-            _close_first(rows, counts, active)
+        if not _turns(rows, counts, active, rank):
+            _close_first(rows, counts, active, rank)
         _update_gram(rows, counts, stiffness, active, entered, gram)
-        pivot, level = _solve_blocks(gram, factor, solved)
+        pivot, level = _factor_blocks(gram, factor, inverse_diagonal)
         if not 0.0 < pivot < np.inf:
             return NOT_SOLVABLE, 0.0, force
         new_rotation = (torque + level) / pivot
         for p in range(blocks):
             for a in range(rank):
-                new_amplitudes[p, a] = new_rotation * solved[0, p, a] - solved[1, p, a]
-        local_energy = _gaps(rows, counts, stiffness, new_amplitudes, new_rotation, new_gap)
+                new_weights[p, a] = new_rotation * factor[p, rank, a] - factor[p, rank + 1, a]
+            _back_substitute(factor[p], inverse_diagonal[p], new_weights[p])
+            new_weights[p, rank] = -new_rotation
+            new_weights[p, rank + 1] = 1.0
+        local_energy = _gaps(rows, counts, stiffness, new_weights, new_gap)
         worst, largest, changed = 0.0, 0.0, 0
         for p in range(blocks):
             for i in range(counts[p]):
@@ -82,30 +89,36 @@ def newton(
                     worst = max(worst, abs(new_gap[p, i]))
         if changed == 0 or worst <= rounding * (largest + abs(new_rotation) * largest_arm):
             rotation = _refine(
-                rows, counts, stiffness, gram, factor, solved, pivot, torque, new_amplitudes, new_rotation, new_gap
+                rows, counts, stiffness, factor, inverse_diagonal, pivot, torque, new_weights, new_rotation, new_gap
             )
             for p in range(blocks):
                 for i in range(counts[p]):
                     force[index[p, i]] = max(-new_gap[p, i], 0.0) * stiffness[p, i]
             return iteration, rotation, force
-        modal_energy = 0.5 * np.sum(new_amplitudes * new_amplitudes)
+        modal_energy = 0.5 * np.sum(new_weights[:, :rank] ** 2)
         new_energy = modal_energy + local_energy - torque * new_rotation
         scale = modal_energy + local_energy + abs(torque * new_rotation)
         length = 1.0
         if has_point and new_energy > energy + rounding * scale:
             length = _exact_step(
-                counts, stiffness, amplitudes, new_amplitudes, torque * (new_rotation - rotation), gap, new_gap
+                counts,
+                stiffness,
+                weights[:, :rank],
+                new_weights[:, :rank],
+                torque * (new_rotation - rotation),
+                gap,
+                new_gap,
             )
         if length == 1.0:
             rotation, energy = new_rotation, new_energy
-            amplitudes[:] = new_amplitudes
-            gap[:] = new_gap
+            weights, new_weights = new_weights, weights
+            gap, new_gap = new_gap, gap
         else:
             rotation += length * (new_rotation - rotation)
-            amplitudes += length * (new_amplitudes - amplitudes)
+            weights += length * (new_weights - weights)
             gap += length * (new_gap - gap)
             closed = np.minimum(gap, 0.0)
-            energy = 0.5 * (np.sum(amplitudes * amplitudes) + np.sum(closed * closed * stiffness)) - torque * rotation
+            energy = 0.5 * (np.sum(weights[:, :rank] ** 2) + np.sum(closed**2 * stiffness)) - torque * rotation
         has_point = True
         for p in range(blocks):
             for i in range(counts[p]):
@@ -114,9 +127,8 @@ def newton(
 
 
 @njit(cache=True)
-def _turns(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_]) -> bool:
+def _turns(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_], arm: int) -> bool:
     """Whether an active segment has a lever arm."""
-    arm = rows.shape[2] - 2
     for p in range(rows.shape[0]):
         for i in range(counts[p]):
             if active[p, i] and rows[p, i, arm] != 0.0:
@@ -125,9 +137,8 @@ def _turns(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_]) -> 
 
 
 @njit(cache=True)
-def _close_first(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_]) -> None:
+def _close_first(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_], arm: int) -> None:
     """Make active the segment that touches first as the rigid bodies turn."""
-    arm = rows.shape[2] - 2
     best, block, place = np.inf, -1, -1
     for p in range(rows.shape[0]):
         for i in range(counts[p]):
@@ -147,6 +158,7 @@ def _update_gram(
 ) -> None:
     """Bring [U r S]'W [U r S] from the segments entered in it to the active ones, block by block."""
     width = rows.shape[2]
+    flipped, sign = np.empty(rows.shape[1] + 3, dtype=np.intp), np.empty(rows.shape[1] + 3)
     for p in range(rows.shape[0]):
         flips, touching = 0, 0
         for i in range(counts[p]):
@@ -155,74 +167,88 @@ def _update_gram(
         if flips > touching:
             gram[p] = 0.0
             entered[p] = False
+        flips = 0
         for i in range(counts[p]):
-            if active[p, i] == entered[p, i]:
-                continue
-            entered[p, i] = active[p, i]
-            weight = stiffness[p, i] if active[p, i] else -stiffness[p, i]
-            row = rows[p, i]
+            if active[p, i] != entered[p, i]:
+                flipped[flips], sign[flips] = i, stiffness[p, i] if active[p, i] else -stiffness[p, i]
+                entered[p, i] = active[p, i]
+                flips += 1
+        # Four rows at a time: the matrix is loaded and stored a fourth as often. The last few count with weight zero.
+        for extra in range(3):
+            flipped[flips + extra], sign[flips + extra] = 0, 0.0
+        for four in range(0, flips, 4):
+            r0, r1, r2, r3 = (
+                rows[p, flipped[four]],
+                rows[p, flipped[four + 1]],
+                rows[p, flipped[four + 2]],
+                rows[p, flipped[four + 3]],
+            )
             for a in range(width):
-                factor = weight * row[a]
+                f0, f1, f2, f3 = (
+                    sign[four] * r0[a],
+                    sign[four + 1] * r1[a],
+                    sign[four + 2] * r2[a],
+                    sign[four + 3] * r3[a],
+                )
+                line = gram[p, a]
                 for b in range(width):
-                    gram[p, a, b] += factor * row[b]
+                    line[b] += f0 * r0[b] + f1 * r1[b] + f2 * r2[b] + f3 * r3[b]
 
 
 @njit(cache=True, fastmath=ORDER_IS_FREE, error_model="numpy")
-def _solve_blocks(gram: Array, factor: Array, solved: Array) -> tuple[float, float]:
-    """Factor I + U'WU of every block, solve for both borders, and return pivot and level of the rotation."""
-    rank = factor.shape[1]
+def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple[float, float]:
+    """Factor I + U'WU of every block, bordered by lever arm and separation; return pivot and level of the rotation.
+
+    The two rows below the Cholesky factor L hold L^-1 U'W r and L^-1 U'W S.
+    """
+    rank = factor.shape[2]
     pivot, level = 0.0, 0.0
     for p in range(gram.shape[0]):
-        lower = factor[p]
-        for a in range(rank):
-            for b in range(a + 1):
+        lower, inverse = factor[p], inverse_diagonal[p]
+        for a in range(rank + 2):
+            for b in range(min(a, rank)):
                 value = gram[p, a, b]
                 for k in range(b):
                     value -= lower[a, k] * lower[b, k]
-                lower[a, b] = np.sqrt(1.0 + value) if a == b else value / lower[b, b]
-        for side in range(2):
-            for a in range(rank):
-                solved[side, p, a] = gram[p, rank + side, a]
-            _substitute(lower, solved[side, p])
+                lower[a, b] = value * inverse[b]
+            if a < rank:
+                value = 1.0 + gram[p, a, a]
+                for k in range(a):
+                    value -= lower[a, k] * lower[a, k]
+                lower[a, a] = np.sqrt(value)
+                inverse[a] = 1.0 / lower[a, a]
         pivot += gram[p, rank, rank]
         level += gram[p, rank, rank + 1]
         for a in range(rank):
-            pivot -= gram[p, rank, a] * solved[0, p, a]
-            level -= gram[p, rank, a] * solved[1, p, a]
+            pivot -= lower[rank, a] * lower[rank, a]
+            level -= lower[rank, a] * lower[rank + 1, a]
     return pivot, level
 
 
 @njit(cache=True, fastmath=ORDER_IS_FREE)
-def _substitute(lower: Array, side: Array) -> None:
-    """Solve L L' x = side in place."""
-    rank = side.size
-    for a in range(rank):
-        value = side[a]
-        for k in range(a):
-            value -= lower[a, k] * side[k]
-        side[a] = value / lower[a, a]
-    for a in range(rank - 1, -1, -1):
-        side[a] /= lower[a, a]
+def _back_substitute(lower: Array, inverse: Array, side: Array) -> None:
+    """Solve L' x = side in place; what `side` has beyond the size of L is left alone."""
+    for a in range(inverse.size - 1, -1, -1):
+        side[a] *= inverse[a]
         for k in range(a):
             side[k] -= lower[a, k] * side[a]
 
 
 @njit(cache=True, fastmath=ORDER_IS_FREE)
-def _gaps(
-    rows: Array, counts: NDArray[np.intp], stiffness: Array, amplitudes: Array, rotation: float, gap: Array
-) -> float:
-    """Set the gaps at given amplitudes and rotation, and return the energy of the local compliance."""
-    rank = amplitudes.shape[1]
+def _gaps(rows: Array, counts: NDArray[np.intp], stiffness: Array, weights: Array, gap: Array) -> float:
+    """Set the gaps, the rows weighted by amplitudes, -theta and 1, and return the energy of the local compliance."""
+    width = rows.shape[2]
     energy = 0.0
     for p in range(rows.shape[0]):
+        weight = weights[p]
         for i in range(counts[p]):
+            row = rows[p, i]
             value = 0.0
-            for a in range(rank):
-                value += rows[p, i, a] * amplitudes[p, a]
-            value += rows[p, i, rank + 1] - rotation * rows[p, i, rank]
+            for a in range(width):
+                value += row[a] * weight[a]
             gap[p, i] = value
-            if value < 0.0:
-                energy += 0.5 * stiffness[p, i] * value * value
+            closed = min(value, 0.0)
+            energy += 0.5 * stiffness[p, i] * closed * closed
     return energy
 
 
@@ -231,34 +257,44 @@ def _refine(
     rows: Array,
     counts: NDArray[np.intp],
     stiffness: Array,
-    gram: Array,
     factor: Array,
-    solved: Array,
+    inverse_diagonal: Array,
     pivot: float,
     torque: float,
-    amplitudes: Array,
+    weights: Array,
     rotation: float,
     gap: Array,
 ) -> float:
     """Take one step of refinement on the gradient of phi, and return the rotation."""
-    blocks, rank = amplitudes.shape
-    residual, imbalance = -amplitudes, torque
+    blocks, width = weights.shape
+    rank = inverse_diagonal.shape[1]
+    residual, imbalance = np.zeros((blocks, width)), torque
     for p in range(blocks):
+        side, lower = residual[p], factor[p]
+        for a in range(rank):
+            side[a] = -weights[p, a]
         for i in range(counts[p]):
             if gap[p, i] < 0.0:
-                force = -gap[p, i] * stiffness[p, i]
-                for a in range(rank):
-                    residual[p, a] += force * rows[p, i, a]
-                imbalance -= force * rows[p, i, rank]
-    for p in range(blocks):
-        _substitute(factor[p], residual[p])
+                force, row = -gap[p, i] * stiffness[p, i], rows[p, i]
+                for a in range(width):
+                    side[a] += force * row[a]
+        imbalance -= side[rank]
         for a in range(rank):
-            imbalance += gram[p, rank, a] * residual[p, a]
+            value = side[a]
+            for k in range(a):
+                value -= lower[a, k] * side[k]
+            side[a] = value * inverse_diagonal[p, a]
+            imbalance += lower[rank, a] * side[a]
     turn = imbalance / pivot
-    amplitudes += residual + turn * solved[0]
-    rotation += turn
-    _gaps(rows, counts, stiffness, amplitudes, rotation, gap)
-    return rotation
+    for p in range(blocks):
+        for a in range(rank):
+            residual[p, a] += turn * factor[p, rank, a]
+        _back_substitute(factor[p], inverse_diagonal[p], residual[p])
+        for a in range(rank):
+            weights[p, a] += residual[p, a]
+        weights[p, rank] = -(rotation + turn)
+    _gaps(rows, counts, stiffness, weights, gap)
+    return rotation + turn
 
 
 @njit(cache=True, error_model="numpy")

@@ -73,7 +73,7 @@ def modal_newton(
         problem.lever_arm,
         problem.separation,
         problem.torque,
-        active,
+        np.array(active, dtype=np.bool_, order="C"),  # one kind of array, one compilation
         max_iterations,
         ROUNDING,
     )
