@@ -59,7 +59,7 @@ def newton(
             active[p, i] = start[segment]
             largest_arm = max(largest_arm, abs(lever_arm[segment]))
     gram = np.zeros((blocks, width, width))
-    factor, inverse_diagonal = np.empty((blocks, rank + 2, rank)), np.empty((blocks, rank))
+    factor, inverse_diagonal = np.empty((blocks, rank, width)), np.empty((blocks, rank))
     weights, new_weights = np.zeros((blocks, width)), np.zeros((blocks, width))
     new_gap = gap.copy()
     force = np.zeros(size)
@@ -67,14 +67,14 @@ def newton(
     for iteration in range(1, max_iterations + 1):
         if not _turns(rows, counts, active, rank):
             _close_first(rows, counts, active, rank)
-        _update_gram(rows, counts, stiffness, active, entered, gram)
+        _update_gram(rows, counts, stiffness, active, entered, gram, rank + 2)
         pivot, level = _factor_blocks(gram, factor, inverse_diagonal)
         if not 0.0 < pivot < np.inf:
             return NOT_SOLVABLE, 0.0, force
         new_rotation = (torque + level) / pivot
         for p in range(blocks):
             for a in range(rank):
-                new_weights[p, a] = new_rotation * factor[p, rank, a] - factor[p, rank + 1, a]
+                new_weights[p, a] = new_rotation * factor[p, a, rank] - factor[p, a, rank + 1]
             _back_substitute(factor[p], inverse_diagonal[p], new_weights[p])
             new_weights[p, rank] = -new_rotation
             new_weights[p, rank + 1] = 1.0
@@ -155,6 +155,7 @@ def _update_gram(
     active: NDArray[np.bool_],
     entered: NDArray[np.bool_],
     gram: Array,
+    used: int,
 ) -> None:
     """Bring [U r S]'W [U r S] from the segments entered in it to the active ones, block by block."""
     width = rows.shape[2]
@@ -183,7 +184,7 @@ def _update_gram(
                 rows[p, flipped[four + 2]],
                 rows[p, flipped[four + 3]],
             )
-            for a in range(width):
+            for a in range(used):
                 f0, f1, f2, f3 = (
                     sign[four] * r0[a],
                     sign[four + 1] * r1[a],
@@ -199,39 +200,51 @@ def _update_gram(
 def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple[float, float]:
     """Factor I + U'WU of every block, bordered by lever arm and separation; return pivot and level of the rotation.
 
-    The two rows below the Cholesky factor L hold L^-1 U'W r and L^-1 U'W S.
+    The factor is R, upper triangular, with R'R the block; the two columns beyond hold R'^-1 U'W r and R'^-1 U'W S. Below
+    the diagonal there is rounding: loops over whole rows are faster than triangular ones.
     """
-    rank = factor.shape[2]
+    blocks, rank, width = factor.shape
     pivot, level = 0.0, 0.0
-    for p in range(gram.shape[0]):
-        lower, inverse = factor[p], inverse_diagonal[p]
-        for a in range(rank + 2):
-            for b in range(min(a, rank)):
-                value = gram[p, a, b]
-                for k in range(b):
-                    value -= lower[a, k] * lower[b, k]
-                lower[a, b] = value * inverse[b]
-            if a < rank:
-                value = 1.0 + gram[p, a, a]
-                for k in range(a):
-                    value -= lower[a, k] * lower[a, k]
-                lower[a, a] = np.sqrt(value)
-                inverse[a] = 1.0 / lower[a, a]
+    for p in range(blocks):
+        upper, inverse = factor[p], inverse_diagonal[p]
+        for b in range(rank):
+            line = upper[b]
+            for a in range(width):
+                line[a] = gram[p, b, a]
+            line[b] += 1.0
+            k = 0
+            while k + 3 < b:
+                f0, f1, f2, f3 = upper[k, b], upper[k + 1, b], upper[k + 2, b], upper[k + 3, b]
+                for a in range(width):
+                    line[a] -= (
+                        f0 * upper[k, a] + f1 * upper[k + 1, a] + f2 * upper[k + 2, a] + f3 * upper[k + 3, a]
+                    )
+                k += 4
+            while k < b:
+                f0 = upper[k, b]
+                for a in range(width):
+                    line[a] -= f0 * upper[k, a]
+                k += 1
+            inverse[b] = 1.0 / np.sqrt(line[b])
+            for a in range(width):
+                line[a] *= inverse[b]
         pivot += gram[p, rank, rank]
         level += gram[p, rank, rank + 1]
         for a in range(rank):
-            pivot -= lower[rank, a] * lower[rank, a]
-            level -= lower[rank, a] * lower[rank + 1, a]
+            pivot -= upper[a, rank] * upper[a, rank]
+            level -= upper[a, rank] * upper[a, rank + 1]
     return pivot, level
 
 
 @njit(cache=True, fastmath=ORDER_IS_FREE)
-def _back_substitute(lower: Array, inverse: Array, side: Array) -> None:
-    """Solve L' x = side in place; what `side` has beyond the size of L is left alone."""
-    for a in range(inverse.size - 1, -1, -1):
-        side[a] *= inverse[a]
-        for k in range(a):
-            side[k] -= lower[a, k] * side[a]
+def _back_substitute(upper: Array, inverse: Array, side: Array) -> None:
+    """Solve R x = side in place; what `side` has beyond the size of R is left alone."""
+    rank = inverse.size
+    for a in range(rank - 1, -1, -1):
+        value = side[a]
+        for k in range(a + 1, rank):
+            value -= upper[a, k] * side[k]
+        side[a] = value * inverse[a]
 
 
 @njit(cache=True, fastmath=ORDER_IS_FREE)
@@ -270,7 +283,7 @@ def _refine(
     rank = inverse_diagonal.shape[1]
     residual, imbalance = np.zeros((blocks, width)), torque
     for p in range(blocks):
-        side, lower = residual[p], factor[p]
+        side, upper = residual[p], factor[p]
         for a in range(rank):
             side[a] = -weights[p, a]
         for i in range(counts[p]):
@@ -280,15 +293,14 @@ def _refine(
                     side[a] += force * row[a]
         imbalance -= side[rank]
         for a in range(rank):
-            value = side[a]
-            for k in range(a):
-                value -= lower[a, k] * side[k]
-            side[a] = value * inverse_diagonal[p, a]
-            imbalance += lower[rank, a] * side[a]
+            side[a] *= inverse_diagonal[p, a]
+            for k in range(a + 1, rank):
+                side[k] -= upper[a, k] * side[a]
+            imbalance += upper[a, rank] * side[a]
     turn = imbalance / pivot
     for p in range(blocks):
         for a in range(rank):
-            residual[p, a] += turn * factor[p, rank, a]
+            residual[p, a] += turn * factor[p, a, rank]
         _back_substitute(factor[p], inverse_diagonal[p], residual[p])
         for a in range(rank):
             weights[p, a] += residual[p, a]
