@@ -16,11 +16,14 @@ import sys
 import time
 from collections.abc import Callable
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from easeoff.contact.modal_basis import modal_basis
 from easeoff.contact.problem import ContactProblem
+from easeoff.contact.scaling import ScaledProblem
 from easeoff.contact.solvers import solve
+from easeoff.contact.solvers import modal_newton as modal
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
 from numpy.polynomial.legendre import legvander
@@ -82,6 +85,12 @@ def median_seconds(work: list[Callable[[], Any]]) -> float:
                 return statistics.median(values[1:] or values)
 
 
+def as_arrays(scaled: ScaledProblem, start: Any) -> Any:
+    """The modal method as it runs without numba."""
+    with patch.object(modal, "compiled_kernel", lambda: None):
+        return modal.modal_newton(scaled, start)
+
+
 def rows(size: int, *, refined: bool) -> tuple[dict[str, float], dict[str, float], list[str]]:
     """Seconds of every way, greatest error of a force against the dense active set, and notes."""
     cases = [problem(size, k / 16.0, refined=refined) for k in range(POSITIONS)]
@@ -110,6 +119,9 @@ def rows(size: int, *, refined: bool) -> tuple[dict[str, float], dict[str, float
         "modal, warm from the position before": median_seconds(
             [lambda s=s, a=a: modal_newton(s, a) for s, a in zip(scaled[1:], neighbours[:-1], strict=True)]
         ),
+        "modal as arrays, cold": median_seconds(
+            [lambda s=s, a=a: as_arrays(s, a) for s, a in zip(scaled, starts, strict=True)]
+        ),
         "compression of the factor": median_seconds([lambda c=c: modal_basis(c.compliance[1]) for c in cases]),
         "solve: all, cold": median_seconds([lambda c=c: solve(c.with_torque(c.torque)) for c in cases]),
         "dense active set, cold": median_seconds(
@@ -129,7 +141,8 @@ def rows(size: int, *, refined: bool) -> tuple[dict[str, float], dict[str, float
 def main() -> None:
     """Print the tables."""
     sizes = tuple(int(word) for word in sys.argv[1:]) or SIZES
-    print(f"{platform.machine()}, Python {platform.python_version()}, numpy {np.__version__}, one BLAS thread\n")
+    print(f"{platform.machine()}, Python {platform.python_version()}, numpy {np.__version__}, one BLAS thread")
+    print(f"modal method {'as arrays' if modal.compiled_kernel() is None else 'compiled'}\n")
     for refined in (False, True):
         print("local compliance " + ("grows with n, as under refinement" if refined else "the same for every n"))
         results = [rows(size, refined=refined) for size in sizes]

@@ -70,7 +70,7 @@ class ScaledPair:
         """Local compliance d, (n)."""
         return self.problem.compliance[0] * (1.0 / self.unit)
 
-    @cached_property
+    @property
     def whole_diagonal(self) -> NDArray[np.float64]:
         """Diagonal of C, (n)."""
         return self.problem.compliance_diagonal * (1.0 / self.unit)

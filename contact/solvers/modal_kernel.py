@@ -1,7 +1,7 @@
 """The modal method as one compiled loop: the same steps as `modal_newton`, ten times faster on small problems.
 
-Needs numba, and is imported only where that is installed. The first use compiles, which takes some seconds; the result
-is kept on disk. What differs from the array form: the Gram matrices are updated by the few segments that have opened
+Needs numba, and is imported only where that is installed. The first use compiles, which takes some twenty seconds; the
+result is kept on disk. What differs from the array form: the Gram matrices are updated by the few segments that have opened
 or closed, which leaves rounding that the refinement at the end removes.
 """
 
@@ -200,8 +200,8 @@ def _update_gram(
 def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple[float, float]:
     """Factor I + U'WU of every block, bordered by lever arm and separation; return pivot and level of the rotation.
 
-    The factor is R, upper triangular, with R'R the block; the two columns beyond hold R'^-1 U'W r and R'^-1 U'W S. Below
-    the diagonal there is rounding: loops over whole rows are faster than triangular ones.
+    The factor is R, upper triangular, with R'R the block; the two columns beyond hold R'^-1 U'W r and R'^-1 U'W S.
+    Below the diagonal there is rounding: loops over whole rows are faster than triangular ones.
     """
     blocks, rank, width = factor.shape
     pivot, level = 0.0, 0.0

@@ -169,7 +169,7 @@ def has_modal_form(problem: ScaledProblem) -> bool:
     blocks of very different sizes would be mostly padding.
     """
     pair = problem.pair
-    if pair is None or not (pair.diagonal > SMALLEST_LOCAL_FRACTION * pair.whole_diagonal).all():
+    if pair is None or not pair.problem.local_fraction > SMALLEST_LOCAL_FRACTION:
         return False
     return pair.modal_basis.modes.size <= LARGEST_PADDING * problem.separation.size * (pair.mode_count + 1)
 
