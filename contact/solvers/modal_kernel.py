@@ -1,8 +1,8 @@
 """The modal method as one compiled loop: the same steps as `modal_newton`, ten times faster on small problems.
 
 Needs numba, and is imported only where that is installed. The first use compiles, which takes some twenty seconds; the
-result is kept on disk. What differs from the array form: the Gram matrices are updated by the few segments that have opened
-or closed, which leaves rounding that the refinement at the end removes.
+result is kept on disk. What differs from the array form: the Gram matrices are updated by the few segments that have
+opened or closed, which leaves rounding that the refinement at the end removes.
 """
 
 from __future__ import annotations
@@ -216,9 +216,7 @@ def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple
             while k + 3 < b:
                 f0, f1, f2, f3 = upper[k, b], upper[k + 1, b], upper[k + 2, b], upper[k + 3, b]
                 for a in range(width):
-                    line[a] -= (
-                        f0 * upper[k, a] + f1 * upper[k + 1, a] + f2 * upper[k + 2, a] + f3 * upper[k + 3, a]
-                    )
+                    line[a] -= f0 * upper[k, a] + f1 * upper[k + 1, a] + f2 * upper[k + 2, a] + f3 * upper[k + 3, a]
                 k += 4
             while k < b:
                 f0 = upper[k, b]
