@@ -208,6 +208,25 @@ def test_any_start_leads_to_the_same_answer(path: str) -> None:
             assert np.abs(solution.force - reference.force).max() < 1e-13 * reference.force.max()
 
 
+def test_springs_pressed_against_each_other_without_torque(path: str) -> None:
+    """Full steps go to and fro between the two springs, at the same energy; the line search meets in the middle."""
+    compliance = (np.full(2, 1e-6), np.zeros((2, 1)))
+    problem = ContactProblem(np.array([0.0, -0.1]), np.array([40.0, -40.0]), 0.0, compliance)
+    solution = solve(problem, method="modal")
+    assert solution.status is Status.CERTIFIED
+    assert solution.force == pytest.approx(np.array([5e4, 5e4]), rel=1e-14)
+    assert solution.rotation == pytest.approx(0.05 / 40.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("magnitude", [1e-300, 1e-160, 1e160, 1e300])
+def test_absurd_magnitudes_change_nothing(magnitude: float, path: str) -> None:
+    compliance = (np.full(2, magnitude), np.full((2, 1), np.sqrt(magnitude)))
+    for torque in (1e-300, 1e5, 1e306):
+        problem = ContactProblem(np.array([0.1, 0.3]), np.full(2, 40.0), torque, compliance)
+        solution = solve(problem)
+        assert solution.certified or np.isnan(solution.force).all()
+
+
 # Line search
 
 

@@ -2,7 +2,7 @@
 
 Needs numba, and is imported only where that is installed. The first use compiles, which takes some twenty seconds; the
 result is kept on disk. What differs from the array form: the Gram matrices are updated by the few segments that have
-opened or closed, which leaves rounding that the refinement at the end removes.
+opened or closed, until the last set is found.
 """
 
 from __future__ import annotations
@@ -68,16 +68,9 @@ def newton(
         if not _turns(rows, counts, active, rank):
             _close_first(rows, counts, active, rank)
         _update_gram(rows, counts, stiffness, active, entered, gram, rank + 2)
-        pivot, level = _factor_blocks(gram, factor, inverse_diagonal)
+        pivot, new_rotation = _newton_point(gram, factor, inverse_diagonal, torque, new_weights)
         if not 0.0 < pivot < np.inf:
             return NOT_SOLVABLE, 0.0, force
-        new_rotation = (torque + level) / pivot
-        for p in range(blocks):
-            for a in range(rank):
-                new_weights[p, a] = new_rotation * factor[p, a, rank] - factor[p, a, rank + 1]
-            _back_substitute(factor[p], inverse_diagonal[p], new_weights[p])
-            new_weights[p, rank] = -new_rotation
-            new_weights[p, rank + 1] = 1.0
         local_energy = _gaps(rows, counts, stiffness, new_weights, new_gap)
         worst, largest, changed = 0.0, 0.0, 0
         for p in range(blocks):
@@ -88,6 +81,13 @@ def newton(
                     changed += 1
                     worst = max(worst, abs(new_gap[p, i]))
         if changed == 0 or worst <= rounding * (largest + abs(new_rotation) * largest_arm):
+            if iteration > 1:
+                # From the sums of the last set alone: then the answer does not depend on the start, to the bit.
+                gram[:] = 0.0
+                entered[:] = False
+                _update_gram(rows, counts, stiffness, active, entered, gram, rank + 2)
+                pivot, new_rotation = _newton_point(gram, factor, inverse_diagonal, torque, new_weights)
+                _gaps(rows, counts, stiffness, new_weights, new_gap)
             rotation = _refine(
                 rows, counts, stiffness, factor, inverse_diagonal, pivot, torque, new_weights, new_rotation, new_gap
             )
@@ -99,7 +99,7 @@ def newton(
         new_energy = modal_energy + local_energy - torque * new_rotation
         scale = modal_energy + local_energy + abs(torque * new_rotation)
         length = 1.0
-        if has_point and new_energy > energy + rounding * scale:
+        if has_point and new_energy >= energy - rounding * scale:
             length = _exact_step(
                 counts,
                 stiffness,
@@ -232,6 +232,23 @@ def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple
             pivot -= upper[a, rank] * upper[a, rank]
             level -= upper[a, rank] * upper[a, rank + 1]
     return pivot, level
+
+
+@njit(cache=True, fastmath=ORDER_IS_FREE, error_model="numpy")
+def _newton_point(
+    gram: Array, factor: Array, inverse_diagonal: Array, torque: float, weights: Array
+) -> tuple[float, float]:
+    """Set amplitudes, -theta and 1 at which phi would be least if no segment opened or closed; return pivot, theta."""
+    blocks, rank, _ = factor.shape
+    pivot, level = _factor_blocks(gram, factor, inverse_diagonal)
+    rotation = (torque + level) / pivot
+    for p in range(blocks):
+        for a in range(rank):
+            weights[p, a] = rotation * factor[p, a, rank] - factor[p, a, rank + 1]
+        _back_substitute(factor[p], inverse_diagonal[p], weights[p])
+        weights[p, rank] = -rotation
+        weights[p, rank + 1] = 1.0
+    return pivot, rotation
 
 
 @njit(cache=True, fastmath=ORDER_IS_FREE)

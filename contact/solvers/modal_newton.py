@@ -35,7 +35,7 @@ from .modal_system import Array, ModalPoint, ModalSystem, has_modal_form, modal_
 
 #: Iterations before giving up; two to eight are usual.
 MAX_ITERATIONS = 60
-#: A gap or a rise of phi below this, relative to its largest term, is rounding.
+#: A gap or a fall of phi below this, relative to its largest term, is rounding.
 ROUNDING = 1e-14
 
 
@@ -110,7 +110,7 @@ def _iterate(
         if not changed.any() or float(np.abs(target.gap[changed]).max()) <= level:
             refined = newton.refined(target)
             return ScaledAnswer(system.from_blocks(refined.force), refined.rotation, iteration, "modal")
-        if point is not None and target.energy > point.energy + ROUNDING * target.energy_scale:
+        if point is not None and target.energy >= point.energy - ROUNDING * target.energy_scale:
             target = system.towards(point, target, exact_step(system, point, target))
             new_active = target.gap < 0.0
         point, active = target, new_active
