@@ -38,6 +38,8 @@ from .validation import (
 if TYPE_CHECKING:
     import qpsolvers
 
+    from .modal_basis import ModalBasis
+
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
 NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 
@@ -125,6 +127,21 @@ class ContactProblem:
             return read_only(diagonal + np.einsum("ij,ij->i", factor, factor))
         return read_only(self.compliance.diagonal().copy())
 
+    @cached_property
+    def local_fraction(self) -> float:
+        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii; zero if C is dense."""
+        if not isinstance(self.compliance, tuple):
+            return 0.0
+        whole = self.compliance_diagonal
+        return float((self.compliance[0] / whole).min()) if whole.min() > 0.0 else 0.0
+
+    @cached_property
+    def modal_basis(self) -> ModalBasis | None:
+        """The factor of a structured compliance, compressed by blocks; None if the compliance is dense."""
+        from .modal_basis import modal_basis  # the rest of this module needs no scipy
+
+        return modal_basis(self.compliance[1]) if isinstance(self.compliance, tuple) else None
+
     @property
     def first_contact_rotation(self) -> float:
         """Rotation at which the rigid bodies touch first, min S/r over r > 0 [rad]: theta as the torque vanishes."""
@@ -205,7 +222,7 @@ class ContactProblem:
             compliance = self.compliance.copy()
             compliance[np.diag_indices(self.size)] += local
             read_only(compliance)
-        stale = ("scaling", "dense_compliance", "compliance_diagonal", "is_positive_semidefinite")
+        stale = ("scaling", "dense_compliance", "compliance_diagonal", "local_fraction", "is_positive_semidefinite")
         if separation is None:
             return self._changed(stale, compliance=compliance)
         separation = segment_array(separation, "separation", self.size)

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +34,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import qpsolvers
 
+    from .modal_basis import ModalBasis
     from .problem import ContactProblem
 
 #: A row sum of the compliance overstates the stiffness a segment feels, since its neighbours carry less further out.
@@ -43,13 +45,61 @@ CLIP_MARGIN = 2.0
 SAFE_ENERGY = (1e-200, 1e200)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
+class ScaledPair:
+    """The compliance diag(d) + V V^T of a problem in another unit; nothing is formed before it is asked for.
+
+    Attributes
+    ----------
+    problem : ContactProblem
+        A structured one.
+    unit : float
+        [mm/N].
+    """
+
+    problem: ContactProblem
+    unit: float
+
+    @property
+    def dense(self) -> NDArray[np.float64]:
+        """C, (n, n)."""
+        return self.problem.dense_compliance * (1.0 / self.unit)
+
+    @cached_property
+    def diagonal(self) -> NDArray[np.float64]:
+        """Local compliance d, (n)."""
+        return self.problem.compliance[0] * (1.0 / self.unit)
+
+    @property
+    def whole_diagonal(self) -> NDArray[np.float64]:
+        """Diagonal of C, (n)."""
+        return self.problem.compliance_diagonal * (1.0 / self.unit)
+
+    @property
+    def mode_count(self) -> int:
+        """Columns of V."""
+        return int(self.problem.compliance[1].shape[1])
+
+    @property
+    def modal_basis(self) -> ModalBasis:
+        """V compressed by blocks, in the unit of the problem."""
+        basis = self.problem.modal_basis
+        assert basis is not None
+        return basis
+
+    @property
+    def mode_unit(self) -> float:
+        """Factor that brings the modes to the unit of the pair."""
+        return 1.0 / math.sqrt(self.unit)
+
+
+@dataclass(frozen=True, eq=False)
 class ScaledProblem:
     """A contact problem in scaled numbers: minimise 1/2 F'CF + S'F subject to r'F = T, F >= 0.
 
     Attributes
     ----------
-    compliance : (n, n) array
+    given_compliance : (n, n) array, or ScaledPair
         Mean diagonal of order one.
     separation : (n) array
         Counted from first contact and clipped.
@@ -59,10 +109,28 @@ class ScaledProblem:
         Of the order of the number of segments in contact.
     """
 
-    compliance: NDArray[np.float64]
+    given_compliance: NDArray[np.float64] | ScaledPair
     separation: NDArray[np.float64]
     lever_arm: NDArray[np.float64]
     torque: float
+
+    @cached_property
+    def compliance(self) -> NDArray[np.float64]:
+        """C as an (n, n) array."""
+        given = self.given_compliance
+        return given.dense if isinstance(given, ScaledPair) else given
+
+    @property
+    def pair(self) -> ScaledPair | None:
+        """The compliance as diagonal and factor, if it was given so."""
+        return self.given_compliance if isinstance(self.given_compliance, ScaledPair) else None
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether no number has overflowed."""
+        # No entry of a positive semidefinite matrix exceeds its diagonal.
+        compliance = self.compliance if self.pair is None else self.pair.whole_diagonal
+        return bool(np.isfinite(self.separation).all() and np.isfinite(compliance).all() and math.isfinite(self.torque))
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the qpsolvers problem, with csc matrices if `sparse`."""
@@ -155,7 +223,11 @@ class Scaling:
             separation = np.minimum(separation, self.separation_limit)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             return ScaledProblem(
-                problem.dense_compliance * (1.0 / self.compliance),
+                (
+                    ScaledPair(problem, self.compliance)
+                    if problem.is_structured
+                    else problem.dense_compliance * (1.0 / self.compliance)
+                ),
                 separation / self.gap,
                 problem.lever_arm * (1.0 / self.lever_arm),
                 problem.torque / self.lever_arm / self.force,

@@ -1,8 +1,10 @@
 """The native solver: a cascade of methods, the fast one first, each answer certified before it is believed.
 
-1. Primal-dual active set from the warm start, or from the Winkler estimate.
-2. Primal active set, which cannot cycle.
-3. Interior point, with an exact polish on the active set it finds.
+1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
+   from the Winkler estimate.
+2. Primal-dual active set, from the same start.
+3. Primal active set, which cannot cycle.
+4. Interior point, with an exact polish on the active set it finds.
 
 The cascade ends at the first answer whose certificate is at rounding level; otherwise the best one is judged.
 """
@@ -20,12 +22,13 @@ from ...core.errors import InputError
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
 from .interior_point import interior_point
+from .modal_newton import modal_newton
 from .polish import polish
 from .primal_active_set import primal_active_set
 from .primal_dual_active_set import primal_dual_active_set
 
 #: Methods by name, in the order of the cascade.
-METHODS = ("primal_dual_active_set", "primal_active_set", "interior_point")
+METHODS = ("modal", "primal_dual_active_set", "primal_active_set", "interior_point")
 
 
 def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[str, Any]) -> Iterator[ScaledAnswer]:
@@ -55,6 +58,7 @@ def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[st
 
 def _answers(problem: ScaledProblem, active: NDArray[np.bool_], methods: tuple[str, ...]) -> Iterator[ScaledAnswer]:
     stages: dict[str, Callable[[], Iterator[ScaledAnswer | None]]] = {
+        "modal": lambda: iter((modal_newton(problem, active),)),
         "primal_dual_active_set": lambda: iter((primal_dual_active_set(problem, active),)),
         "primal_active_set": lambda: iter((primal_active_set(problem, active) if problem.torque > 0.0 else None,)),
         "interior_point": lambda: _interior_point_answers(problem),

@@ -6,7 +6,6 @@ import difflib
 import importlib
 import importlib.util
 from dataclasses import replace
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -115,7 +114,7 @@ def solve(
             problem, name, nothing, 0.0, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact"
         )
     scaled = problem.scaling.scale(problem)
-    if not (np.isfinite(scaled.separation).all() and np.isfinite(scaled.compliance).all() and isfinite(scaled.torque)):
+    if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
     if name == "native":
         try:
@@ -137,7 +136,9 @@ def _solve_native(
         if best.certificate.worst <= ROUNDING_LEVEL:
             break
     if best is None:
-        best = no_solution(problem.size, Status.NOT_CONVERGED, "native", tolerance=EXACT_TOLERANCE)
+        best = no_solution(
+            problem.size, Status.NOT_CONVERGED, "native", message="no method had an answer", tolerance=EXACT_TOLERANCE
+        )
     if not best.certified and _is_unbounded(scaled):
         return no_solution(
             problem.size,

@@ -47,7 +47,7 @@ class SolverSettings:
 _EXTRA = "easeoff[solvers]"
 
 SOLVERS: dict[str, SolverSettings] = {
-    "native": SolverSettings("", "easeoff", "primal-dual active set with certified fallbacks, dense"),
+    "native": SolverSettings("", "easeoff", "modal Newton or primal-dual active set, with certified fallbacks"),
     "clarabel": SolverSettings(
         "clarabel",
         "clarabel",
