@@ -44,6 +44,25 @@ SAFE_ENERGY = (1e-200, 1e200)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class ScaledStructure:
+    """The parts of a structured compliance in scaled numbers: C = diag(d) + w V V^T.
+
+    Attributes
+    ----------
+    diagonal : (n) array
+        d.
+    factor : (n, k) array
+        V.
+    weight : float
+        w, one or one half: the square root of a power of two may be none, and no bit shall be lost.
+    """
+
+    diagonal: NDArray[np.float64]
+    factor: NDArray[np.float64]
+    weight: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class ScaledProblem:
     """A contact problem in scaled numbers: minimise 1/2 F'CF + S'F subject to r'F = T, F >= 0.
 
@@ -57,12 +76,15 @@ class ScaledProblem:
         Mean of order one.
     torque : float
         Of the order of the number of segments in contact.
+    structure : ScaledStructure or None
+        The parts of the compliance, where the problem was given by them.
     """
 
     compliance: NDArray[np.float64]
     separation: NDArray[np.float64]
     lever_arm: NDArray[np.float64]
     torque: float
+    structure: ScaledStructure | None = None
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the qpsolvers problem, with csc matrices if `sparse`."""
@@ -159,7 +181,17 @@ class Scaling:
                 separation / self.gap,
                 problem.lever_arm * (1.0 / self.lever_arm),
                 problem.torque / self.lever_arm / self.force,
+                self._structure(problem),
             )
+
+    def _structure(self, problem: ContactProblem) -> ScaledStructure | None:
+        if not isinstance(problem.compliance, tuple):
+            return None
+        diagonal, factor = problem.compliance
+        root = math.ldexp(1.0, (math.frexp(self.compliance)[1] - 1) // 2)
+        return ScaledStructure(
+            diagonal * (1.0 / self.compliance), factor * (1.0 / root), root * (root / self.compliance)
+        )
 
     def unscale(self, force: NDArray[np.float64], rotation: float) -> tuple[NDArray[np.float64], float]:
         """Return forces [N] and rotation [rad] from their scaled values."""
