@@ -12,6 +12,7 @@ from .lifted_form import LiftedQP, lifted_qp
 from .line_contact_solution import solve_line_contact
 from .loaded import loaded_contact, loaded_fields
 from .problem import ContactProblem
+from .programme_file import read_npz, write_npz
 from .segments import lines_in_mesh
 from .solvers import ContactSolution, Status, available_solvers, solve
 from .unloaded import unloaded_contact
@@ -34,9 +35,11 @@ __all__ = [
     "loaded_contact",
     "loaded_fields",
     "read_labels",
+    "read_npz",
     "read_problems",
     "solve",
     "solve_line_contact",
     "unloaded_contact",
+    "write_npz",
     "write_problems",
 ]

@@ -59,8 +59,8 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
     name : str
     problem : ScaledProblem
     form : str
-        ``"dense"``, ``"lifted"``, or ``"auto"``: lifted where the compliance is structured and the problem so large
-        that the backend gains, by the table of settings.
+        ``"dense"``, ``"lifted"``, or ``"auto"``: lifted where the compliance is structured, with fewer modes than
+        segments, and the problem so large that the backend gains, by the table of settings.
 
     Raises
     ------
@@ -80,7 +80,8 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
             )
         return "lifted"
     if form == "auto" and least is not None and problem.structure is not None:
-        return "lifted" if problem.separation.size >= least else "dense"
+        size, modes = problem.structure.factor.shape
+        return "lifted" if size >= least and modes < size else "dense"
     return "dense"
 
 

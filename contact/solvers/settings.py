@@ -58,7 +58,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "interior point, sparse",
         sparse=True,
         tolerance=APPROXIMATE_TOLERANCE,
-        lifted_from=100,
+        lifted_from=150,
         settings={
             "tol_gap_abs": 1e-11,
             "tol_gap_rel": 1e-11,
@@ -74,7 +74,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "alternating direction method of multipliers, sparse",
         sparse=True,
         tolerance=1e-7,
-        lifted_from=100,
+        lifted_from=250,
         settings={
             "eps_abs": 1e-10,
             "eps_rel": 1e-10,
@@ -95,8 +95,14 @@ SOLVERS: dict[str, SolverSettings] = {
         "piqp",
         "proximal interior point, dense or sparse",
         tolerance=APPROXIMATE_TOLERANCE,
-        lifted_from=100,
-        settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "max_iter": 500},
+        lifted_from=250,
+        settings={
+            "eps_abs": 1e-11,
+            "eps_rel": 1e-11,
+            "eps_duality_gap_abs": 1e-11,
+            "eps_duality_gap_rel": 1e-11,
+            "max_iter": 500,
+        },
     ),
     "proxqp": SolverSettings(
         "proxsuite",
@@ -126,7 +132,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "splitting cone solver, sparse",
         sparse=True,
         tolerance=1e-7,
-        lifted_from=100,
+        lifted_from=250,
         settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
     ),
     "cvxpy": SolverSettings(
