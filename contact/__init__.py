@@ -5,9 +5,9 @@ The contact problem stands on its own: ``ContactProblem``, ``solve`` and ``certi
 
 from .bending import ElasticModel
 from .certificate import Certificate, certify
+from .complementarity_form import LCP, lcp
 from .dual_form import DualQP, dual_qp
 from .exchange import read_labels, read_problems, write_problems
-from .complementarity_form import LCP, lcp
 from .lifted_form import LiftedQP, lifted_qp
 from .line_contact_solution import solve_line_contact
 from .loaded import loaded_contact, loaded_fields

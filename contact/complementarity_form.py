@@ -12,10 +12,10 @@ j being all other segments. What remains are n unknowns z = (F_j, Y_k) with the 
     M = [ C_jj - C_jk p' - p C_kj + C_kk p p'   p ]       q = [ S_j - p S_k + t (C_jk - C_kk p) ]
         [ -p'                                   0 ],          [ t                               ].
 
-The upper left block is B'C B, where B maps F_j to forces in balance without torque: M is positive semidefinite, for any
-signs of the lever arms. Splitting theta into two positive parts would need no such segment, but makes n + 2 unknowns and
-a set of solutions without bound. The start z = 0 is the state in which segment k carries all, and q_j < 0 the
-penetration it leaves. As r_k > 0 and T >= 0, the problem has a solution wherever the programme is bounded below.
+The upper left block is B'C B, where B maps F_j to forces in balance without torque: M is positive semidefinite, for
+any signs of the lever arms. Splitting theta into two positive parts would need no such segment, but makes n + 2
+unknowns and a set of solutions without bound. The start z = 0 is the state in which segment k carries all, and q_j < 0
+the penetration it leaves. As r_k > 0 and T >= 0, the problem has a solution wherever the programme is bounded below.
 
 R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem (1992), doi 10.1137/1.9780898719000.
 """

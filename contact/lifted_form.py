@@ -4,10 +4,10 @@ For C = diag(d) + V V^T and z = V^T F,
 
     minimise 1/2 F'diag(d) F + 1/2 z'z + S'F   subject to   r'F = T,  V'F - z = 0,  F >= 0.
 
-No matrix has more than n k entries. Interior-point and splitting methods for sparse matrices then need O(n) steps where
-the dense form costs them O(n^3). The multiplier of the first equality is minus theta, those of the bounds of F are minus
-the gaps: with the multipliers y of the other equalities, stationarity in z says y = z, and stationarity in F then reads
-C F + S - theta r = Y.
+No matrix has more than n k entries beside a diagonal. Interior-point and splitting methods for sparse matrices then
+take O(n) operations a step where the dense form costs them O(n^3). The multiplier of the first equality is minus theta,
+those of the bounds of F are minus the gaps: with the multipliers y of the other equalities, stationarity in z says
+y = z, and stationarity in F then reads C F + S - theta r = Y.
 
 V often has far fewer directions than columns: along a line of contact, a sum of smooth modes is a polynomial of low
 degree. `compressed_factor` keeps those that matter.
@@ -63,7 +63,7 @@ class LiftedQP:
             An array of the wrong shape.
         """
         unknowns = vector_of(x, "x", self.programme.q.size)
-        multipliers = vector_of(y, "y", self.programme.b.size)
+        multipliers = vector_of(y, "y", unknowns.size - self.problem.size + 1)
         return recovered(self.problem, unknowns[: self.problem.size], -float(multipliers[0]))
 
 
@@ -135,12 +135,13 @@ def compressed_factor(factor: NDArray[np.float64]) -> NDArray[np.float64]:
         Each group of segments that share no mode with the others, such as those of one tooth pair, has columns of its
         own, from its singular value decomposition.
     """
-    from scipy import sparse
+    from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
 
     size, modes = factor.shape
-    pattern = sparse.csr_array(factor != 0.0)
-    graph = sparse.block_array([[None, pattern], [pattern.T, None]]) if modes else sparse.csr_array((size, size))
+    rows, own = factor.nonzero()
+    # Segments and modes are the nodes, an entry of V joins two of them.
+    graph = csr_matrix((np.ones(rows.size), (rows, size + own)), shape=(size + modes, size + modes))
     count, group = connected_components(graph, directed=False)
     columns = []
     for number in range(count):

@@ -1,8 +1,8 @@
 """The arrays of a file of contact problems, also one that another program wrote with less care.
 
 What can be told from the numbers need not be said: without ``size`` a problem ends where its separations do, without
-``structured`` the form is that of the compliance that is there, without ``mode_count`` the factor ends where its numbers
-do. Dimensions may come in another order. Units may be left out, but other units are refused, not guessed at.
+``structured`` the form is that of the compliance that is there, without ``mode_count`` the factor ends where its
+numbers do. Dimensions may come in another order. Units may be left out, but other units are refused, not guessed at.
 """
 
 from __future__ import annotations
@@ -86,6 +86,7 @@ def _array(dataset: xr.Dataset, name: str) -> NDArray[Any]:
 
 
 def _length(present: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Length of each row up to its last entry that is present; at least one, so that an empty row is reported as such."""
-    length = present.shape[1] - np.argmax(present[:, ::-1], axis=1)
-    return np.where(present.any(axis=1), length, min(1, present.shape[1]))
+    """Length of each row up to its last entry that is present; an empty row counts as one, to be refused later."""
+    width = present.shape[1]
+    length: NDArray[np.intp] = np.where(present.any(axis=1), width - np.argmax(present[:, ::-1], axis=1), min(1, width))
+    return length

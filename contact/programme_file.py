@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +27,6 @@ from ..core.files import whole_file
 from .dual_form import dual_qp
 from .lifted_form import lifted_qp
 from .problem import ContactProblem
-
-if TYPE_CHECKING:
-    import qpsolvers
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
@@ -94,7 +91,7 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
         raise InputError(f"{path} is not a NumPy file with a quadratic programme: {error}") from error
 
 
-def _programme(problem: ContactProblem, form: str) -> qpsolvers.Problem:
+def _programme(problem: ContactProblem, form: str) -> Any:
     if form not in FORMS:
         raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
     if form == "dense":

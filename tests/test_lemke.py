@@ -37,9 +37,37 @@ def test_coarser_ties_do_not_cycle_either() -> None:
         pick = rng.integers(0, max(n // 3, 1), n)
         factor = rng.integers(0, 2, (n, 2)).astype(float)[pick]
         separation = rng.integers(0, 2, n).astype(float)[pick] * rng.integers(0, 2)
-        problem = ContactProblem(separation, np.ones(n), float(rng.integers(1, 4)), (np.ones(n), factor))
+        problem = ContactProblem(separation.astype(float), np.ones(n), float(rng.integers(1, 4)), (np.ones(n), factor))
         solution = solve(problem, "lemke", polish=False)
         assert solution.certificate.worst < 1e-12
+
+
+def test_cycle_of_kostreva_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """M. M. Kostreva, Cycling in linear complementarity problems, Mathematical Programming 16 (1979) 127-130."""
+    matrix, vector = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]]), -np.ones(3)
+    result = lemke(matrix, vector, 10)
+    assert result.ended == "solved"
+    np.testing.assert_allclose(result.z, np.full(3, 1.0 / 3.0), rtol=1e-15)
+    monkeypatch.setattr("easeoff.contact.solvers.lemke._lexicographic_row", lambda tableau, rows, column: int(rows[0]))
+    assert lemke(matrix, vector, 1000).ended == "pivot limit"
+
+
+def test_semidefinite_problems_full_of_ties_all_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Skew matrices of small integers with one right side in all rows; without the rule some go round for ever."""
+
+    def unfinished() -> int:
+        rng = np.random.default_rng(0)
+        ends = []
+        for _ in range(1000):
+            n = int(rng.integers(4, 8))
+            root = rng.integers(-2, 3, (n, int(rng.integers(1, n + 1)))).astype(float) * rng.integers(0, 2)
+            skew = np.triu(rng.integers(-2, 3, (n, n)), 1).astype(float)
+            ends.append(lemke(root @ root.T + skew - skew.T, -np.ones(n), 200).ended)
+        return ends.count("pivot limit")
+
+    assert unfinished() == 0
+    monkeypatch.setattr("easeoff.contact.solvers.lemke._lexicographic_row", lambda tableau, rows, column: int(rows[0]))
+    assert unfinished() > 0
 
 
 def test_solution_is_that_of_trying_every_basis() -> None:

@@ -20,7 +20,6 @@ from .answer import ScaledAnswer
 from .settings import SOLVERS
 from .status import Status
 
-
 #: Forms in which a backend may get the problem.
 FORMS = ("auto", "dense", "lifted")
 
