@@ -13,8 +13,8 @@ constraint the gaps Y: it is the principle of minimum potential energy, without 
 is the rotation itself, and the multipliers of the constraint are F once more. No matrix is inverted. The minimal value
 is minus that of the primal.
 
-The Hessian is singular in theta, which is free: methods that need a positive definite one (DAQP, quadprog) cannot take
-this form; interior-point and splitting methods can.
+The Hessian is singular in theta, which is free: methods that need a positive definite one cannot take this form;
+interior-point and splitting methods can, and active-set methods that regularise.
 
 W. S. Dorn, Duality in quadratic programming, Quarterly of Applied Mathematics 18 (1960) 155-162.
 """
