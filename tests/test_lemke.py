@@ -42,8 +42,8 @@ def test_coarser_ties_do_not_cycle_either() -> None:
         assert solution.certificate.worst < 1e-12
 
 
-def test_cycle_of_kostreva_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """M. M. Kostreva, Cycling in linear complementarity problems, Mathematical Programming 16 (1979) 127-130."""
+def test_rule_for_ties_breaks_a_cycle(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cyclic matrix on which pivoting that takes the first of tied rows goes round for ever."""
     matrix, vector = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]]), -np.ones(3)
     result = lemke(matrix, vector, 10)
     assert result.ended == "solved"

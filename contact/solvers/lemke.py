@@ -4,7 +4,7 @@ The tableau of w - M z - d z0 = q, d = 1, is pivoted from w = q + z0 d, z = 0 un
 After each pivot the complement of the variable that left enters. Ties in the ratio test are broken lexicographically
 over the columns of the inverse basis, so that no basis can come back and the method ends, whatever the degeneracy. With
 a positive semidefinite M it ends in a solution, or on a ray, which proves that there is none (Lemke 1965, doi
-10.1287/mnsc.11.7.681; Cottle, Pang and Stone 1992, sections 4.4 and 4.9, doi 10.1137/1.9780898719000).
+10.1287/mnsc.11.7.681; Cottle, Pang and Stone 1992, chapter 4, doi 10.1137/1.9780898719000).
 
 A pivot costs O(n^2), and about as many are needed as segments touch: two milliseconds at n = 100, a tenth of a second
 at n = 400, two seconds at n = 1000. Conry and Seireg (1971) solved the contact of gears by such a tableau.
