@@ -38,6 +38,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..core.errors import InputError
 from ..core.files import whole_file
 from .problem import ContactProblem
+from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES
 
 FORMAT = "easeoff contact problems"
@@ -82,15 +83,18 @@ def write_problems(
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
     """Read the contact problems of a file, identical to those written.
 
+    A file that another program wrote may leave out the global attributes, the units, ``size``, ``structured`` and
+    ``mode_count``; see `problem_arrays`.
+
     Raises
     ------
     InputError
-        The file cannot be read, was not written by `write_problems`, or holds data that are no contact problem.
+        The file cannot be read, lacks a variable, has other units, or holds data that are no contact problem.
     """
     with _opened(path) as dataset:
         try:
-            data = {str(name): dataset[name].to_numpy() for name in dataset.variables}
-            return [_problem(data, i) for i in range(dataset.sizes["problem"])]
+            data = problem_arrays(dataset)
+            return [_problem(data, i) for i in range(data["separation"].shape[0])]
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
         except (KeyError, IndexError, ValueError) as error:
@@ -170,7 +174,10 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
         compliance = (data["compliance_diagonal"][i, :n], factor)
     else:
         compliance = data["compliance"][i, :n, :n]
-    return ContactProblem(data["separation"][i, :n], data["lever_arm"][i, :n], data["torque"][i], compliance)
+    try:
+        return ContactProblem(data["separation"][i, :n], data["lever_arm"][i, :n], data["torque"][i], compliance)
+    except InputError as error:
+        raise InputError(f"problem {i}: {error}") from error
 
 
 @contextlib.contextmanager
@@ -183,7 +190,13 @@ def _opened(path: str | os.PathLike[str]) -> Any:
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{path} is not a netCDF file: {error}") from error
     with dataset:
-        if dataset.attrs.get("format") != FORMAT:
+        name = dataset.attrs.get("format")
+        if name is None:
+            try:
+                require_arrays(dataset)
+            except InputError as error:
+                raise InputError(f"{path} holds no contact problems: {error}") from error
+        elif name != FORMAT:
             raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
         version = int(dataset.attrs.get("format_version", 0))
         if version > FORMAT_VERSION:

@@ -70,6 +70,20 @@ class ScaledPair:
         """Local compliance d, (n)."""
         return self.problem.compliance[0] * (1.0 / self.unit)
 
+    @cached_property
+    def factor(self) -> NDArray[np.float64]:
+        """V, (n, k): C = diag(d) + w V V^T with the weight w."""
+        return self.problem.compliance[1] * (1.0 / self._root)
+
+    @property
+    def weight(self) -> float:
+        """Weight w of the factor, one or one half: the root of a power of two may be none, and no bit shall be lost."""
+        return self._root * (self._root / self.unit)
+
+    @property
+    def _root(self) -> float:
+        return math.ldexp(1.0, (math.frexp(self.unit)[1] - 1) // 2)
+
     @property
     def whole_diagonal(self) -> NDArray[np.float64]:
         """Diagonal of C, (n)."""

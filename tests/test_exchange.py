@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import netCDF4
@@ -136,3 +138,67 @@ def test_damaged_files_are_refused(tmp_path: Path, change: object, word: str) ->
         change(dataset.load()).to_netcdf(damaged, engine="netcdf4")
     with pytest.raises(InputError, match=word):
         read_problems(damaged)
+
+
+def foreign(written: list[ContactProblem], tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> Path:
+    """A file as another program might have written it."""
+    path, other = tmp_path / "problems.nc", tmp_path / "foreign.nc"
+    write_problems(written, path)
+    with xr.open_dataset(path, engine="netcdf4") as dataset:
+        changed = change(dataset.load())
+        for variable in changed.variables.values():
+            variable.encoding.clear()
+        changed.to_netcdf(other, engine="netcdf4")
+    return other
+
+
+def without_attributes(dataset: xr.Dataset) -> xr.Dataset:
+    bare = dataset.drop_attrs()
+    return bare.drop_vars([name for name in ("size", "structured", "mode_count") if name in bare])
+
+
+@pytest.mark.parametrize("kind", ["mixed", "dense", "structured"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda ds: ds.drop_attrs(),
+        without_attributes,
+        lambda ds: without_attributes(ds).transpose(),
+        lambda ds: ds.assign_attrs(format_version=1).drop_vars("mode_count"),
+    ],
+)
+def test_file_of_another_program_reads_without_what_can_be_told_from_the_numbers(
+    tmp_path: Path, kind: str, change: Callable[[xr.Dataset], xr.Dataset]
+) -> None:
+    written = {"mixed": ragged(), "dense": dense(), "structured": list(problems("plain", 5))}[kind]
+    read = read_problems(foreign(written, tmp_path, change))
+    assert len(read) == len(written)
+    assert all(a.identical(b) for a, b in zip(read, written, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda ds: without_attributes(ds).drop_vars("torque"), "no contact problems.*without torque"),
+        (lambda ds: without_attributes(ds).drop_vars("compliance"), "without compliance"),
+        (lambda ds: ds.assign(separation=ds["separation"].assign_attrs(units="m")), "separation is in 'm'.*'mm'"),
+        (lambda ds: ds.assign(torque=ds["torque"].assign_attrs(units="N m")), "torque is in 'N m'.*'N mm'"),
+        (lambda ds: ds.assign(lever_arm=ds["torque"]), r"lever_arm has the dimensions \(problem\)"),
+        (lambda ds: ds.assign(compliance=-ds["compliance"]), "problem 0: compliance"),
+        (lambda ds: ds.assign(lever_arm=ds["lever_arm"].isel(problem=[0, 1]).rename(problem="p")), "2 problems"),
+    ],
+)
+def test_what_cannot_be_told_is_asked_for_by_name(
+    tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        read_problems(foreign(dense(), tmp_path, change))
+
+
+def test_thousands_of_problems_stay_exact_in_one_file(tmp_path: Path) -> None:
+    written = [problem for name in ("realistic", "random_dense") for problem in problems(name, 1000)]
+    start = time.process_time()
+    write_problems(written, tmp_path / "many.nc")
+    read = read_problems(tmp_path / "many.nc")
+    assert all(a.identical(b) for a, b in zip(read, written, strict=True))
+    assert time.process_time() - start < 20.0  # a second or so; a method that opens the file per problem takes minutes

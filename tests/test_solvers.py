@@ -34,6 +34,7 @@ ROTATION_AGREEMENT = {
     "highs": 1e-12,
     "scs": 1e-8,
     "cvxpy": 1e-8,
+    "lemke": 1e-12,
 }
 POLISHED_AGREEMENT = 1e-13
 

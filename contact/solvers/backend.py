@@ -13,10 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from ...core.errors import InputError
+from ..lifted_form import lifted_programme
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
 from .settings import SOLVERS
 from .status import Status
+
+#: Forms in which a backend may get the problem.
+FORMS = ("auto", "dense", "lifted")
 
 
 class NoAnswerError(Exception):
@@ -28,15 +33,55 @@ class NoAnswerError(Exception):
 
 
 def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> Any:
-    """Solve with the named backend and return the `qpsolvers.Solution`, found or not."""
+    """Solve with the named backend and return the `qpsolvers.Solution`, found or not.
+
+    The setting ``form`` chooses the dense form, which is the default, or the lifted one.
+    """
     import qpsolvers
 
+    options = dict(settings)
+    if options.pop("form", "dense") == "lifted":
+        programme = lifted_programme(problem, compress=True)
+    else:
+        programme = problem.as_qp(sparse=SOLVERS[name].sparse)
     with warnings.catch_warnings():
         # "Not found" comes as a warning too; here it becomes a status.
         warnings.simplefilter("ignore")
-        return qpsolvers.solve_problem(
-            problem.as_qp(sparse=SOLVERS[name].sparse), solver=name, verbose=False, **settings
-        )
+        return qpsolvers.solve_problem(programme, solver=name, verbose=False, **options)
+
+
+def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
+    """Return the form in which a backend gets a problem, ``"dense"`` or ``"lifted"``.
+
+    Parameters
+    ----------
+    name : str
+    problem : ScaledProblem
+    form : str
+        ``"dense"``, ``"lifted"``, or ``"auto"``: lifted where the compliance is structured, with fewer modes than
+        segments, and the problem so large that the backend gains, by the table of settings.
+
+    Raises
+    ------
+    InputError
+        An unknown form, or one that the backend or the problem cannot have.
+    """
+    if form not in FORMS:
+        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    least = SOLVERS[name].lifted_from
+    if form == "lifted":
+        if least is None:
+            able = ", ".join(other for other, entry in SOLVERS.items() if entry.lifted_from is not None)
+            raise InputError(f"{name} takes the dense form only; the lifted one is for {able}")
+        if problem.pair is None:
+            raise InputError(
+                "form='lifted' needs a structured compliance, the pair (d, V); this one is a single dense matrix"
+            )
+        return "lifted"
+    if form == "auto" and least is not None and problem.pair is not None:
+        size, modes = problem.separation.size, problem.pair.mode_count
+        return "lifted" if size >= least and modes < size else "dense"
+    return "dense"
 
 
 def read_answer(
@@ -58,12 +103,14 @@ def read_answer(
         suspicion = Status.SOLVER_FAILED
     if solution.x is None or not np.isfinite(solution.x).all():
         raise NoAnswerError(message, suspicion)
-    force = np.asarray(solution.x, dtype=np.float64)
+    # In the lifted form the unknowns behind the forces are the modal amplitudes, which have no bounds.
+    unknowns = np.asarray(solution.x, dtype=np.float64)
+    force = unknowns[np.isfinite(solution.problem.lb)]
     rotation = math.nan if solution.y is None or len(solution.y) == 0 else -float(solution.y[0])
     if not math.isfinite(rotation):
         problem = solution.problem
         torque = float(problem.b[0])
         if not torque > 0.0:
             raise NoAnswerError(message, suspicion)
-        rotation = float(force @ (problem.P @ force) + problem.q @ force) / torque
+        rotation = float(unknowns @ (problem.P @ unknowns) + problem.q @ unknowns) / torque
     return ScaledAnswer(force, rotation, iterations, message, None if solution.found else suspicion)

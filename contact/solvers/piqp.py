@@ -33,5 +33,5 @@ def _check(settings: Mapping[str, Any]) -> None:
 
     known = piqp.DenseSolver().settings
     for name in settings:
-        if name != "backend" and not hasattr(known, name):
+        if name not in ("backend", "form") and not hasattr(known, name):
             raise InputError(f"piqp has no setting {name!r}")

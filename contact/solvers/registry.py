@@ -17,7 +17,7 @@ from ..problem import ContactProblem
 from ..scaling import ScaledProblem
 from . import native
 from .answer import ScaledAnswer
-from .backend import NoAnswerError
+from .backend import FORMS, NoAnswerError, chosen_form
 from .judge import judge
 from .polish import polish as polish_answer
 from .settings import SOLVERS
@@ -59,6 +59,7 @@ def solve(
     *,
     polish: bool = True,
     initial_active: ArrayLike | None = None,
+    form: str = "auto",
     **settings: Any,
 ) -> ContactSolution:
     """Solve a contact problem and prove the answer.
@@ -74,6 +75,10 @@ def solve(
     initial_active : (n) bool array or array of indices, optional
         Segments thought to touch, from a neighbouring problem; a warm start of the native solver, ignored by the
         others.
+    form : str
+        What a backend gets of a structured problem: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
+        `lifted_qp`, which clarabel, osqp, piqp and scs can take; ``"auto"``, the lifted one from the size in the table
+        of settings on.
     **settings
         Passed to the backend on top of the settings of the table; for the native solver, ``method``.
 
@@ -86,7 +91,8 @@ def solve(
     Raises
     ------
     InputError
-        Unknown solver or setting, or an initial set of the wrong shape.
+        Unknown solver or setting, an initial set of the wrong shape, or a form that the solver or the problem cannot
+        have.
     MissingSolverError
         The solver is not installed.
 
@@ -99,6 +105,8 @@ def solve(
     ('CERTIFIED', 1000.0, 40.0)
     """
     name = require_solver(solver)
+    if form not in FORMS:
+        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
     active = None if initial_active is None else _as_mask(initial_active, problem.size)
     if not problem.is_positive_semidefinite:
         return no_solution(
@@ -116,12 +124,13 @@ def solve(
     scaled = problem.scaling.scale(problem)
     if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
+    chosen = chosen_form(name, scaled, form)
     if name == "native":
         try:
             return _solve_native(problem, scaled, active, settings)
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
-    return _solve_backend(problem, scaled, name, polish, settings)
+    return _solve_backend(problem, scaled, name, polish, chosen, settings)
 
 
 def _solve_native(
@@ -151,12 +160,15 @@ def _solve_native(
 
 
 def _solve_backend(
-    problem: ContactProblem, scaled: ScaledProblem, name: str, polish: bool, settings: dict[str, Any]
+    problem: ContactProblem, scaled: ScaledProblem, name: str, polish: bool, form: str, settings: dict[str, Any]
 ) -> ContactSolution:
     entry = SOLVERS[name]
+    options = {**entry.settings, **settings}
+    if form == "lifted":
+        options["form"] = form
     adapter = importlib.import_module(f".{name}", __package__)
     try:
-        answer: ScaledAnswer = adapter.solve_scaled(scaled, {**entry.settings, **settings})
+        answer: ScaledAnswer = adapter.solve_scaled(scaled, options)
     except InputError:
         raise
     except NoAnswerError as error:

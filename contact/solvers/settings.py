@@ -23,7 +23,7 @@ class SolverSettings:
     Attributes
     ----------
     package : str
-        Importable package it needs; empty for the native solver.
+        Importable package it needs; empty for the solvers of this package.
     requirement : str
         What pip installs to get it.
     kind : str
@@ -32,6 +32,9 @@ class SolverSettings:
         Whether it wants sparse matrices.
     tolerance : float
         Certificate an unpolished answer must reach to be accepted.
+    lifted_from : int or None
+        Number of segments from which a structured problem is given in the lifted form; None for a solver that takes
+        the dense form only.
     settings : mapping
         Keywords passed to it; what the caller gives comes on top.
     """
@@ -41,6 +44,7 @@ class SolverSettings:
     kind: str
     sparse: bool = False
     tolerance: float = EXACT_TOLERANCE
+    lifted_from: int | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -54,6 +58,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "interior point, sparse",
         sparse=True,
         tolerance=APPROXIMATE_TOLERANCE,
+        lifted_from=150,
         settings={
             "tol_gap_abs": 1e-11,
             "tol_gap_rel": 1e-11,
@@ -69,6 +74,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "alternating direction method of multipliers, sparse",
         sparse=True,
         tolerance=1e-7,
+        lifted_from=250,
         settings={
             "eps_abs": 1e-10,
             "eps_rel": 1e-10,
@@ -87,9 +93,16 @@ SOLVERS: dict[str, SolverSettings] = {
     "piqp": SolverSettings(
         "piqp",
         "piqp",
-        "proximal interior point, dense",
+        "proximal interior point, dense or sparse",
         tolerance=APPROXIMATE_TOLERANCE,
-        settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "max_iter": 500},
+        lifted_from=250,
+        settings={
+            "eps_abs": 1e-11,
+            "eps_rel": 1e-11,
+            "eps_duality_gap_abs": 1e-11,
+            "eps_duality_gap_rel": 1e-11,
+            "max_iter": 500,
+        },
     ),
     "proxqp": SolverSettings(
         "proxsuite",
@@ -119,6 +132,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "splitting cone solver, sparse",
         sparse=True,
         tolerance=1e-7,
+        lifted_from=250,
         settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
     ),
     "cvxpy": SolverSettings(
@@ -127,5 +141,11 @@ SOLVERS: dict[str, SolverSettings] = {
         "modelling language, by default with clarabel",
         tolerance=APPROXIMATE_TOLERANCE,
         settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
+    ),
+    "lemke": SolverSettings(
+        "",
+        "easeoff",
+        "Lemke's complementary pivoting, dense, to 1000 segments",
+        settings={"max_pivots": 10_000},
     ),
 }
