@@ -1,0 +1,1 @@
+"""Comparison of solvers on contact problems: run, table, report."""
