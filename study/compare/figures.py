@@ -81,7 +81,7 @@ def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
 def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     """Run time against the number of segments with fitted powers, a panel for each settings."""
     panels = _panels(problems)
-    note = "a point: median of the repetitions of one certified problem; a line: fitted power of n"
+    note = "points: certified problems, median of the repetitions; lines: fitted power n^..., or medians where none is given"
     figure = _page("Run time", "wall time of the whole call against the number of segments n", note, len(panels))
     grid = figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
@@ -91,13 +91,16 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
             known = np.isfinite(time)
             style = _style(method, problems)
             fit = growth(size, time)
-            label = _name(method) if fit is None else f"{_name(method)}  n^{fit[1]:.1f}".replace("-", "−")
+            label = _name(method) if fit is None else f"{_name(method)}  n^{fit[1]:.2f}".replace("-", "−")
             if not known.any():
                 label = f"{_name(method)}  none certified"
             axes.plot(size[known], 1e3 * time[known], "o", ms=2.4, mew=0, alpha=0.55, color=style["color"])
-            ends = np.array([size.min(), size.max()])
-            heights = np.full(2, np.nan) if fit is None else 1e3 * fit[0] * ends ** fit[1]
-            axes.plot(ends, heights, label=label, **style)
+            sizes = np.unique(size[known])
+            if fit is None:
+                heights = np.array([np.median(time[known & (size == one)]) for one in sizes])
+            else:
+                heights = fit[0] * sizes ** fit[1]
+            axes.plot(sizes, 1e3 * heights, label=label, **style)
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -160,7 +160,7 @@ def _failures(dataset: xr.Dataset, named: list[Method]) -> str:
         failed = found[found["certified"] == 0]
         for (claim, message), group in failed.groupby(["claim", "message"], sort=False):
             words = str(message).replace("|", "/").replace("`", "'")
-            rows.append([*method, claim, words, len(group), group["problem"].nunique()])
+            rows.append([*method, claim, words, len(group), group.groupby(["problem_file", "problem"]).ngroups])
     if not rows:
         return "None: every attempt is certified.\n"
     head = ["solver", "settings", "start", "says", "its words", "attempts", "problems"]
