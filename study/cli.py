@@ -205,7 +205,9 @@ def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str
 
 @main.command()
 @click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), default="comparison", show_default=True, help="Folder.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), default="comparison", show_default=True, help="Folder."
+)
 @click.option(
     "--solvers",
     callback=solvers,

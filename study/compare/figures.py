@@ -55,14 +55,15 @@ def write_figures(dataset: xr.Dataset, folder: Path) -> list[tuple[Path, str]]:
 def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
     """Share of problems that each method solves within a factor of the fastest, a panel for each settings."""
     panels = _panels(problems)
-    note = f"solved: certified to {dataset.attrs['tolerance']:g}"
+    note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts only"
     figure = _page("Performance profile", "share of problems solved within a factor of the fastest", note, len(panels))
     grid = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
         table = problems.pivot_table(
             index=["problem_file", "problem"], columns=["solver", "settings", "start"], values="run_time", dropna=False
         )
-        compared = table[named].dropna()  # a warm start exists only where the problem before is of the same size
+        named = [method for method in named if method[2] == "cold"]  # not every problem has a warm start
+        compared = table[named]
         factor, share = performance_profile(compared.to_numpy(dtype=float).T)
         right = max(2.0, 1.15 * factor[-1])
         for method, curve in zip(named, share, strict=True):
@@ -81,7 +82,7 @@ def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
 def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     """Run time against the number of segments with fitted powers, a panel for each settings."""
     panels = _panels(problems)
-    note = "points: certified problems, median of the repetitions; lines: fitted power n^..., or medians where none is given"
+    note = "points: certified problems; lines: their median at each size; n^...: power fitted to the larger sizes"
     figure = _page("Run time", "wall time of the whole call against the number of segments n", note, len(panels))
     grid = figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
@@ -96,13 +97,13 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
                 label = f"{_name(method)}  none certified"
             axes.plot(size[known], 1e3 * time[known], "o", ms=2.4, mew=0, alpha=0.55, color=style["color"])
             sizes = np.unique(size[known])
-            if fit is None:
-                heights = np.array([np.median(time[known & (size == one)]) for one in sizes])
-            else:
-                heights = fit[0] * sizes ** fit[1]
-            axes.plot(sizes, 1e3 * heights, label=label, **style)
+            medians = np.array([np.median(time[known & (size == one)]) for one in sizes])
+            axes.plot(sizes, 1e3 * medians, label=label, **style)
         axes.set_xscale("log")
         axes.set_yscale("log")
+        axes.set_xlim(problems["size"].min() / 1.2, problems["size"].max() * 1.2)
+        if not axes.dataLim.height > 0.0:  # nothing is certified, or one time alone
+            axes.set_ylim(0.1, 100.0)
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -140,7 +141,12 @@ def _finish(axes: Axes, settings: str, right: str, label: str) -> None:
     axes.set_title(right, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
     axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
     axes.legend(
-        loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, handlelength=2.6
+        loc="center left",
+        bbox_to_anchor=(1.01, 0.5),
+        fontsize=SMALL_SIZE,
+        frameon=False,
+        labelcolor=INK,
+        handlelength=2.6,
     )
 
 

@@ -95,16 +95,19 @@ def _success(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
                 int(found["certified"].sum()),
                 f"{100.0 * found['certified'].mean():.4g}",
                 int(found["exact"].sum()),
+                int(found["polished"].sum()),
                 int(found["false_claim"].sum()),
                 int(found["denied"].sum()),
             ]
         )
     tolerance = dataset.attrs["tolerance"]
-    head = ["solver", "settings", "start", "problems", "says solved", "certified", "%", "exact", "false claims", "denied"]
+    kinds = ["problems", "says solved", "certified", "%", "exact", "polished", "false claims", "denied"]
+    head = ["solver", "settings", "start", *kinds]
     return (
         f"{_table(head, rows)}\n*Certified*: the largest violation of a condition on the problem as it was given is "
-        f"at most {tolerance:g}, *exact*: at most {EXACT_TOLERANCE:g}, in every repetition. *False claim*: says solved, "
-        "but is not certified. *Denied*: certified, but does not say solved.\n"
+        f"at most {tolerance:g}, *exact*: at most {EXACT_TOLERANCE:g}, in every repetition. *Polished*: the answer is "
+        "that of one exact solve on the active set the solver found, which can also save a poor one. *False claim*: "
+        "says solved, but is not certified. *Denied*: certified, but does not say solved.\n"
     )
 
 
@@ -121,10 +124,10 @@ def _run_time(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
         rows.append([*method, _ms(mean), *quantiles, "-" if fit is None else f"{fit[1]:.2f}"])
     head = ["solver", "settings", "start", "mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "exponent"]
     return (
-        f"{_table(head, rows)}\n*Mean*: shifted geometric mean over the problems, shift {1e3 * SHIFT:g} ms, each problem "
-        f"with the median of its repetitions; one that is not certified counts with the time limit, {1e3 * limit:g} ms. "
-        "The other columns are over certified problems. *Exponent*: of the number of segments in the fitted run time; "
-        "a dash where the sizes are too few or too close together.\n"
+        f"{_table(head, rows)}\n*Mean*: shifted geometric mean over the problems, shift {1e3 * SHIFT:g} ms, each with "
+        f"the median of its repetitions; one that is not certified counts with the time limit, {1e3 * limit:g} ms. "
+        "The other columns are over certified problems. *Exponent*: power of the number of segments with which the run "
+        "time grows over the larger half of the sizes; a dash where they are too few or too close together.\n"
     )
 
 

@@ -121,27 +121,29 @@ def compare(
     checkpoint = Checkpoint(target / CHECKPOINT, fresh=fresh)
     made_with = machine()
     versions = {solver: solver_version(solver) for solver in chosen}
-    cells = list(_cells(posed, chosen, raw))
+    cells = []
+    for item, solver, settings, start in _cells(posed, chosen, raw):
+        active = item.before if start == "warm" else None
+        identity = key(
+            problem=item.digest,
+            active=None if active is None else active.tobytes().hex(),
+            solver=solver,
+            version=versions[solver],
+            settings=settings,
+            repetitions=repetitions,
+            time_limit=time_limit,
+            machine=made_with,
+        )
+        cells.append((identity, item, solver, settings, start))
     rows = []
     with workers(chosen) as pool:
-        for solver in chosen:
-            if ":" in solver:  # mistakes of the user come to light before any work is done
-                pool[solver].start()
-                pool[solver].stop()
-        for done, (item, solver, settings, start) in enumerate(cells, start=1):
-            active = item.before if start == "warm" else None
-            identity = key(
-                problem=item.digest,
-                active=None if active is None else active.tobytes().hex(),
-                solver=solver,
-                version=versions[solver],
-                settings=settings,
-                repetitions=repetitions,
-                time_limit=time_limit,
-                machine=made_with,
-            )
+        for solver in {cell[2] for cell in cells if checkpoint.get(cell[0]) is None}:
+            if ":" in solver:
+                pool[solver].start()  # a mistake in its name comes to light before any work is done
+        for done, (identity, item, solver, settings, start) in enumerate(cells, start=1):
             attempts = checkpoint.get(identity)
             if attempts is None:
+                active = item.before if start == "warm" else None
                 attempts = measure(pool[solver], Request(item.problem, settings, time_limit, active), repetitions)
                 checkpoint.add(identity, attempts)
             rows += [item.row(solver, settings, start, number, a) for number, a in enumerate(attempts, start=1)]
@@ -194,10 +196,12 @@ def pose(path: str | os.PathLike[str]) -> list[Posed]:
     if not problems:
         raise InputError(f"{path} holds no contact problems")
     posed: list[Posed] = []
-    before = None
+    before: NDArray[np.bool_] | None = None
     for number, problem in enumerate(problems):
         if not problem.is_positive_semidefinite:
-            raise InputError(f"{path}, problem {number}: its compliance has a negative eigenvalue, so no answer is proof")
+            raise InputError(
+                f"{path}, problem {number}: its compliance has a negative eigenvalue, so no answer can be proved"
+            )
         reference = solve(problem, "native")
         usable = before if before is not None and before.size == problem.size else None
         posed.append(Posed(Path(path).name, number, problem, problem_digest(problem), reference, usable))
@@ -216,7 +220,7 @@ def measure(worker: Worker, request: Request, repetitions: int) -> list[Attempt]
 
 
 def _cells(posed: list[Posed], solvers: list[str], raw: bool) -> Iterator[tuple[Posed, str, str, str]]:
-    """Problem, solver, settings and start of every measurement; problems outermost, so that all share any disturbance."""
+    """Problem, solver, settings and start of every measurement; problems outermost: all share a disturbance."""
     for item in posed:
         for solver in solvers:
             if solver == "native":

@@ -37,6 +37,8 @@ def by_problem(dataset: xr.Dataset) -> Any:
         Some repetition says it solved the problem and is not certified.
     denied : bool
         Some repetition is certified though it does not say solved.
+    polished : bool
+        Every repetition gave a polished answer.
     run_time : float
         Median over the repetitions [s]; infinite unless certified.
     """
@@ -55,6 +57,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
         claims=("claims", "all"),
         certified=("certified", "all"),
         exact=("exact", "all"),
+        polished=("polished", "all"),
         false_claim=("false_claim", "any"),
         denied=("denied", "any"),
         run_time=("run_time", "median"),
@@ -131,7 +134,10 @@ def performance_profile(run_time: Array) -> tuple[Array, Array]:
 
 
 def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
-    """Fit run_time = factor size^exponent by least squares of the logarithms.
+    """Fit run_time = factor size^exponent by least squares of the logarithms, over the larger half of the sizes.
+
+    Small problems show the cost of the call, whatever the method. Half is meant on the logarithmic scale: the fit
+    begins at the geometric mean of the smallest and the largest size.
 
     Parameters
     ----------
@@ -146,11 +152,14 @@ def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     Examples
     --------
     >>> import numpy as np
-    >>> factor, exponent = growth(np.array([10.0, 20.0, 40.0]), np.array([1.0, 4.0, 16.0]))
+    >>> factor, exponent = growth(np.array([1.0, 10.0, 20.0, 40.0]), np.array([9.0, 1.0, 4.0, 16.0]))
     >>> round(factor, 12), round(exponent, 12)
     (0.01, 2.0)
     """
     known = np.isfinite(run_time)
+    if not known.any():
+        return None
+    known &= size >= np.sqrt(size[known].min() * size[known].max())
     size, run_time = size[known], run_time[known]
     sizes = np.unique(size)
     if sizes.size < FEWEST_SIZES or sizes[-1] < LEAST_RATIO * sizes[0]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ...contact.problem import ContactProblem
 from ...core.errors import InputError
@@ -104,7 +105,8 @@ def write_test_set(
         old.unlink()
     for number, problem in enumerate(problems):
         with whole_file(data / f"contact_{number:04d}.npz") as temporary, temporary.open("wb") as file:
-            problem.as_qp().save(file)
+            scaled: Any = problem.as_qp()  # takes an open file too, whatever its type hint says
+            scaled.save(file)
     script = target / SCRIPT
     with whole_file(script) as temporary:
         temporary.write_text(_TEXT.replace("TIME_LIMIT", f"{time_limit:g}"), encoding="utf-8")

@@ -56,6 +56,7 @@ class Worker:
     def __init__(self, solver: str) -> None:
         self.solver = solver
         self._process: Any = None
+        self._tried = False
         self._connection: Connection | None = None
 
     @property
@@ -71,6 +72,7 @@ class Worker:
         InputError
             There is no such solver.
         """
+        self._tried = False
         context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
@@ -81,14 +83,17 @@ class Worker:
         if isinstance(greeting, str):
             self.stop()
             raise InputError(greeting)
-        return greeting
+        return greeting if isinstance(greeting, Attempt) else None
 
     def run(self, request: Request) -> Attempt:
         """Return the outcome of a request, whatever becomes of the process."""
-        if not self.running:
-            failed = self.start()
+        failed = None if self.running else self.start()
+        if failed is not None:
+            return failed
+        if not self._tried:
             # What is slow only once, such as loading and compiling, is left out of the times.
-            outcome = failed or self._ask(request)
+            self._tried = True
+            outcome = self._ask(request)
             if not self.running:
                 return outcome
         return self._ask(request)
@@ -157,9 +162,7 @@ def serve(connection: Connection, solver: str) -> None:
             request: Request = connection.recv()
         except EOFError:
             return
-        connection.send(
-            attempt(request.problem, solver, adapter, request.settings, request.time_limit, request.active)
-        )
+        connection.send(attempt(request.problem, solver, adapter, request.settings, request.time_limit, request.active))
 
 
 def _silence() -> None:
