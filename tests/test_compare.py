@@ -66,7 +66,7 @@ def dataset(file: Path, folder: Path) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def lies(file: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     """A comparison with a solver that lies."""
-    solvers = ["native", "fake_solvers:lie"]
+    solvers = ["fake_solvers:lie"]
     return compare([file], tmp_path_factory.mktemp("lies"), solvers=solvers, repetitions=1, time_limit=LIMIT, raw=True)
 
 

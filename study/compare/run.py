@@ -137,9 +137,12 @@ def compare(
         cells.append((identity, item, solver, settings, start))
     rows = []
     with workers(chosen) as pool:
-        for solver in {cell[2] for cell in cells if checkpoint.get(cell[0]) is None}:
-            if ":" in solver:
-                pool[solver].start()  # a mistake in its name comes to light before any work is done
+        needed = {solver for identity, _, solver, _, _ in cells if checkpoint.get(identity) is None}
+        for solver in needed:
+            pool[solver].launch()
+        for solver in needed:
+            if ":" in solver:  # a mistake in its name comes to light before any work is done
+                pool[solver].greet()
         for done, (identity, item, solver, settings, start) in enumerate(cells, start=1):
             attempts = checkpoint.get(identity)
             if attempts is None:

@@ -56,7 +56,7 @@ class Worker:
     def __init__(self, solver: str) -> None:
         self.solver = solver
         self._process: Any = None
-        self._tried = False
+        self._greeted = self._tried = False
         self._connection: Connection | None = None
 
     @property
@@ -64,32 +64,39 @@ class Worker:
         """Whether there is a process."""
         return self._process is not None
 
-    def start(self) -> Attempt | None:
-        """Start the process; return None, or the outcome that stands for a failed start.
-
-        Raises
-        ------
-        InputError
-            There is no such solver.
-        """
-        self._tried = False
+    def launch(self) -> None:
+        """Start the process without waiting for it: several can load what they need at the same time."""
+        self._greeted = self._tried = False
         context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
         with _one_thread():
             self._process.start()
         theirs.close()
+
+    def greet(self) -> Attempt | None:
+        """Wait until the process is ready; return None, or the outcome that stands for a failed start.
+
+        Raises
+        ------
+        InputError
+            There is no such solver.
+        """
         greeting = self._receive(START_LIMIT)
         if isinstance(greeting, str):
             self.stop()
             raise InputError(greeting)
+        self._greeted = True
         return greeting if isinstance(greeting, Attempt) else None
 
     def run(self, request: Request) -> Attempt:
         """Return the outcome of a request, whatever becomes of the process."""
-        failed = None if self.running else self.start()
-        if failed is not None:
-            return failed
+        if not self.running:
+            self.launch()
+        if not self._greeted:
+            failed = self.greet()
+            if failed is not None:
+                return failed
         if not self._tried:
             # What is slow only once, such as loading and compiling, is left out of the times.
             self._tried = True
