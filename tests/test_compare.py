@@ -24,7 +24,7 @@ from easeoff.contact.solvers.problem_classes import problems
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
-from easeoff.study.compare.attempt import attempt
+from easeoff.study.compare.attempt import attempt, load_adapter
 from easeoff.study.compare.figures import draw_growth, draw_profiles
 from easeoff.study.compare.report import report
 from easeoff.study.compare.run import CHECKPOINT
@@ -166,6 +166,19 @@ def test_without_polish_the_answer_is_the_backends_own(file: Path, tmp_path: Pat
     assert set(by_settings["raw"]["claim"]) == {"solved"}
 
 
+def test_solver_of_the_page_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "compare.md").read_text(encoding="utf-8")
+    code = page.split("```python\n")[1].split("```")[0]
+    (tmp_path / "my_solver.py").write_text(code, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    adapter = load_adapter("my_solver:solve_scaled")
+    for settings in ("default", "unpolished", "raw"):
+        found = attempt(same_size(1)[0], "my_solver:solve_scaled", adapter, settings, 1.0)
+        assert (found.claim, found.message) == ("solved", "by DAQP")
+        assert found.certificate.passes(1e-6)
+        assert found.polished == (settings == "default")
+
+
 # Resuming
 
 
@@ -252,6 +265,12 @@ def test_every_variable_says_its_unit_and_meaning(written: list[Path], folder: P
         for name, variable in file.variables.items():
             assert variable.long_name, name
             assert variable.dtype is str or variable.units, name
+
+
+def test_columns_of_the_page_are_those_of_the_table(dataset: xr.Dataset) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "compare.md").read_text(encoding="utf-8")
+    for name, variable in dataset.data_vars.items():
+        assert f"| `{name}` | {variable.attrs.get('units', '')} | {variable.attrs['long_name']} |" in page
 
 
 # Report and pictures
