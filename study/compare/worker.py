@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -70,7 +72,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
-        with _one_thread():
+        with _one_thread(), _no_interrupts():
             self._process.start()
         theirs.close()
 
@@ -178,6 +180,19 @@ def _silence() -> None:
     for descriptor in (1, 2):
         os.dup2(nowhere, descriptor)
     os.close(nowhere)
+
+
+@contextlib.contextmanager
+def _no_interrupts() -> Iterator[None]:
+    """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may change this
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextlib.contextmanager
