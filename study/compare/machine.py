@@ -7,6 +7,8 @@ import importlib.metadata
 import importlib.util
 import os
 import platform
+import sys
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 
 from ...contact.solvers import SOLVERS
@@ -38,11 +40,23 @@ def solver_version(solver: str) -> str:
     """Return the version of a solver's package; of one's own function, a digest of the file it stands in."""
     module, own, _ = solver.partition(":")
     if own:
-        found = importlib.util.find_spec(module)
+        found = find_module(module)
         if found is None or found.origin is None or not Path(found.origin).is_file():
             return "unknown"
         return "file " + hashlib.sha256(Path(found.origin).read_bytes()).hexdigest()[:12]
     return _version(SOLVERS[solver].package or "easeoff")
+
+
+def find_module(module: str) -> ModuleSpec | None:
+    """Find a module without running it, last of all in the current folder; None if there is none."""
+    before = list(sys.path)
+    sys.path.append(os.getcwd())
+    try:
+        return importlib.util.find_spec(module)
+    except (ImportError, ValueError, AttributeError):
+        return None
+    finally:
+        sys.path[:] = before
 
 
 def _version(package: str) -> str:

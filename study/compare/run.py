@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +20,7 @@ from ...core.errors import InputError
 from ...core.files import check_writable
 from .attempt import CRASHED, SETTINGS, TIME_LIMIT, Attempt
 from .checkpoint import Checkpoint, key, problem_digest
-from .machine import machine, solver_version
+from .machine import find_module, machine, solver_version
 from .table import Row, table
 from .worker import Request, Worker, workers
 
@@ -180,7 +178,7 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
         module, own, function = name.partition(":")
         if not own:
             names.append(require_solver(name))
-        elif not function.isidentifier() or not _findable(module):
+        elif not function.isidentifier() or find_module(module) is None:
             raise InputError(f"solver {name!r}: there is no module {module!r} to take a function {function!r} from")
         else:
             names.append(name)
@@ -242,12 +240,3 @@ def _check_numbers(repetitions: int, time_limit: float, tolerance: float) -> Non
         raise InputError(f"time limit = {time_limit:g}: must be greater than 0 and at most 86400 s")
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance = {tolerance:g}: must lie between 0 and 1")
-
-
-def _findable(module: str) -> bool:
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())
-    try:
-        return importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError, AttributeError):
-        return False
