@@ -101,6 +101,22 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # comparison of solvers
+    "problem_file": ("", "file the problem is from"),
+    "problem": ("1", "number of the problem in its file, from 0"),
+    "size": ("1", "number of segments"),
+    "gear_torque": ("N m", "torque about the gear axis"),
+    "solver": ("", "name of the solver"),
+    "settings": ("", "what the solver was given: default, unpolished or raw"),
+    "start": ("", "cold, or warm from the segments in contact in the problem before"),
+    "repetition": ("1", "number of the attempt of its kind, from 1"),
+    "run_time": ("s", "wall time of the call: check, scaling, solver, polish, certificate"),
+    "claim": ("", "how the solver says it ended"),
+    "certified": ("1", "whether the certificate of the answer reaches the tolerance"),
+    "worst_residual": ("1", "certificate: the largest of its entries"),
+    "rotation_error": ("1", "relative error of the rotation beyond first contact, against the certified reference"),
+    "polished": ("1", "whether the answer was made exact by one solve on the active set that the solver found"),
+    "message": ("", "the solver's own words"),
 }
 
 

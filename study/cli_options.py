@@ -88,3 +88,8 @@ def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> d
         except ValueError as error:
             raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as toe=3,root=1.2") from error
     return values
+
+
+def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
+    """Names separated by commas."""
+    return None if text is None else text.split(",")

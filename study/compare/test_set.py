@@ -1,0 +1,113 @@
+"""The same problems as a test set of qpbenchmark, for those who compare solvers with that program.
+
+A test set there is a Python file with a subclass of ``qpbenchmark.TestSet``, and here a folder ``data`` of files that
+``qpsolvers.Problem.load`` reads, as in its set of model predictive control (github.com/qpsolvers/mpc_qpbenchmark).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ...contact.problem import ContactProblem
+from ...core.errors import InputError
+from ...core.files import check_writable, whole_file
+
+SCRIPT = "contact_qpbenchmark.py"
+
+_TEXT = '''"""Contact problems of gear teeth as a test set of qpbenchmark; made by easeoff.
+
+    python contact_qpbenchmark.py run
+
+Each problem: minimise 1/2 F'C F + S'F subject to r'F = T, F >= 0, in scaled numbers, all of order one.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import qpbenchmark
+from qpbenchmark.benchmark import main
+
+HERE = Path(__file__).resolve().parent
+
+
+class ContactQpbenchmark(qpbenchmark.TestSet):
+    """Contact problems of gear teeth."""
+
+    @property
+    def title(self) -> str:
+        """Title of the report."""
+        return "Contact problems of gear teeth"
+
+    @property
+    def description(self) -> str:
+        """What the problems are."""
+        return "Load distribution over the contact lines of gear teeth: dense, one equality, lower bounds."
+
+    @property
+    def sparse_only(self) -> bool:
+        """The matrices are dense."""
+        return False
+
+    def define_tolerances(self) -> None:
+        """Limits on residuals and run time, by settings."""
+        levels = {"default": 1.0, "low_accuracy": 1e-3, "mid_accuracy": 1e-6, "high_accuracy": 1e-9}
+        self.tolerances = {
+            name: qpbenchmark.Tolerance(primal=limit, dual=limit, gap=limit, runtime=TIME_LIMIT)
+            for name, limit in levels.items()
+        }
+
+    def __iter__(self) -> Iterator[qpbenchmark.Problem]:
+        """Read the problems, in the order of their names."""
+        for path in sorted((HERE / "data").glob("*.npz")):
+            yield qpbenchmark.Problem.load(str(path))
+
+
+if __name__ == "__main__":
+    main(test_set_path=str(Path(__file__).resolve()), results_path=str(HERE / "results.csv"))
+'''
+
+
+def write_test_set(
+    problems: Sequence[ContactProblem], folder: str | os.PathLike[str], *, time_limit: float = 10.0
+) -> list[Path]:
+    """Write problems as a test set of qpbenchmark: ``contact_qpbenchmark.py`` and ``data/contact_0000.npz`` onwards.
+
+    Parameters
+    ----------
+    problems : sequence of ContactProblem
+        At least one. They are written scaled, because the residuals of that program are absolute numbers.
+    folder : path
+        Made if it does not exist. Problems that an earlier test set left there are removed.
+    time_limit : float
+        Run time that its tolerances allow [s].
+
+    Returns
+    -------
+    list of Path
+        The script.
+
+    Raises
+    ------
+    InputError
+        No problems, or the folder cannot be written.
+    """
+    if not problems:
+        raise InputError("no contact problems to write")
+    target = Path(folder)
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{target} is a file: give a folder for the test set")
+    data = target / "data"
+    check_writable(data / "contact_0000.npz")
+    for old in data.glob("contact_*.npz"):
+        old.unlink()
+    for number, problem in enumerate(problems):
+        with whole_file(data / f"contact_{number:04d}.npz") as temporary, temporary.open("wb") as file:
+            scaled: Any = problem.as_qp()  # takes an open file too, whatever its type hint says
+            scaled.save(file)
+    script = target / SCRIPT
+    with whole_file(script) as temporary:
+        temporary.write_text(_TEXT.replace("TIME_LIMIT", f"{time_limit:g}"), encoding="utf-8")
+    return [script]

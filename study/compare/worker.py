@@ -1,0 +1,210 @@
+"""A process for each solver: a crash or a hang there is an outcome here, never the end of the study."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...contact.problem import ContactProblem
+from ...core.errors import EaseoffError, InputError
+from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
+
+#: Seconds beyond the time limit in which a solver may still end by itself, before it is ended.
+GRACE = 1.0
+#: Seconds in which a process must have imported what it needs.
+START_LIMIT = 120.0
+
+#: One thread each: a comparison is of methods, not of how many cores a library takes.
+THREAD_VARIABLES = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "RAYON_NUM_THREADS",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """One attempt that a worker is asked for."""
+
+    problem: ContactProblem
+    settings: str
+    time_limit: float
+    active: NDArray[np.bool_] | None = None
+
+
+class Worker:
+    """The process of one solver, started at the first request and again after it had to be ended.
+
+    Parameters
+    ----------
+    solver : str
+        A name of the table of solvers, or ``module:function``.
+    """
+
+    def __init__(self, solver: str) -> None:
+        self.solver = solver
+        self._process: Any = None
+        self._greeted = self._tried = False
+        self._connection: Connection | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether there is a process."""
+        return self._process is not None
+
+    def launch(self) -> None:
+        """Start the process without waiting for it: several can load what they need at the same time."""
+        self._greeted = self._tried = False
+        context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
+        self._connection, theirs = context.Pipe()
+        self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
+        with _one_thread(), _no_interrupts():
+            self._process.start()
+        theirs.close()
+
+    def greet(self) -> Attempt | None:
+        """Wait until the process is ready; return None, or the outcome that stands for a failed start.
+
+        Raises
+        ------
+        InputError
+            There is no such solver.
+        """
+        greeting = self._receive(START_LIMIT)
+        if isinstance(greeting, str):
+            self.stop()
+            raise InputError(greeting)
+        self._greeted = True
+        return greeting if isinstance(greeting, Attempt) else None
+
+    def run(self, request: Request) -> Attempt:
+        """Return the outcome of a request, whatever becomes of the process."""
+        if not self.running:
+            self.launch()
+        if not self._greeted:
+            failed = self.greet()
+            if failed is not None:
+                return failed
+        if not self._tried:
+            # What is slow only once, such as loading and compiling, is left out of the times.
+            self._tried = True
+            outcome = self._ask(request)
+            if not self.running:
+                return outcome
+        return self._ask(request)
+
+    def stop(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._process = None
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+
+    def _ask(self, request: Request) -> Attempt:
+        assert self._connection is not None
+        try:
+            self._connection.send(request)
+        except OSError:
+            return self._ended()
+        outcome = self._receive(request.time_limit + GRACE)
+        assert isinstance(outcome, Attempt)
+        return outcome
+
+    def _receive(self, limit: float) -> Any:
+        assert self._connection is not None
+        try:
+            if self._connection.poll(limit):
+                return self._connection.recv()
+        except (EOFError, OSError):
+            return self._ended()
+        self.stop()
+        return Attempt(TIME_LIMIT, f"ended from outside after {limit:g} s")
+
+    def _ended(self) -> Attempt:
+        self._process.join()
+        code = self._process.exitcode
+        self.stop()
+        return Attempt(CRASHED, f"its process ended with code {code}")
+
+
+@contextlib.contextmanager
+def workers(solvers: list[str]) -> Iterator[dict[str, Worker]]:
+    """Workers by solver; their processes are ended on leaving."""
+    pool = {solver: Worker(solver) for solver in solvers}
+    try:
+        yield pool
+    finally:
+        for worker in pool.values():
+            worker.stop()
+
+
+def serve(connection: Connection, solver: str) -> None:
+    """Answer requests until the other side closes: the main function of a worker's process."""
+    _silence()
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())  # where a solver of one's own, module:function, is looked for last
+    try:
+        adapter = load_adapter(solver)
+    except EaseoffError as error:
+        connection.send(str(error))
+        return
+    connection.send(None)
+    while True:
+        try:
+            request: Request = connection.recv()
+        except EOFError:
+            return
+        connection.send(attempt(request.problem, solver, adapter, request.settings, request.time_limit, request.active))
+
+
+def _silence() -> None:
+    """Send what backends print, from whatever language, nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for descriptor in (1, 2):
+        os.dup2(nowhere, descriptor)
+    os.close(nowhere)
+
+
+@contextlib.contextmanager
+def _no_interrupts() -> Iterator[None]:
+    """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may change this
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def _one_thread() -> Iterator[None]:
+    """Pin numerical libraries to one thread in processes started within; they read it when they are loaded."""
+    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -1,0 +1,59 @@
+"""Solvers that misbehave, each in its own way: what a comparison has to survive."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+import time
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+import numpy as np
+
+from easeoff.contact.scaling import ScaledProblem
+from easeoff.contact.solvers import Status
+from easeoff.contact.solvers.answer import ScaledAnswer
+from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
+
+
+def leave(problem: ScaledProblem, settings: Mapping[str, Any]) -> NoReturn:
+    """End the process without a word."""
+    os._exit(3)
+
+
+def fault(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Touch memory that is not ours."""
+    ctypes.string_at(0)
+    raise AssertionError
+
+
+def hang(problem: ScaledProblem, settings: Mapping[str, Any]) -> NoReturn:
+    """Take for ever, whatever the time limit says."""
+    time.sleep(3600.0)
+    raise AssertionError(settings)
+
+
+def fail(problem: ScaledProblem, settings: Mapping[str, Any]) -> NoReturn:
+    """Raise."""
+    raise RuntimeError("no\x1b[2J luck | today")
+
+
+def lie(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Give equal forces that balance the torque, and say that this is the solution."""
+    force = np.full(problem.separation.size, problem.torque / problem.lever_arm.sum())
+    return ScaledAnswer(force, 1.0, 7, "solved")
+
+
+def deny(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Print a lot, give the right answer, and say that there is none."""
+    print("noise " * 1000)  # noqa: T201
+    print("noise", file=sys.stderr)  # noqa: T201
+    right = primal_dual_active_set(problem, np.ones(problem.separation.size, dtype=bool))
+    assert right is not None
+    return ScaledAnswer(right.force, right.rotation, 2, "no solution", Status.INFEASIBLE)
+
+
+def nonsense(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Give an answer of the wrong length."""
+    return ScaledAnswer(np.ones(1), 1.0, 1, "solved")

@@ -1,0 +1,498 @@
+"""Comparison of solvers: every failure is a row, nothing is measured twice, and the numbers agree with each other."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+import math
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import fake_solvers
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+from easeoff.contact import ContactProblem, read_problems, write_problems
+from easeoff.contact.certificate import EXACT_TOLERANCE
+from easeoff.contact.solvers.problem_classes import problems
+from easeoff.core.errors import InputError
+from easeoff.study.cli import main
+from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
+from easeoff.study.compare.attempt import attempt, load_adapter
+from easeoff.study.compare.figures import draw_growth, draw_profiles
+from easeoff.study.compare.report import report
+from easeoff.study.compare.run import CHECKPOINT
+from easeoff.study.compare.statistics import by_problem, growth, performance_profile, shifted_geometric_mean
+from easeoff.study.compare.table import RESIDUALS
+
+FAKES = ["fault", "hang", "fail", "deny"]
+SOLVERS = ["native", *(f"fake_solvers:{name}" for name in FAKES)]
+REPETITIONS = 2
+LIMIT = 1.0
+
+
+def same_size(count: int) -> list[ContactProblem]:
+    """Realistic problems of one size: the later ones can start from the active set of the one before."""
+    problem = next(problems("realistic", 1, seed=4))
+    return [problem.with_torque(problem.torque * (1.0 + 0.2 * i)) for i in range(count)]
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("problems") / "two.nc"
+    write_problems(same_size(2), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("comparison")
+
+
+@pytest.fixture(scope="module")
+def dataset(file: Path, folder: Path) -> xr.Dataset:
+    """A comparison of a solver with others that misbehave."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker, "GRACE", 0.1)
+        return compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
+
+
+@pytest.fixture(scope="module")
+def lies(file: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    """A comparison with a solver that lies."""
+    solvers = ["fake_solvers:lie"]
+    return compare([file], tmp_path_factory.mktemp("lies"), solvers=solvers, repetitions=1, time_limit=LIMIT, raw=True)
+
+
+@pytest.fixture(scope="module")
+def written(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    return write_comparison(dataset, folder)
+
+
+def rows(dataset: xr.Dataset, solver: str) -> Any:
+    frame: Any = dataset.to_dataframe()
+    return frame[frame["solver"] == solver]
+
+
+def nobody(*_: Any) -> Any:
+    raise AssertionError("measured again")
+
+
+# Failures are rows
+
+
+@pytest.mark.parametrize(
+    ("name", "claim", "words"),
+    [
+        ("fault", "crashed", "ended with code -11"),
+        ("hang", "time_limit", "ended from outside after 1.1 s"),
+        ("fail", "raised", "RuntimeError: no?[2J luck | today"),
+    ],
+)
+def test_solver_that_fails_is_a_row_with_its_status(dataset: xr.Dataset, name: str, claim: str, words: str) -> None:
+    found = rows(dataset, f"fake_solvers:{name}")
+    assert set(found["problem"]) == {0, 1}  # the process was started again, and the study went on
+    assert set(found["claim"]) == {claim}
+    assert all(words in message for message in found["message"])
+    assert not found["certified"].any()
+    assert found["worst_residual"].isna().all()
+    assert found["rotation_error"].isna().all()
+    lasting = claim in ("crashed", "time_limit")
+    assert len(found) == (2 if lasting else 2 * REPETITIONS)
+    assert found["run_time"].isna().all() == lasting
+
+
+def test_solver_that_lies_is_found_out(lies: xr.Dataset) -> None:
+    found = rows(lies, "fake_solvers:lie")
+    assert set(found["claim"]) == {"solved"}
+    assert set(found["iterations"]) == {7}
+    own = found[found["settings"] != "default"]
+    assert not own["certified"].any()
+    assert (own["equilibrium"] < 1e-12).all()  # its forces do balance the torque
+    assert (own["worst_residual"] > 0.1).all()
+    assert (own["rotation_error"] > 0.1).all()
+    # With polish it gets away with it, and that is said.
+    saved = found[found["settings"] == "default"]
+    assert saved["certified"].all()
+    assert saved["polished"].all()
+
+
+def test_answer_of_the_wrong_length_is_an_error() -> None:
+    for settings in ("default", "unpolished"):
+        found = attempt(same_size(1)[0], "nonsense", fake_solvers.nonsense, settings, 1.0)
+        assert found.claim == "raised"
+        assert "Error" in found.message
+    found = attempt(same_size(1)[0], "nonsense", fake_solvers.nonsense, "raw", 1.0)
+    assert found.claim == "solved"
+    assert not found.certificate.passes(1.0)
+
+
+def test_solver_that_denies_its_right_answer_is_certified(dataset: xr.Dataset) -> None:
+    found = rows(dataset, "fake_solvers:deny")
+    assert set(found["claim"]) == {"infeasible"}
+    assert found["certified"].all()
+    assert (found["rotation_error"] < 1e-12).all()
+
+
+def test_native_solver_is_certified_and_exact_cold_and_warm(dataset: xr.Dataset) -> None:
+    native = rows(dataset, "native")
+    assert native["certified"].all()
+    assert not native["polished"].any()
+    assert (native["worst_residual"] <= EXACT_TOLERANCE).all()
+    assert (native["rotation_error"] < 1e-12).all()
+    assert (native["run_time"] > 0.0).all()
+    assert sorted(native["start"]) == ["cold"] * 2 * REPETITIONS + ["warm"] * REPETITIONS
+    warm = native[native["start"] == "warm"]
+    assert set(warm["problem"]) == {1}
+    assert (warm["iterations"] <= native[native["problem"] == 1]["iterations"].max()).all()
+
+
+def test_without_polish_the_answer_is_the_backends_own(file: Path, tmp_path: Path) -> None:
+    found = compare([file], tmp_path, solvers=["osqp"], repetitions=1, raw=True).to_dataframe()
+    by_settings = dict(list(found.groupby("settings")))
+    assert set(by_settings) == {"default", "unpolished", "raw"}
+    assert by_settings["default"]["polished"].all()
+    assert not by_settings["unpolished"]["polished"].any()
+    assert not by_settings["raw"]["polished"].any()
+    # Its own tolerances, met in units in which they mean little: the error is what the certificate says it is.
+    assert (by_settings["raw"]["worst_residual"] > 1e3 * by_settings["unpolished"]["worst_residual"].max()).all()
+    assert (by_settings["raw"]["rotation_error"] > 1e3 * by_settings["default"]["rotation_error"].max()).all()
+    assert set(by_settings["raw"]["claim"]) == {"solved"}
+
+
+def test_solver_of_the_page_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "compare.md").read_text(encoding="utf-8")
+    code = page.split("```python\n")[1].split("```")[0]
+    (tmp_path / "my_solver.py").write_text(code, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    adapter = load_adapter("my_solver:solve_scaled")
+    for settings in ("default", "unpolished", "raw"):
+        found = attempt(same_size(1)[0], "my_solver:solve_scaled", adapter, settings, 1.0)
+        assert (found.claim, found.message) == ("solved", "by DAQP")
+        assert found.certificate.passes(1e-6)
+        assert found.polished == (settings == "default")
+
+
+# Resuming
+
+
+def test_second_call_measures_nothing(
+    dataset: xr.Dataset, file: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker.Worker, "launch", nobody)
+    again = compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
+    assert again.identical(dataset)
+
+
+def test_interrupted_comparison_goes_on_where_it_stopped(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[str] = []
+    honest = worker.Worker.run
+
+    def counted(self: worker.Worker, request: worker.Request) -> Any:
+        if len(calls) == 2:
+            calls.append("interrupted")
+            raise KeyboardInterrupt
+        calls.append(self.solver)
+        return honest(self, request)
+
+    monkeypatch.setattr(worker.Worker, "run", counted)
+    with pytest.raises(KeyboardInterrupt):
+        compare([file], tmp_path, solvers=["native"], repetitions=1)
+    with (tmp_path / CHECKPOINT).open("a") as file_of_measurements:
+        file_of_measurements.write('\n{"key": "abc", "attem')  # what a full disk or a power cut may leave
+    whole = compare([file], tmp_path, solvers=["native"], repetitions=1)
+    assert calls == ["native", "native", "interrupted", "native"]
+    assert whole["certified"].values.tolist() == [1, 1, 1]
+    monkeypatch.setattr(worker.Worker, "launch", nobody)
+    assert compare([file], tmp_path, solvers=["native"], repetitions=1).identical(whole)
+    with pytest.raises(AssertionError, match="measured again"):
+        compare([file], tmp_path, solvers=["native"], repetitions=1, time_limit=9.0)
+    with pytest.raises(AssertionError, match="measured again"):
+        compare([file], tmp_path, solvers=["native"], repetitions=1, fresh=True)
+
+
+def test_other_data_are_measured_anew(file: Path, folder: Path, dataset: xr.Dataset, tmp_path: Path) -> None:
+    other = tmp_path / "two.nc"
+    changed = [p.with_torque(math.nextafter(p.torque, math.inf)) for p in read_problems(file)]
+    write_problems(changed, other)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker.Worker, "launch", nobody)
+        with pytest.raises(AssertionError, match="measured again"):
+            compare([other], folder, solvers=["native"], repetitions=REPETITIONS, time_limit=LIMIT)
+
+
+# Table
+
+
+def test_numbers_of_the_table_agree_with_each_other(dataset: xr.Dataset) -> None:
+    frame: Any = dataset.to_dataframe()
+    tolerance = dataset.attrs["tolerance"]
+    worst = frame[list(RESIDUALS)].max(axis=1, skipna=False)
+    assert np.array_equal(worst, frame["worst_residual"], equal_nan=True)
+    assert np.array_equal(frame["certified"] == 1, frame["worst_residual"] <= tolerance)
+    assert (frame["worst_residual"][frame["polished"] == 1] <= EXACT_TOLERANCE).all()
+    posed = same_size(2)
+    assert all(size == posed[i].size for i, size in zip(frame["problem"], frame["size"], strict=True))
+    torques = [posed[i].torque * 1e-3 for i in frame["problem"]]
+    np.testing.assert_allclose(frame["gear_torque"], torques, rtol=1e-15)
+
+
+def test_csv_and_netcdf_agree(dataset: xr.Dataset, written: list[Path], folder: Path) -> None:
+    stored = read_table(folder / "results.nc")
+    xr.testing.assert_identical(stored.drop_attrs(), dataset.drop_attrs())
+    with (folder / "results.csv").open(newline="", encoding="utf-8") as file:
+        lines = list(csv.DictReader(file))
+    assert list(lines[0]) == list(dataset.data_vars)
+    for name, variable in stored.data_vars.items():
+        texts = [line[str(name)] for line in lines]
+        if variable.dtype.kind == "f":
+            numbers = np.array([float(text) if text else math.nan for text in texts])
+            np.testing.assert_array_equal(numbers, variable.values)
+        else:
+            assert texts == [str(value) for value in variable.values], name
+
+
+def test_every_variable_says_its_unit_and_meaning(written: list[Path], folder: Path) -> None:
+    with netCDF4.Dataset(folder / "results.nc") as file:
+        for name, variable in file.variables.items():
+            assert variable.long_name, name
+            assert variable.dtype is str or variable.units, name
+
+
+def test_columns_of_the_page_are_those_of_the_table(dataset: xr.Dataset) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "compare.md").read_text(encoding="utf-8")
+    for name, variable in dataset.data_vars.items():
+        assert f"| `{name}` | {variable.attrs.get('units', '')} | {variable.attrs['long_name']} |" in page
+
+
+# Report and pictures
+
+
+def cells(text: str, heading: str) -> dict[tuple[str, ...], dict[str, str]]:
+    """Rows of the first table behind a heading, by solver, settings and start."""
+    table = text.split(f"## {heading}\n", 1)[1].strip().split("\n\n")[0].splitlines()
+    split = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+    return {tuple(row[:3]): dict(zip(split[0], row, strict=True)) for row in split[2:]}
+
+
+def counts(line: dict[str, str]) -> tuple[int, ...]:
+    names = ("problems", "says solved", "certified", "exact", "polished", "false claims", "denied")
+    return tuple(int(line[name]) for name in names)
+
+
+def test_report_counts_claims_against_certificates(dataset: xr.Dataset, written: list[Path], folder: Path) -> None:
+    text = (folder / "report.md").read_text(encoding="utf-8")
+    success = cells(text, "Who was right")
+
+    def row(solver: str, start: str = "cold") -> tuple[int, ...]:
+        return counts(success[(solver, "default", start)])
+
+    assert row("native") == (2, 2, 2, 2, 0, 0, 0)
+    assert row("native", "warm") == (1, 1, 1, 1, 0, 0, 0)
+    assert row("fake_solvers:deny") == (2, 0, 2, 2, 2, 0, 2)
+    for name in ("fault", "hang", "fail"):
+        assert row(f"fake_solvers:{name}") == (2, 0, 0, 0, 0, 0, 0)
+
+
+def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> None:
+    text = report(lies)
+    success, times = cells(text, "Who was right"), cells(text, "Run time")
+    assert counts(success[("fake_solvers:lie", "default", "cold")]) == (2, 2, 2, 2, 2, 0, 0)
+    for settings in ("unpolished", "raw"):
+        method = ("fake_solvers:lie", settings, "cold")
+        assert counts(success[method]) == (2, 2, 0, 0, 0, 2, 0)
+        assert float(times[method]["mean [ms]"]) == pytest.approx(1e3 * LIMIT)  # a wrong answer counts as none
+        assert times[method]["median [ms]"] == "-"
+
+
+def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: list[Path], folder: Path) -> None:
+    text = (folder / "report.md").read_text(encoding="utf-8")
+    made_with = json.loads(read_table(folder / "results.nc").attrs["machine"])
+    assert {"processor", "Python", "numpy", "easeoff"} <= set(made_with)
+    for words in (
+        *made_with.values(),
+        "solver `fake_solvers:hang`",
+        "shift 1 ms",
+        f"time limit, {1e3 * LIMIT:g} ms",
+        "1e-05",
+        "![Performance profile](performance_profile.png)",
+        "![Run time against size](run_time.png)",
+        "ended with code -11",
+        "no?[2J luck / today",
+    ):
+        assert words in text
+
+
+def test_report_of_failures_that_are_none(dataset: xr.Dataset) -> None:
+    decent = dataset.isel(attempt=np.isin(dataset["solver"].values, ["native"]))
+    assert "every attempt is certified" in report(decent)
+
+
+def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> None:
+    assert [path.name for path in written] == [
+        "report.md", "results.nc", "results.csv", "performance_profile.png", "run_time.png",
+    ]  # fmt: skip
+    assert all(path.stat().st_size > 1000 for path in written)
+    problems_of_all = by_problem(dataset)
+    (axes,) = draw_profiles(dataset, problems_of_all).axes
+    heights = {str(line.get_label()): float(np.asarray(line.get_ydata())[-1]) for line in axes.lines}
+    assert heights == {name: float(name in ("native", "fake_solvers:deny")) for name in SOLVERS}
+    (axes,) = draw_growth(dataset, problems_of_all).axes
+    legend = axes.get_legend()
+    assert legend is not None
+    assert {text.get_text() for text in legend.get_texts()} >= {
+        "native",
+        "fake_solvers:hang  none certified",
+    }
+
+
+# Statistics
+
+
+def test_performance_profile_is_its_definition() -> None:
+    rng = np.random.default_rng(1)
+    time = np.where(rng.uniform(size=(4, 30)) < 0.2, np.inf, rng.uniform(0.1, 5.0, (4, 30)))
+    time[:, 3] = np.inf
+    factor, share = performance_profile(time)
+    for method in range(4):
+        for column, tau in enumerate(factor):
+            solved = [math.isfinite(time[method, p]) and time[method, p] / time[:, p].min() <= tau for p in range(30)]
+            assert share[method, column] == pytest.approx(sum(solved) / 30)
+
+
+def test_growth_finds_a_power_and_refuses_too_few_sizes() -> None:
+    size = np.repeat(np.array([20.0, 40.0, 80.0, 160.0, 320.0]), 3)
+    fit = growth(size, 1e-6 * size**1.7)
+    assert fit == pytest.approx((1e-6, 1.7))
+    overhead = np.maximum(1e-6 * size**1.7, 1e-6 * 80.0**1.7)  # the cost of the call hides the small problems
+    assert growth(size, overhead) == pytest.approx((1e-6, 1.7))
+    assert growth(np.array([62.0, 93.0, 93.0]), np.ones(3)) is None
+    assert growth(size, np.full(size.size, np.inf)) is None
+
+
+def test_shifted_mean_lies_between_plain_geometric_and_arithmetic_mean() -> None:
+    values = np.random.default_rng(2).lognormal(size=50)
+    geometric = math.exp(np.log(values).mean())
+    assert shifted_geometric_mean(values, 0.0) == pytest.approx(geometric)
+    assert geometric < shifted_geometric_mean(values, 1.0) < shifted_geometric_mean(values, 100.0) < values.mean()
+
+
+# Command line
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(main, ["compare", *arguments])
+
+
+def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "out"
+    said = call(str(file), "-o", str(out), "--solvers", "fake_solvers:leave", "--repetitions", "1", "--test-set")
+    assert said.exit_code == 0, said.output
+    names = ["report.md", "results.nc", "results.csv", "performance_profile.png", "run_time.png"]
+    assert set(read_table(out / "results.nc")["message"].values) == {"its process ended with code 3"}
+    expected = [out / name for name in names] + [out / "test_set" / "contact_qpbenchmark.py"]
+    assert said.output == "".join(f"wrote {path}\n" for path in expected)
+    assert sorted(p.name for p in out.iterdir()) == sorted([*names, CHECKPOINT, "test_set"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["{file}", "--solvers", "magic"], ["magic", "native", "clarabel"]),
+        (["{file}", "--solvers", ","], ["no solvers"]),
+        (["{file}", "--solvers", "nowhere_at_all:solve"], ["nowhere_at_all", "no module"]),
+        (["{file}", "--solvers", "fake_solvers:sleep"], ["fake_solvers:sleep", "cannot be loaded", "sleep"]),
+        (["{file}", "--solvers", "fake_solvers:"], ["fake_solvers:"]),
+        (["{file}", "--repetitions", "0"], ["repetitions = 0", "1"]),
+        (["{file}", "--time-limit", "-1"], ["time limit = -1"]),
+        (["{file}", "--time-limit", "nan"], ["time limit = nan"]),
+        (["{file}", "--tolerance", "2"], ["tolerance = 2"]),
+        (["{tmp}/none.nc"], ["none.nc", "no such file"]),
+        (["{tmp}/text.nc"], ["text.nc", "not a netCDF file"]),
+        (["{tmp}/empty.nc"], ["empty.nc", "no contact problems"]),
+        (["{tmp}/indefinite.nc"], ["indefinite.nc", "problem 0", "negative eigenvalue"]),
+        (["{file}", "-o", "{file}"], ["two.nc", "is a file"]),
+        (["{file}", "-o", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
+        ([], ["PROBLEMS"]),
+    ],
+)
+def test_mistakes_give_one_message_and_exit_code_2(
+    arguments: list[str], words: list[str], file: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "text.nc").write_text("no problems")
+    with xr.open_dataset(file, engine="netcdf4") as opened:
+        opened.load().isel(problem=slice(0)).to_netcdf(tmp_path / "empty.nc", engine="netcdf4")
+    indefinite = np.array([[1e-6, 2e-6], [2e-6, 1e-6]])
+    write_problems([ContactProblem(np.zeros(2), np.full(2, 40.0), 10.0, indefinite)], tmp_path / "indefinite.nc")
+    given = [argument.format(file=file, tmp=tmp_path) for argument in arguments]
+    if "-o" not in given:
+        given += ["-o", str(tmp_path / "out")]
+    said = call(*given)
+    assert said.exit_code == 2, said.output
+    assert all(word in said.output for word in words), said.output
+    assert "Traceback" not in said.output
+
+
+def test_missing_solver_is_told_how_to_install_it(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import importlib.util
+
+    real = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "highspy" else real(name))
+    said = call(str(file), "--solvers", "highs", "-o", str(tmp_path))
+    assert said.exit_code == 2
+    assert "pip install 'easeoff[solvers]'" in said.output
+
+
+def test_table_from_elsewhere_is_refused(file: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_table(tmp_path / "none.nc")
+    with pytest.raises(InputError, match="easeoff compare"):
+        read_table(file)
+
+
+# Test set
+
+
+def test_test_set_holds_the_scaled_problems(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read through the interface of qpbenchmark: a class named after the file, problems that have a name."""
+    import qpsolvers
+
+    def load(path: str) -> Any:
+        problem = qpsolvers.Problem.load(path)
+        problem.name = Path(path).stem
+        return problem
+
+    interface: Any = types.ModuleType("qpbenchmark")
+    interface.TestSet = type("TestSet", (), {"__init__": lambda self: self.define_tolerances()})
+    interface.Problem = types.SimpleNamespace(load=load)
+    interface.Tolerance = lambda primal, dual, gap, runtime: (primal, dual, gap, runtime)
+    program: Any = types.ModuleType("qpbenchmark.benchmark")
+    program.main = None
+    monkeypatch.setitem(sys.modules, "qpbenchmark", interface)
+    monkeypatch.setitem(sys.modules, "qpbenchmark.benchmark", program)
+    monkeypatch.syspath_prepend(tmp_path)
+
+    write_test_set([*read_problems(file)] * 2, tmp_path)
+    (script,) = write_test_set(read_problems(file), tmp_path, time_limit=5.0)
+    assert sorted(p.name for p in (tmp_path / "data").iterdir()) == ["contact_0000.npz", "contact_0001.npz"]
+    name = script.stem
+    test_set = getattr(importlib.import_module(name), name.title().replace("_", ""))()
+    assert test_set.tolerances["high_accuracy"] == (1e-9, 1e-9, 1e-9, 5.0)
+    found = list(test_set)
+    assert [problem.name for problem in found] == ["contact_0000", "contact_0001"]
+    for problem, original in zip(found, read_problems(file), strict=True):
+        scaled = original.as_qp()
+        assert problem.G is None
+        assert problem.ub is None
+        for part in ("P", "q", "A", "b", "lb"):
+            np.testing.assert_array_equal(getattr(problem, part), getattr(scaled, part))
+    with pytest.raises(InputError, match="no contact problems"):
+        write_test_set([], tmp_path)
