@@ -229,6 +229,17 @@ def test_other_data_are_measured_anew(file: Path, folder: Path, dataset: xr.Data
             compare([other], folder, solvers=["native"], repetitions=REPETITIONS, time_limit=LIMIT)
 
 
+def test_files_of_the_same_name_are_told_apart(
+    file: Path, folder: Path, dataset: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = tmp_path / file.name
+    other.write_bytes(file.read_bytes())
+    monkeypatch.setattr(worker.Worker, "launch", nobody)  # the same problems: known by their content
+    both = compare([file, other, file], folder, solvers=["native"], repetitions=REPETITIONS, time_limit=LIMIT)
+    assert set(both["problem_file"].values) == {str(file), str(other)}
+    assert len(by_problem(both)) == 2 * 3
+
+
 # Table
 
 

@@ -113,7 +113,10 @@ def compare(
     if target.exists() and not target.is_dir():
         raise InputError(f"{target} is a file: give a folder for the comparison")
     check_writable(target / CHECKPOINT)
-    posed = [item for path in paths for item in pose(path)]
+    given = list(dict.fromkeys(Path(path) for path in paths))
+    names = [path.name for path in given]
+    # Two files of the same name are told apart by their folders.
+    posed = [item for path in given for item in pose(path, path.name if names.count(path.name) == 1 else str(path))]
     if not posed:
         raise InputError("no files of contact problems were given")
     checkpoint = Checkpoint(target / CHECKPOINT, fresh=fresh)
@@ -185,7 +188,7 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def pose(path: str | os.PathLike[str]) -> list[Posed]:
+def pose(path: Path, name: str) -> list[Posed]:
     """Read the problems of a file and solve them for reference; each knows the active set of the one before.
 
     Raises
@@ -205,7 +208,7 @@ def pose(path: str | os.PathLike[str]) -> list[Posed]:
             )
         reference = solve(problem, "native")
         usable = before if before is not None and before.size == problem.size else None
-        posed.append(Posed(Path(path).name, number, problem, problem_digest(problem), reference, usable))
+        posed.append(Posed(name, number, problem, problem_digest(problem), reference, usable))
         before = reference.active if reference.certified else None
     return posed
 
