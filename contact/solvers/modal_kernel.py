@@ -7,6 +7,9 @@ opened or closed, until the last set is found.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -19,11 +22,23 @@ ORDER_IS_FREE = {"reassoc", "contract"}
 #: Rows are padded with zeros to a multiple of this, so that no loop over a row has a rest.
 VECTOR = 8
 
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _compiled(**options: Any) -> Callable[[Function], Function]:
+    """Numba's decorator, with the type of the function kept and the compiled code kept on disk."""
+
+    def compile_function(function: Function) -> Function:
+        return cast(Function, njit(cache=True, **options)(function))
+
+    return compile_function
+
+
 #: What `newton` returns instead of a number of iterations.
 NOT_SOLVABLE, NOT_ENDED = -1, -2
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE, error_model="numpy")
+@_compiled(fastmath=ORDER_IS_FREE, error_model="numpy")
 def newton(
     index: NDArray[np.intp],
     modes: Array,
@@ -126,7 +141,7 @@ def newton(
     return NOT_ENDED, 0.0, force
 
 
-@njit(cache=True)
+@_compiled()
 def _turns(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_], arm: int) -> bool:
     """Whether an active segment has a lever arm."""
     for p in range(rows.shape[0]):
@@ -136,7 +151,7 @@ def _turns(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_], arm
     return False
 
 
-@njit(cache=True)
+@_compiled()
 def _close_first(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_], arm: int) -> None:
     """Make active the segment that touches first as the rigid bodies turn."""
     best, block, place = np.inf, -1, -1
@@ -147,7 +162,7 @@ def _close_first(rows: Array, counts: NDArray[np.intp], active: NDArray[np.bool_
     active[block, place] = True
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE)
+@_compiled(fastmath=ORDER_IS_FREE)
 def _update_gram(
     rows: Array,
     counts: NDArray[np.intp],
@@ -196,7 +211,7 @@ def _update_gram(
                     line[b] += f0 * r0[b] + f1 * r1[b] + f2 * r2[b] + f3 * r3[b]
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE, error_model="numpy")
+@_compiled(fastmath=ORDER_IS_FREE, error_model="numpy")
 def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple[float, float]:
     """Factor I + U'WU of every block, bordered by lever arm and separation; return pivot and level of the rotation.
 
@@ -234,7 +249,7 @@ def _factor_blocks(gram: Array, factor: Array, inverse_diagonal: Array) -> tuple
     return pivot, level
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE, error_model="numpy")
+@_compiled(fastmath=ORDER_IS_FREE, error_model="numpy")
 def _newton_point(
     gram: Array, factor: Array, inverse_diagonal: Array, torque: float, weights: Array
 ) -> tuple[float, float]:
@@ -251,7 +266,7 @@ def _newton_point(
     return pivot, rotation
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE)
+@_compiled(fastmath=ORDER_IS_FREE)
 def _back_substitute(upper: Array, inverse: Array, side: Array) -> None:
     """Solve R x = side in place; what `side` has beyond the size of R is left alone."""
     rank = inverse.size
@@ -262,7 +277,7 @@ def _back_substitute(upper: Array, inverse: Array, side: Array) -> None:
         side[a] = value * inverse[a]
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE)
+@_compiled(fastmath=ORDER_IS_FREE)
 def _gaps(rows: Array, counts: NDArray[np.intp], stiffness: Array, weights: Array, gap: Array) -> float:
     """Set the gaps, the rows weighted by amplitudes, -theta and 1, and return the energy of the local compliance."""
     width = rows.shape[2]
@@ -280,7 +295,7 @@ def _gaps(rows: Array, counts: NDArray[np.intp], stiffness: Array, weights: Arra
     return energy
 
 
-@njit(cache=True, fastmath=ORDER_IS_FREE)
+@_compiled(fastmath=ORDER_IS_FREE)
 def _refine(
     rows: Array,
     counts: NDArray[np.intp],
@@ -324,7 +339,7 @@ def _refine(
     return rotation + turn
 
 
-@njit(cache=True, error_model="numpy")
+@_compiled(error_model="numpy")
 def _exact_step(
     counts: NDArray[np.intp],
     stiffness: Array,
