@@ -135,19 +135,13 @@ def compressed_factor(factor: NDArray[np.float64]) -> NDArray[np.float64]:
         Each group of segments that share no mode with the others, such as those of one tooth pair, has columns of its
         own, from its singular value decomposition.
     """
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
+    from .modal_basis import factor_blocks  # the rest of this module needs no scipy when it is imported
 
-    size, modes = factor.shape
-    rows, own = factor.nonzero()
-    # Segments and modes are the nodes, an entry of V joins two of them.
-    graph = csr_matrix((np.ones(rows.size), (rows, size + own)), shape=(size + modes, size + modes))
-    count, group = connected_components(graph, directed=False)
+    size = factor.shape[0]
     columns = []
-    for number in range(count):
-        rows, own = (np.flatnonzero(part == number) for part in (group[:size], group[size:]))
-        if not (rows.size and own.size):
-            continue  # a segment without modes or a mode without segments
+    for rows, own in factor_blocks(factor):
+        if not own.size:
+            continue  # segments without modes
         left, singular, _ = np.linalg.svd(factor[np.ix_(rows, own)], full_matrices=False)
         kept = singular > COMPRESSION_TOLERANCE * singular[0]
         block = np.zeros((size, int(np.count_nonzero(kept))))

@@ -205,12 +205,12 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     flanks = [_solve_part(part, section, target) for part in parts]
     if len(flanks) == 1:
         return flanks[0]
-    # Along the azimuth the outward normal points one way for the whole flank; the deepest cut lies furthest against it.
+    # The deepest cut lies furthest into the tooth along the azimuth.
     front = flanks[[part.part for part in parts].index("profile")]
-    outward = np.sign(np.nanmedian(front.position[0] * front.normal[1] - front.position[1] * front.normal[0]))
+    turn = into_tooth(front.position, front.normal)
     azimuth = [np.arctan2(f.position[1], f.position[0]) for f in flanks]
     reference = np.nanmedian(azimuth[0])
-    depths = [-outward * (np.mod(a - reference + np.pi, 2 * np.pi)) for a in azimuth]
+    depths = [turn * (np.mod(a - reference + np.pi, 2 * np.pi)) for a in azimuth]
     choice = deepest(parts, [f.blade_distance for f in flanks], depths)
     return Flank(
         surface,
@@ -221,6 +221,11 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         pick([f.status for f in flanks], choice),
         choice,
     )
+
+
+def into_tooth(position: Array, normal: Array) -> float:
+    """Sense of rotation about the axis from a flank into its tooth: the outward normals (3, ...) point against it."""
+    return -float(np.sign(np.nanmedian(position[0] * normal[1] - position[1] * normal[0])))
 
 
 def _solve_part(surface: GeneratingSurface, section: BlankSection, target: Array) -> Flank:

@@ -15,7 +15,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
-from .flank_surface import Flank, solve_flank
+from .flank_surface import Flank, into_tooth, solve_flank
 from .generating_surface import GeneratingSurface
 from .section import BlankSection
 from .vectors import dot, rotate
@@ -154,11 +154,6 @@ def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: Gen
     front, back = (solve_flank(surface, section, axial, radial) for surface in (loaded, opposite))
     turn = into_tooth(front.position, front.normal)
     return turn, turn * float(_azimuth(back)[0] - _azimuth(front)[0])
-
-
-def into_tooth(position: Array, normal: Array) -> float:
-    """Sense of rotation about the axis from a flank into its tooth: the outward normals (3, ...) point against it."""
-    return -float(np.sign(np.nanmedian(position[0] * normal[1] - position[1] * normal[0])))
 
 
 def tooth_body(

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError, InputError
-from .flank_surface import solve_flank
+from .flank_surface import into_tooth, solve_flank
 from .generating_surface import GeneratingSurface
 from .newton import solve
 from .pair import GearPair
 from .section import BlankSection
-from .tooth import Z_AXIS, into_tooth
+from .tooth import Z_AXIS
 from .tooth_flanks import Side, named_member, placed_flanks, side, tooth_angle
 from .vectors import cross, rotate
 
