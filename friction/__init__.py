@@ -1,0 +1,1 @@
+"""Friction and lubrication of the tooth contact."""

@@ -1,0 +1,113 @@
+"""Proof of an answer of the film model: how well pressures and approach satisfy each condition.
+
+Everything is evaluated anew from pressures and approach, never taken from the iteration. All entries are dimensionless;
+zero is perfect.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import astuple, dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from .complementarity import LOAD, Problem, evaluate
+from .reynolds import Array
+
+#: What each entry must reach.
+TOLERANCE = 1e-8
+
+
+class Status(IntEnum):
+    """How a solve ended."""
+
+    CERTIFIED = 0
+    NOT_CONVERGED = 1
+    NOT_CERTIFIED = 2
+    FAILED = 3
+
+    @classmethod
+    def flag_attributes(cls) -> dict[str, Any]:
+        """Return the attributes `flag_values` and `flag_meanings` of a stored status variable (CF conventions)."""
+        return {
+            "flag_values": np.array([int(status) for status in cls], dtype=np.int8),
+            "flag_meanings": " ".join(status.name.lower() for status in cls),
+        }
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Violations of the conditions.
+
+    Attributes
+    ----------
+    load : float
+        |integral of P - load| / load.
+    negative_pressure : float
+        max(-P, 0), in units of the Hertz pressure.
+    negative_lack : float
+        max(-V, 0) over the mean flow: more lubricant than the gap holds.
+    negative_gap : float
+        max(-g, 0), penetration, over the film left between touching asperities; 0 where none can touch.
+    complementarity : float
+        Largest of min(P, |V|, g), each by its scale: somewhere a node is neither film, nor ruptured, nor touching.
+    """
+
+    load: float
+    negative_pressure: float
+    negative_lack: float
+    negative_gap: float
+    complementarity: float
+
+    @property
+    def worst(self) -> float:
+        """The largest of all violations; infinite if one of them is not a number."""
+        entries: tuple[float, ...] = astuple(self)
+        return math.inf if any(map(math.isnan, entries)) else max(entries)
+
+    def passes(self, tolerance: float = TOLERANCE) -> bool:
+        """Whether every violation is within the tolerance."""
+        return self.worst <= tolerance
+
+
+def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
+    """Measure how well pressures and approach solve a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+    pressure : (n) array
+        In units of the Hertz pressure.
+    approach : float
+
+    Returns
+    -------
+    Certificate
+        Infinite throughout where a number is not finite.
+    """
+    if not (np.isfinite(pressure).all() and math.isfinite(approach)):
+        return Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
+    point = evaluate(problem, pressure, approach)
+    inner = slice(1, -1)
+    flow = float(np.abs(point.balance.flow).mean())
+    lack = point.lack[inner] / flow
+    can_touch = math.isfinite(problem.touching_film)
+    gap = point.gap[inner] / problem.touching_film if can_touch else np.full_like(lack, math.inf)
+    load = problem.deflection.spacing * float(pressure.sum())
+    shared = np.minimum(np.minimum(pressure[inner], np.abs(lack)), np.abs(gap))
+    return Certificate(
+        load=abs(load - LOAD) / LOAD,
+        negative_pressure=max(-float(pressure.min()), 0.0) + float(np.abs(pressure[[0, -1]]).max()),
+        negative_lack=max(-float(lack.min()), 0.0),
+        negative_gap=max(-float(gap.min()), 0.0),
+        complementarity=max(float(shared.max()), 0.0),
+    )
+
+
+def judge(converged: bool, certificate: Certificate) -> Status:
+    """Status of an answer: the certificate alone decides whether it is one."""
+    if certificate.passes():
+        return Status.CERTIFIED
+    return Status.NOT_CERTIFIED if converged else Status.NOT_CONVERGED

@@ -1,0 +1,271 @@
+"""Rough surfaces moving through the contact: implicit steps in time from the smooth film.
+
+The surfaces move with their own velocities u1 and u2, the lubricant on average with their mean u; a step in time lets
+the mean advance by one node. With that step, what a broken film lacks moves on by exactly one node, and is conserved.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from .certificate import Status, certify, judge
+from .complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
+from .conditions import LineContact
+from .deflection import Deflection
+from .reynolds import Array, History
+from .roughness import Profile, smooth
+from .shear import BOUNDARY_FRICTION, traction
+from .steady import Film, smooth_film
+
+#: Film left between touching asperities [m]: a few layers of molecules.
+TOUCHING_FILM = 4e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """What rough surfaces did on their way through the contact, step by step; (t) arrays unless said otherwise.
+
+    Attributes
+    ----------
+    contact : LineContact
+    position : (n) array
+        [m].
+    time : array
+        [s].
+    settled : (t) bool array
+        Whether the step counts for averages: the heights have their full size and the smooth start is over.
+    status : (t) int array
+        Values of `Status`; of steps that are not certified the other numbers are NaN.
+    iterations : (t) int array
+    violation : array
+        Largest entry of the certificate [1].
+    film_friction, asperity_friction : arrays
+        Friction coefficients of film and touching asperities [1].
+    asperity_share : array
+        Part of the load that touching asperities carry [1].
+    minimum_film, mean_film : arrays
+        Smallest and mean film thickness within the dry contact [m].
+    pressure, film, state : (k, n) arrays
+        [Pa], [m], values of `State` at the steps `kept`.
+    kept : (k) int array
+    """
+
+    contact: LineContact
+    position: Array
+    time: Array
+    settled: NDArray[np.bool_]
+    status: NDArray[np.int8]
+    iterations: NDArray[np.int_]
+    violation: Array
+    film_friction: Array
+    asperity_friction: Array
+    asperity_share: Array
+    minimum_film: Array
+    mean_film: Array
+    pressure: Array
+    film: Array
+    state: States
+    kept: NDArray[np.int_]
+
+    @property
+    def certified_share(self) -> float:
+        """Part of the settled steps that is certified [1]."""
+        return float(np.mean(self.status[self.settled] == Status.CERTIFIED))
+
+    def average(self, name: str) -> float:
+        """Mean of one of the quantities by step over the settled, certified steps; NaN if there are none."""
+        values = getattr(self, name)[self.settled & (self.status == Status.CERTIFIED)]
+        return float(values.mean()) if values.size else math.nan
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Mean friction coefficient [1] (dissertation, equation 5.9)."""
+        return self.average("film_friction") + self.average("asperity_friction")
+
+
+def rough_passage(
+    contact: LineContact,
+    first: Profile = smooth,
+    second: Profile = smooth,
+    *,
+    steps: int,
+    nodes: int = 513,
+    span: tuple[float, float] = (-2.5, 1.5),
+    ramp: int = 20,
+    settle: int | None = None,
+    touching_film: float = TOUCHING_FILM,
+    order: int = 1,
+    keep: int = 0,
+    boundary_friction: float = BOUNDARY_FRICTION,
+    thermal: bool = False,
+) -> Passage:
+    """Let two surfaces roll and slide through the contact.
+
+    Parameters
+    ----------
+    contact : LineContact
+    first, second : callable
+        Heights [m] of the faster surface (for a positive slide-to-roll ratio) and of the other, by place on it [m].
+    steps : int
+        Steps in time; with `nodes` of them the mean flow passes once through the domain.
+    nodes : int
+        Nodes of the grid. A correlation length should have five or more.
+    span : (float, float)
+        Ends of the domain in half widths.
+    ramp : int
+        Steps over which the heights grow from nothing to their size; 0 for profiles that start outside the domain.
+    settle : int, optional
+        Steps before averages begin; by default those that bring the flow from the inlet to the middle, or the ramp if
+        that takes longer.
+    touching_film : float
+        Film left between touching asperities [m].
+    order : {1, 2}
+        Order of the differences in space and time. The second transports waves in the film with less damping, the
+        first keeps the flow over steep flanks from turning round.
+    keep : int
+        Keep the fields of every so many steps; 0 keeps none.
+    boundary_friction, thermal
+        See `shear.traction`.
+
+    Returns
+    -------
+    Passage
+        If the smooth film cannot be found, a passage whose steps all have the status `FAILED`.
+
+    Raises
+    ------
+    InputError
+        A number cannot be used.
+    """
+    if steps < 1 or ramp < 0 or keep < 0 or order not in (1, 2):
+        raise InputError(f"steps >= 1, ramp >= 0, keep >= 0, order 1 or 2, not {steps}, {ramp}, {keep}, {order}")
+    if not (touching_film > 0.0 and math.isfinite(touching_film)):
+        raise InputError(f"touching_film must be positive [m], not {touching_film!r}")
+    start = smooth_film(contact, nodes=nodes, span=span)
+    x = start.position / contact.half_width
+    settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
+    kept = np.arange(keep, steps + 1, keep) if keep else np.arange(0)
+    records = {name: np.full(steps, math.nan) for name in _RECORDED}
+    status = np.full(steps, Status.FAILED, dtype=np.int8)
+    iterations = np.zeros(steps, dtype=int)
+    pressure, film = np.full((kept.size, nodes), math.nan), np.full((kept.size, nodes), math.nan)
+    states = np.zeros((kept.size, nodes), dtype=np.int8)
+    if start.certified:
+        march = _March(contact, x, start, touching_film / contact.film_scale, order)
+        for step in range(1, steps + 1):
+            size = min(1.0, step / ramp) if ramp else 1.0
+            outcome, problem = march.advance(size, first, second)
+            point = outcome.point
+            certificate = certify(problem, point.pressure, point.approach)
+            at = step - 1
+            status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
+            records["violation"][at] = certificate.worst
+            if status[at] == Status.CERTIFIED:
+                _record(records, at, contact, start.position, outcome, boundary_friction, thermal)
+                if keep and step % keep == 0:
+                    row = step // keep - 1
+                    pressure[row] = contact.hertz_pressure * point.pressure
+                    film[row], states[row] = contact.film_scale * point.film, outcome.state
+    return Passage(
+        contact=contact,
+        position=start.position,
+        time=np.arange(1, steps + 1) * float(x[1] - x[0]) * contact.half_width / contact.rolling_velocity,
+        settled=np.arange(1, steps + 1) > settle,
+        status=status,
+        iterations=iterations,
+        pressure=pressure,
+        film=film,
+        state=states,
+        kept=kept,
+        **records,
+    )
+
+
+_RECORDED = (
+    "violation",
+    "film_friction",
+    "asperity_friction",
+    "asperity_share",
+    "minimum_film",
+    "mean_film",
+)
+
+
+def _record(
+    records: dict[str, Array],
+    at: int,
+    contact: LineContact,
+    position: Array,
+    outcome: Outcome,
+    boundary_friction: float,
+    thermal: bool,
+) -> None:
+    point = outcome.point
+    pressure, film = contact.hertz_pressure * point.pressure, contact.film_scale * point.film
+    shear = traction(
+        contact, position, pressure, film, outcome.state, boundary_friction=boundary_friction, thermal=thermal
+    )
+    within = np.abs(position) < contact.half_width
+    records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
+    touching = outcome.state == State.TOUCHING
+    records["asperity_share"][at] = float(pressure[touching].sum() / pressure.sum())
+    records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
+
+
+class _March:
+    """The state that one step in time hands to the next."""
+
+    def __init__(self, contact: LineContact, x: Array, start: Film, touching_film: float, order: int) -> None:
+        self.contact, self.x, self.order = contact, x, order
+        self.deflection = Deflection(x.size, float(x[1] - x[0]))
+        self.touching_film = touching_film
+        self.step = 0
+        point = start.outcome.point
+        self.pressure, self.approach = point.pressure, point.approach
+        self.mass = self.mass_before = self._mass(point)
+        # Behind a steady film each node lacks what the one before lacks, and what its own balance adds.
+        ruptured = start.state == State.RUPTURED
+        self.lack = np.where(ruptured, np.cumsum(np.where(ruptured, point.balance.residual, 0.0)), 0.0)
+
+    def advance(self, size: float, first: Profile, second: Profile) -> tuple[Outcome, Problem]:
+        """Take one step, with the heights at `size` times their own."""
+        self.step += 1
+        contact, spacing = self.contact, self.deflection.spacing
+        moved = self.step * spacing
+        slide = 0.5 * contact.slide_to_roll
+        heights = first(contact.half_width * (self.x - (1.0 + slide) * moved))
+        heights = heights + second(contact.half_width * (self.x - (1.0 - slide) * moved))
+        # The first step has no step before the one before; from a steady state that makes no difference.
+        history = (
+            History(spacing, 2.0 * self.mass - 0.5 * self.mass_before, 1.5)
+            if self.order == 2
+            else History(spacing, self.mass, 1.0)
+        )
+        problem = Problem(
+            contact,
+            self.deflection,
+            0.5 * self.x**2 - size * heights / contact.film_scale,
+            self.touching_film,
+            self.order,
+            history,
+            np.concatenate([[0.0], self.lack[:-1]]),
+        )
+        outcome = solve(problem, self.pressure, self.approach, ROUGH)
+        point = outcome.point
+        if outcome.converged:
+            self.pressure, self.approach = point.pressure, point.approach
+        if outcome.converged or np.isfinite(point.film).all():
+            self.mass_before, self.mass = self.mass, self._mass(point)
+            self.lack = np.where(outcome.state == State.FILM, 0.0, np.maximum(point.lack, 0.0))
+            self.lack[[0, -1]] = 0.0
+        return outcome, problem
+
+    def _mass(self, point: Point) -> Array:
+        pressure = self.contact.hertz_pressure * np.maximum(point.pressure, 0.0)
+        density, _ = self.contact.oil.relative_density(pressure)
+        return np.asarray(density * np.maximum(point.film, 0.0))

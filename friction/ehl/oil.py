@@ -1,0 +1,124 @@
+"""What the film model needs to know of an oil at its inlet temperature: a handful of numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+
+Array = NDArray[np.float64]
+
+#: Constants of Roelands' law [Pa], [1].
+_ROELANDS_PRESSURE, _ROELANDS_LOGARITHM = 1.98e8, 9.67
+#: Transition of the two-slope law [Pa]: start, middle and end (Goglia, Cusano and Conry 1984).
+_TWO_SLOPE = (70e6, 380e6, 1400e6)
+#: Coefficients of the density by Dowson and Higginson [1/Pa].
+_DENSITY_RISE, _DENSITY_FALL = 2.266e-9, 1.683e-9
+
+ViscosityLaw = Literal["roelands", "two_slope"]
+
+
+@dataclass(frozen=True)
+class Oil:
+    """An oil at its inlet temperature.
+
+    Attributes
+    ----------
+    viscosity : float
+        Dynamic viscosity at ambient pressure [Pa s].
+    pressure_viscosity : float
+        Slope of ln(viscosity) over the pressure at ambient pressure [1/Pa]; 0 is an isoviscous oil.
+    eyring_stress : float
+        Shear stress from which the film thins under shear [Pa]; infinity is a Newtonian oil.
+    law : {"roelands", "two_slope"}
+        Viscosity under pressure: by Roelands, or straight in ln(viscosity) at low and at high pressure with a cubic
+        in between.
+    high_pressure_viscosity : float, optional
+        Slope of ln(viscosity) at high pressure [1/Pa], two-slope law only; half of `pressure_viscosity` if not given.
+    limiting_shear : float, optional
+        Ceiling of the shear stress in the film as a fraction of the pressure [1]; no ceiling if not given.
+    compressible : bool
+        Density by Dowson and Higginson, or constant.
+    temperature_viscosity : float, optional
+        Fall of ln(viscosity) with the temperature [1/K]; needed for the thermal correction.
+    conductivity : float, optional
+        Thermal conductivity [W/(m K)]; needed for the thermal correction.
+
+    Raises
+    ------
+    InputError
+        A number is not positive (or, where zero has a meaning, negative) or not finite.
+    """
+
+    viscosity: float
+    pressure_viscosity: float
+    eyring_stress: float = 5e6
+    law: ViscosityLaw = "roelands"
+    high_pressure_viscosity: float | None = None
+    limiting_shear: float | None = None
+    compressible: bool = True
+    temperature_viscosity: float | None = None
+    conductivity: float | None = None
+
+    def __post_init__(self) -> None:
+        _check("viscosity", self.viscosity, "Pa s")
+        _check("pressure_viscosity", self.pressure_viscosity, "1/Pa", zero=True)
+        _check("eyring_stress", self.eyring_stress, "Pa", infinite=True)
+        for name, unit in (
+            ("high_pressure_viscosity", "1/Pa"),
+            ("limiting_shear", "1"),
+            ("temperature_viscosity", "1/K"),
+            ("conductivity", "W/(m K)"),
+        ):
+            if getattr(self, name) is not None:
+                _check(name, getattr(self, name), unit)
+        if self.law not in ("roelands", "two_slope"):
+            raise InputError(f"law {self.law!r} is not known: give 'roelands' or 'two_slope'")
+        if self.law == "roelands" and math.log(self.viscosity) + _ROELANDS_LOGARITHM <= 0.0:
+            raise InputError(
+                f"viscosity {self.viscosity:g} Pa s is below {math.exp(-_ROELANDS_LOGARITHM):.2g} Pa s, "
+                "where Roelands' law ends: give Pa s, not another unit, or take the two-slope law"
+            )
+
+    def log_viscosity(self, pressure: Array) -> tuple[Array, Array]:
+        """Return ln(viscosity / viscosity at ambient pressure) and its derivative [1/Pa] at pressures >= 0 [Pa]."""
+        if self.law == "roelands":
+            span = math.log(self.viscosity) + _ROELANDS_LOGARITHM
+            exponent = self.pressure_viscosity * _ROELANDS_PRESSURE / span
+            base = 1.0 + pressure / _ROELANDS_PRESSURE
+            power = base**exponent
+            return span * (power - 1.0), self.pressure_viscosity * power / base
+        return self._two_slope(pressure)
+
+    def _two_slope(self, pressure: Array) -> tuple[Array, Array]:
+        low, first = self.pressure_viscosity, _TWO_SLOPE[0]
+        high = 0.5 * low if self.high_pressure_viscosity is None else self.high_pressure_viscosity
+        middle, last = _TWO_SLOPE[1:]
+        # Cubic with the values and slopes of the two lines at the ends of the transition.
+        width = last - first
+        rise = low * middle + high * (last - middle) - low * first
+        s = np.clip((pressure - first) / width, 0.0, 1.0)
+        cubic = (low + high) * width - 2.0 * rise
+        square = 3.0 * rise - (2.0 * low + high) * width
+        value = low * first + s * (low * width + s * (square + s * cubic))
+        slope = low + s * (2.0 * square + 3.0 * s * cubic) / width
+        value = np.where(pressure < first, low * pressure, value + high * np.maximum(pressure - last, 0.0))
+        return value, slope
+
+    def relative_density(self, pressure: Array) -> tuple[Array, Array]:
+        """Return density over that at ambient pressure, and its derivative [1/Pa], at pressures >= 0 [Pa]."""
+        if not self.compressible:
+            return np.ones_like(pressure), np.zeros_like(pressure)
+        below = 1.0 + _DENSITY_FALL * pressure
+        return (1.0 + _DENSITY_RISE * pressure) / below, (_DENSITY_RISE - _DENSITY_FALL) / below**2
+
+
+def _check(name: str, value: float, unit: str, *, zero: bool = False, infinite: bool = False) -> None:
+    valid = value > 0.0 or (zero and value == 0.0)
+    if not valid or (math.isinf(value) and not infinite):
+        raise InputError(f"{name} must be {'zero or ' if zero else ''}positive [{unit}], not {value!r}")

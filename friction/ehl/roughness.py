@@ -1,0 +1,158 @@
+"""Heights of surfaces: measured or generated profiles, waves, and single asperities.
+
+A profile is any function from the position on the surface [m] to its height there [m], outward positive. Those here
+have no jumps, so that they can move through the contact by any fraction of a grid spacing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+from ...core.errors import InputError
+
+Array = NDArray[np.float64]
+Profile = Callable[[Array], Array]
+
+#: Points in a correlation length of a generated profile.
+_POINTS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class RoughProfile:
+    """A profile that repeats itself, given by heights at equal distances with a cubic spline in between.
+
+    Attributes
+    ----------
+    heights : (n) array
+        [m], with mean zero; the point after the last is the first again.
+    spacing : float
+        Distance of neighbouring points [m].
+    """
+
+    heights: Array
+    spacing: float
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of the heights [m]."""
+        return float(np.sqrt(np.mean(self.heights**2)))
+
+    @property
+    def length(self) -> float:
+        """Period [m]."""
+        return self.heights.size * self.spacing
+
+    @cached_property
+    def _spline(self) -> CubicSpline:
+        position = self.spacing * np.arange(self.heights.size + 1)
+        return CubicSpline(position, np.append(self.heights, self.heights[0]), bc_type="periodic")
+
+    def __call__(self, position: Array) -> Array:
+        """Heights [m] at positions [m]."""
+        return np.asarray(self._spline(np.mod(position, self.length)))
+
+    def scaled(self, rms: float) -> RoughProfile:
+        """Return the same profile with another rms height [m]; the dissertation varies a measured one in this way."""
+        if not (rms >= 0.0 and math.isfinite(rms)):
+            raise InputError(f"rms must be zero or positive [m], not {rms!r}")
+        return RoughProfile(self.heights * (rms / self.rms), self.spacing)
+
+
+def generated_profile(rms: float, correlation_length: float, length: float, seed: int) -> RoughProfile:
+    """Gaussian profile with the autocorrelation exp(-(x / correlation length)^2).
+
+    Parameters
+    ----------
+    rms : float
+        Root mean square height [m], met exactly.
+    correlation_length : float
+        Distance at which the autocorrelation has fallen to 1/e [m].
+    length : float
+        Period [m].
+    seed : int
+        The same seed gives the same profile.
+
+    Raises
+    ------
+    InputError
+        A length is not positive, or the period is shorter than ten correlation lengths.
+
+    Notes
+    -----
+    Sum of waves of the period's fundamental and its multiples, with the amplitudes of the spectral density,
+    exp(-(k l)^2 / 8) for the wave number k and correlation length l, and random phases. The shortest wave kept is
+    l / 6, whose amplitude is nil.
+    """
+    for name, value in (("rms", rms), ("correlation_length", correlation_length), ("length", length)):
+        if not (value > 0.0 and math.isfinite(value)):
+            raise InputError(f"{name} must be positive [m], not {value!r}")
+    if length < 10.0 * correlation_length:
+        raise InputError(f"length {length:g} m is below ten correlation lengths of {correlation_length:g} m")
+    points = math.ceil(_POINTS * length / correlation_length)
+    wave_number = 2.0 * math.pi * np.fft.rfftfreq(points, length / points)
+    phase = 2.0 * math.pi * np.random.default_rng(seed).random(wave_number.size)
+    spectrum = np.exp(-((wave_number * correlation_length) ** 2) / 8.0 + 1j * phase)
+    spectrum[0] = 0.0
+    heights = np.fft.irfft(spectrum, points)
+    return RoughProfile(heights * (rms / np.sqrt(np.mean(heights**2))), length / points)
+
+
+def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True) -> RoughProfile:
+    """Profile from a measured trace.
+
+    Parameters
+    ----------
+    heights : (n) array
+        Heights at equal distances [m], at least 16.
+    spacing : float
+        Their distance [m].
+    detrend : bool
+        Take out the straight line through them; their mean is taken out in any case.
+
+    Returns
+    -------
+    RoughProfile
+        The trace and its mirror image, one after the other, so that it repeats without a jump.
+
+    Raises
+    ------
+    InputError
+        Too few heights, a height that is not finite, or a spacing that is not positive.
+    """
+    trace = np.asarray(heights, dtype=np.float64)
+    if trace.ndim != 1 or trace.size < 16 or not np.isfinite(trace).all():
+        raise InputError("heights must be at least 16 finite numbers in a row [m]")
+    if not (spacing > 0.0 and math.isfinite(spacing)):
+        raise InputError(f"spacing must be positive [m], not {spacing!r}")
+    if detrend:
+        place = np.arange(trace.size)
+        trace = trace - np.polyval(np.polyfit(place, trace, 1), place)
+    trace = np.concatenate([trace, trace[-2:0:-1]])
+    return RoughProfile(trace - trace.mean(), spacing)
+
+
+def wave(amplitude: float, wavelength: float) -> Profile:
+    """Return a sinusoidal profile: amplitude and wavelength [m]."""
+    return lambda position: amplitude * np.cos(2.0 * math.pi * position / wavelength)
+
+
+def asperity(height: float, width: float, place: float) -> Profile:
+    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a place on the surface; all [m]."""
+
+    def profile(position: Array) -> Array:
+        s = (position - place) / width
+        return np.where(np.abs(s) < 0.5, height * np.cos(math.pi * s) ** 2, 0.0)
+
+    return profile
+
+
+def smooth(position: Array) -> Array:
+    """The profile without heights."""
+    return np.zeros_like(position)

@@ -1,0 +1,161 @@
+"""Shear of the film and of touching asperities, and the friction coefficient.
+
+In the film the stress is that of an Eyring fluid, tau0 asinh(eta u_s / (tau0 h)), with the sliding velocity u_s, if wanted
+under a ceiling proportional to the pressure; where asperities touch it is the boundary friction coefficient times the
+pressure (dissertation, equations 5.7-5.9); where the film is ruptured there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import InputError
+from .complementarity import State, States
+from .conditions import LineContact
+from .reynolds import Array
+
+#: Root of conductivity, density and specific heat of steel (46 W/(m K), 7850 kg/m^3, 460 J/(kg K)) [J/(m^2 K s^0.5)].
+STEEL_EFFUSIVITY = 12890.0
+#: Friction coefficient of touching asperities.
+BOUNDARY_FRICTION = 0.1
+
+#: ln(viscosity) beyond which the Eyring stress is that of its asymptote anyway; keeps exp from overflowing.
+_STIFFEST = 600.0
+#: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted.
+_TOLERANCE, _ADJUSTMENTS = 1e-6, 60
+
+
+@dataclass(frozen=True, eq=False)
+class Traction:
+    """Shear in a contact.
+
+    Attributes
+    ----------
+    stress : (n) array
+        Shear stress [Pa], with the sign of the sliding velocity.
+    film, asperities : float
+        Friction coefficients: shear force of the film, and of the touching asperities, over the load [1].
+    temperature_rise : (n) array
+        Mean rise of the film over the inlet temperature [K]; zero without the thermal correction.
+    """
+
+    stress: Array
+    film: float
+    asperities: float
+    temperature_rise: Array
+
+    @property
+    def coefficient(self) -> float:
+        """Friction coefficient [1]."""
+        return self.film + self.asperities
+
+
+def traction(
+    contact: LineContact,
+    position: Array,
+    pressure: Array,
+    film: Array,
+    state: States,
+    *,
+    boundary_friction: float = BOUNDARY_FRICTION,
+    thermal: bool = False,
+    effusivity: float = STEEL_EFFUSIVITY,
+) -> Traction:
+    """Shear stress and friction coefficient from a film.
+
+    Parameters
+    ----------
+    contact : LineContact
+    position, pressure, film : (n) arrays
+        [m], [Pa], [m]; equal distances.
+    state : (n) int array
+        Values of `State`.
+    boundary_friction : float
+        Friction coefficient of touching asperities [1].
+    thermal : bool
+        Lower the viscosity in the shear stress by the film's own heat, see `film_temperature`. The film thickness stays
+        as it is: heating in the inlet is not covered.
+    effusivity : float
+        Root of conductivity, density and specific heat of the bodies [J/(m^2 K s^0.5)].
+
+    Raises
+    ------
+    InputError
+        The thermal correction is asked for and the oil has no `temperature_viscosity` or `conductivity`.
+    """
+    oil = contact.oil
+    touching = state == State.TOUCHING
+    whole = (state == State.FILM) & (pressure > 0.0)
+    thickening, _ = oil.log_viscosity(np.maximum(pressure, 0.0))
+    solid = np.where(touching, boundary_friction * pressure, 0.0)
+
+    def stress_at(rise: Array) -> Array:
+        fall = 0.0 if oil.temperature_viscosity is None else oil.temperature_viscosity * rise
+        fluid = _eyring(contact, np.where(whole, thickening - fall, 0.0), film)
+        if oil.limiting_shear is not None:
+            fluid = np.minimum(fluid, oil.limiting_shear * pressure)
+        return np.where(whole, fluid, 0.0) + solid
+
+    rise = np.zeros_like(pressure)
+    stress = stress_at(rise)
+    if thermal:
+        if oil.temperature_viscosity is None or oil.conductivity is None:
+            raise InputError("the thermal correction needs the oil's temperature_viscosity and conductivity")
+        for _ in range(_ADJUSTMENTS):
+            rise = 0.5 * (rise + film_temperature(contact, position, stress, film, oil.conductivity, effusivity))
+            hotter = stress_at(rise)
+            change = float(np.abs(hotter - stress).sum())
+            stress = hotter
+            if change <= _TOLERANCE * float(stress.sum()):
+                break
+    spacing = float(position[1] - position[0])
+    over_load = spacing / contact.load
+    return Traction(
+        stress=math.copysign(1.0, contact.sliding_velocity) * stress,
+        film=over_load * float(stress[whole].sum()),
+        asperities=over_load * float(solid.sum()) if contact.sliding_velocity else 0.0,
+        temperature_rise=rise,
+    )
+
+
+def _eyring(contact: LineContact, thickening: Array, film: Array) -> Array:
+    """Shear stress of the film [Pa] >= 0 from ln(viscosity) over that at the inlet."""
+    oil = contact.oil
+    rate = abs(contact.sliding_velocity) / np.maximum(film, 1e-12)
+    newtonian = oil.viscosity * np.exp(np.minimum(thickening, _STIFFEST)) * rate
+    if math.isinf(oil.eyring_stress):
+        return np.asarray(newtonian)
+    return np.asarray(oil.eyring_stress * np.arcsinh(newtonian / oil.eyring_stress))
+
+
+def film_temperature(
+    contact: LineContact, position: Array, stress: Array, film: Array, conductivity: float, effusivity: float
+) -> Array:
+    """Mean temperature rise over the film thickness [K].
+
+    The heat |tau u_s| flows into both surfaces as they pass; common surface temperature by the theory of moving heat
+    sources (Blok; Jaeger): the integral of the heat over the root of the distance from upstream, by the sum of
+    effusivity times root velocity of both. Within the film, conduction adds heat times thickness over 12 conductivities.
+
+    Parameters
+    ----------
+    contact : LineContact
+    position, stress, film : (n) arrays
+        [m], [Pa], [m].
+    conductivity : float
+        Of the oil [W/(m K)].
+    effusivity : float
+        Of the bodies [J/(m^2 K s^0.5)].
+    """
+    heat = np.abs(stress * contact.sliding_velocity)
+    spacing = float(position[1] - position[0])
+    # Heat constant around each node: the integral over one spacing of 1 / sqrt(distance).
+    edge = np.maximum(np.arange(position.size + 1) - 0.5, 0.0)
+    weight = 2.0 * np.sqrt(spacing) * np.diff(np.sqrt(edge))
+    first, second = (contact.rolling_velocity * (1.0 + side * contact.slide_to_roll / 2.0) for side in (1.0, -1.0))
+    passing = math.sqrt(math.pi) * effusivity * (math.sqrt(abs(first)) + math.sqrt(abs(second)))
+    surface = np.convolve(heat, weight)[: position.size] / passing
+    return np.asarray(surface + heat * film / (12.0 * conductivity))
