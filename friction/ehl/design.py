@@ -1,0 +1,189 @@
+"""The parameter study of the dissertation (its tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations_with_replacement
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from ...core.errors import InputError
+from .conditions import STEEL, LineContact
+from .oil import Oil
+
+#: 75W90 by temperature [deg C]: viscosity [Pa s], pressure-viscosity coefficient [1/Pa] (dissertation, table 5.2).
+_OIL = MappingProxyType(
+    {25.0: (0.1626, 18.0e-9), 50.0: (0.0499, 13.9e-9), 75.0: (0.0208, 11.4e-9), 100.0: (0.0106, 9.7e-9)}
+)
+#: Not in the dissertation: Eyring stress [Pa] and conductivity [W/(m K)] of a usual gear oil.
+_EYRING_STRESS, _CONDUCTIVITY = 5e6, 0.14
+
+
+def oil_75w90(temperature: float) -> Oil:
+    """Return the oil of the dissertation at one of the temperatures of its table 5.2: 25, 50, 75 or 100 deg C.
+
+    The fall of the viscosity with the temperature is that between the neighbouring entries of the table.
+
+    Raises
+    ------
+    InputError
+        Another temperature; the tables between are for the caller to interpolate.
+    """
+    if temperature not in _OIL:
+        raise InputError(f"temperature {temperature!r} is not in the table: 25, 50, 75 or 100 deg C")
+    temperatures = np.array(list(_OIL))
+    fall = -np.gradient(np.log([viscosity for viscosity, _ in _OIL.values()]), temperatures)
+    viscosity, coefficient = _OIL[temperature]
+    return Oil(
+        viscosity,
+        coefficient,
+        eyring_stress=_EYRING_STRESS,
+        temperature_viscosity=float(fall[temperatures == temperature][0]),
+        conductivity=_CONDUCTIVITY,
+    )
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One combination of the study, in its units.
+
+    Attributes
+    ----------
+    hertz_pressure : float
+        [GPa].
+    radius : float
+        [mm].
+    rolling_velocity : float
+        [m/s].
+    slide_to_roll : float
+        [1].
+    temperature : float
+        Of the oil in the inlet [deg C].
+    roughness_1, roughness_2 : float
+        Rms heights of the surfaces [um].
+    """
+
+    hertz_pressure: float
+    radius: float
+    rolling_velocity: float
+    slide_to_roll: float
+    temperature: float
+    roughness_1: float
+    roughness_2: float
+
+    @property
+    def contact(self) -> LineContact:
+        """The line contact between steel bodies."""
+        return LineContact(
+            hertz_pressure=1e9 * self.hertz_pressure,
+            radius=1e-3 * self.radius,
+            rolling_velocity=self.rolling_velocity,
+            oil=oil_75w90(self.temperature),
+            slide_to_roll=self.slide_to_roll,
+            reduced_modulus=STEEL,
+        )
+
+    @property
+    def composite_roughness(self) -> float:
+        """Root of the sum of the squares of both rms heights [m]."""
+        return 1e-6 * math.hypot(self.roughness_1, self.roughness_2)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Levels of a study; by default those of the dissertation, 31,500 combinations.
+
+    Each pair of roughnesses occurs once, the smoother surface first: 15 pairs of 5 levels.
+    """
+
+    hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)
+    radius: tuple[float, ...] = (5.0, 20.0, 40.0)
+    rolling_velocity: tuple[float, ...] = (1.0, 5.0, 10.0, 15.0, 20.0)
+    slide_to_roll: tuple[float, ...] = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
+    temperature: tuple[float, ...] = (25.0, 50.0, 75.0, 100.0)
+    roughness: tuple[float, ...] = (0.1, 0.35, 0.6, 0.85, 1.0)
+
+    @cached_property
+    def _axes(self) -> tuple[tuple[Any, ...], ...]:
+        pairs = tuple(combinations_with_replacement(self.roughness, 2))
+        return (
+            self.hertz_pressure,
+            self.radius,
+            self.rolling_velocity,
+            self.slide_to_roll,
+            self.temperature,
+            pairs,
+        )
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of levels of each parameter; the last is that of the pairs of roughnesses."""
+        return tuple(len(axis) for axis in self._axes)
+
+    @property
+    def size(self) -> int:
+        """Number of combinations."""
+        return math.prod(self.shape)
+
+    def condition(self, number: int) -> Condition:
+        """Return a combination by its number, from 0; the last parameter changes fastest.
+
+        Raises
+        ------
+        InputError
+            There is no such combination.
+        """
+        if not 0 <= number < self.size:
+            raise InputError(f"combination {number!r} does not exist: 0 to {self.size - 1}")
+        levels = np.unravel_index(number, self.shape)
+        *single, pair = (axis[int(level)] for axis, level in zip(self._axes, levels, strict=True))
+        return Condition(*single, *pair)
+
+    def subset(self, size: int, seed: int = 0) -> NDArray[np.int_]:
+        """Choose combinations that fill the space of the parameters evenly.
+
+        Parameters
+        ----------
+        size : int
+            How many.
+        seed : int
+            Of the scrambling.
+
+        Returns
+        -------
+        (size) int array
+            Their numbers, all different, in the order of a scrambled Sobol sequence over the levels (points that fall
+            on a combination again are skipped): the first of a long subset are a good short one.
+
+        Raises
+        ------
+        InputError
+            More than there are, or none.
+        """
+        if not 1 <= size <= self.size:
+            raise InputError(f"size must be from 1 to {self.size}, not {size!r}")
+        if size == self.size:
+            return np.arange(size)
+        sequence = qmc.Sobol(len(self.shape), seed=seed)
+        chosen: dict[int, None] = {}
+        while len(chosen) < size:
+            levels = (sequence.random(1024) * self.shape).astype(int)
+            for number in np.ravel_multi_index(tuple(levels.T), self.shape):
+                chosen.setdefault(int(number))
+        return np.array(list(chosen)[:size])
+
+
+def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.int_]:
+    """Numbers of the combinations that are wanted: given, a subset of a size, or all."""
+    if wanted is None:
+        return np.arange(design.size)
+    if isinstance(wanted, int):
+        return design.subset(wanted)
+    return np.asarray(list(wanted), dtype=int)
