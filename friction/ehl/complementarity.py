@@ -158,7 +158,13 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
     deflection = problem.deflection
     film = problem.profile + approach + deflection(pressure)
     flow = balance(
-        problem.contact, deflection.spacing, pressure, film, order=problem.order, history=problem.history
+        problem.contact,
+        deflection.spacing,
+        pressure,
+        film,
+        order=problem.order,
+        history=problem.history,
+        touching_film=problem.touching_film,
     )
     return Point(pressure, film, approach, flow, flow.residual + problem.lacking, film - problem.touching_film)
 

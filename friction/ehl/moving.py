@@ -17,7 +17,7 @@ from .certificate import Status, certify, judge
 from .complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
 from .conditions import LineContact
 from .deflection import Deflection
-from .reynolds import Array, History
+from .reynolds import Array, History, fluid_part
 from .roughness import Profile, smooth
 from .shear import BOUNDARY_FRICTION, traction
 from .steady import Film, smooth_film
@@ -166,7 +166,7 @@ def rough_passage(
             status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
             records["violation"][at] = certificate.worst
             if status[at] == Status.CERTIFIED:
-                _record(records, at, contact, start.position, outcome, boundary_friction, thermal)
+                _record(records, at, start.position, problem, point, boundary_friction, thermal)
                 if keep and step % keep == 0:
                     row = step // keep - 1
                     pressure[row] = contact.hertz_pressure * point.pressure
@@ -199,21 +199,27 @@ _RECORDED = (
 def _record(
     records: dict[str, Array],
     at: int,
-    contact: LineContact,
     position: Array,
-    outcome: Outcome,
+    problem: Problem,
+    point: Point,
     boundary_friction: float,
     thermal: bool,
 ) -> None:
-    point = outcome.point
+    contact = problem.contact
     pressure, film = contact.hertz_pressure * point.pressure, contact.film_scale * point.film
+    part, _ = fluid_part(point.film, problem.touching_film)
     shear = traction(
-        contact, position, pressure, film, outcome.state, boundary_friction=boundary_friction, thermal=thermal
+        contact,
+        position,
+        pressure,
+        film,
+        fluid_part=part,
+        boundary_friction=boundary_friction,
+        thermal=thermal,
     )
     within = np.abs(position) < contact.half_width
     records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
-    touching = outcome.state == State.TOUCHING
-    records["asperity_share"][at] = float(pressure[touching].sum() / pressure.sum())
+    records["asperity_share"][at] = float(((1.0 - part) * pressure).sum() / pressure.sum())
     records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
 
 

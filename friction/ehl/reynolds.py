@@ -17,6 +17,7 @@ rho phi / eta of both nodes, but the harmonic mean of their H^3: where a gap clo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +73,14 @@ class Balance:
 
 
 def balance(
-    contact: LineContact, spacing: float, pressure: Array, film: Array, *, order: int, history: History | None = None
+    contact: LineContact,
+    spacing: float,
+    pressure: Array,
+    film: Array,
+    *,
+    order: int,
+    history: History | None = None,
+    touching_film: float = -math.inf,
 ) -> Balance:
     """Mass balance and its derivatives.
 
@@ -87,6 +95,8 @@ def balance(
         Order of the upstream difference of the flow with the surfaces.
     history : History, optional
         The steps before; none for the steady state.
+    touching_film : float
+        H_c, see `fluid_part`.
     """
     oil, unit = contact.oil, contact.hertz_pressure
     positive = np.maximum(pressure, 0.0)
@@ -104,15 +114,20 @@ def balance(
     total = cube[left] + cube[right]
     shared = 2.0 * cube[left] * cube[right] / total
     mean = 0.5 * (mobility[left] + mobility[right])
-    slope = (pressure[right] - pressure[left]) / spacing
+    part, part_slope = fluid_part(film, touching_film)
+    fluid, fluid_by_film = part * pressure, part_slope * pressure
+    slope = (fluid[right] - fluid[left]) / spacing
     conductance = mean * shared
     # d(shared)/dH: 2 c_r^2 / (c_l + c_r)^2 * 3 H_l^2, and the same with left and right exchanged.
     shared_left = 6.0 * (cube[right] / total) ** 2 * thick[left] ** 2
     shared_right = 6.0 * (cube[left] / total) ** 2 * thick[right] ** 2
-    q_film_left = -slope * (mean * shared_left + 0.5 * mobility_by_film[left] * shared)
-    q_film_right = -slope * (mean * shared_right + 0.5 * mobility_by_film[right] * shared)
-    q_pressure_left = conductance / spacing - slope * shared * 0.5 * mobility_slope[left]
-    q_pressure_right = -conductance / spacing - slope * shared * 0.5 * mobility_slope[right]
+    driving = conductance / spacing
+    q_film_left = driving * fluid_by_film[left] - slope * (mean * shared_left + 0.5 * mobility_by_film[left] * shared)
+    q_film_right = -driving * fluid_by_film[right] - slope * (
+        mean * shared_right + 0.5 * mobility_by_film[right] * shared
+    )
+    q_pressure_left = driving * part[left] - slope * shared * 0.5 * mobility_slope[left]
+    q_pressure_right = -driving * part[right] - slope * shared * 0.5 * mobility_slope[right]
 
     # Flow with the surfaces: the first middle has no second node upstream and takes the mean of its two.
     weight = 1.5 if order == 2 else 1.0
@@ -146,6 +161,20 @@ def balance(
         by_pressure[2, 1:-1] += ratio * history.weight * mass_slope[1:-1]
         by_film[2, 1:-1] += ratio * history.weight * density[1:-1]
     return Balance(residual, flow, by_pressure, by_film)
+
+
+def fluid_part(film: Array, touching_film: float) -> tuple[Array, Array]:
+    """Part of the pressure that the lubricant carries, and its derivative by H.
+
+    All of it from twice the film of touching asperities on, none where they touch, with a straight line in between.
+    The rest is carried by the layers on the surfaces and drives no flow: otherwise the load of an asperity would press
+    the lubricant out of its surroundings, or into them.
+    """
+    if math.isinf(touching_film):
+        return np.ones_like(film), np.zeros_like(film)
+    part = film / touching_film - 1.0
+    between = (part > 0.0) & (part < 1.0)
+    return np.clip(part, 0.0, 1.0), np.where(between, 1.0 / touching_film, 0.0)
 
 
 def _mobility(

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.errors import InputError
-from .complementarity import State, States
 from .conditions import LineContact
 from .reynolds import Array
 
@@ -58,8 +57,8 @@ def traction(
     position: Array,
     pressure: Array,
     film: Array,
-    state: States,
     *,
+    fluid_part: Array | float = 1.0,
     boundary_friction: float = BOUNDARY_FRICTION,
     thermal: bool = False,
     effusivity: float = STEEL_EFFUSIVITY,
@@ -71,8 +70,8 @@ def traction(
     contact : LineContact
     position, pressure, film : (n) arrays
         [m], [Pa], [m]; equal distances.
-    state : (n) int array
-        Values of `State`.
+    fluid_part : (n) array or float
+        Part of the pressure that the lubricant carries, see `reynolds.fluid_part`; touching asperities carry the rest.
     boundary_friction : float
         Friction coefficient of touching asperities [1].
     thermal : bool
@@ -87,17 +86,18 @@ def traction(
         The thermal correction is asked for and the oil has no `temperature_viscosity` or `conductivity`.
     """
     oil = contact.oil
-    touching = state == State.TOUCHING
-    whole = (state == State.FILM) & (pressure > 0.0)
-    thickening, _ = oil.log_viscosity(np.maximum(pressure, 0.0))
-    solid = np.where(touching, boundary_friction * pressure, 0.0)
+    loaded = np.maximum(pressure, 0.0)
+    whole = loaded > 0.0  # where it is not, the film is ruptured
+    thickening, _ = oil.log_viscosity(loaded)
+    sliding = abs(np.sign(contact.sliding_velocity))
+    solid = sliding * boundary_friction * (1.0 - fluid_part) * loaded
 
     def stress_at(rise: Array) -> Array:
         fall = 0.0 if oil.temperature_viscosity is None else oil.temperature_viscosity * rise
         fluid = _eyring(contact, np.where(whole, thickening - fall, 0.0), film)
         if oil.limiting_shear is not None:
-            fluid = np.minimum(fluid, oil.limiting_shear * pressure)
-        return np.where(whole, fluid, 0.0) + solid
+            fluid = np.minimum(fluid, oil.limiting_shear * loaded)
+        return np.where(whole, fluid_part * fluid, 0.0) + solid
 
     rise = np.zeros_like(pressure)
     stress = stress_at(rise)
@@ -115,8 +115,8 @@ def traction(
     over_load = spacing / contact.load
     return Traction(
         stress=math.copysign(1.0, contact.sliding_velocity) * stress,
-        film=over_load * float(stress[whole].sum()),
-        asperities=over_load * float(solid.sum()) if contact.sliding_velocity else 0.0,
+        film=over_load * float((stress - solid).sum()),
+        asperities=over_load * float(solid.sum()),
         temperature_rise=rise,
     )
 

@@ -1,0 +1,106 @@
+"""Shear of the film and friction coefficient: limits, ceilings, heat."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from easeoff.core.errors import InputError
+from easeoff.friction.ehl import LineContact, Oil, smooth_film, traction
+from easeoff.friction.ehl.shear import film_temperature
+
+OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.038, conductivity=0.14)
+CONTACT = LineContact(1e9, 0.02, 10.0, OIL, slide_to_roll=0.25, reduced_modulus=2.273e11)
+X = np.linspace(-1.0, 1.0, 401) * CONTACT.half_width
+PRESSURE = 1e9 * np.sqrt(1.0 - (X / CONTACT.half_width) ** 2)
+FILM = np.full_like(X, 1.3e-6)
+
+
+def sliding(ratio: float, **changes: float | str | None) -> LineContact:
+    return replace(CONTACT, slide_to_roll=ratio, oil=replace(OIL, **changes))  # type: ignore[arg-type]
+
+
+def test_newtonian_stress_is_viscosity_times_shear_rate() -> None:
+    contact = sliding(0.01, eyring_stress=math.inf, pressure_viscosity=0.0)
+    expected = 0.0499 * contact.sliding_velocity / 1.3e-6
+    result = traction(contact, X, PRESSURE, FILM)
+    np.testing.assert_allclose(result.stress[1:-1], expected, rtol=1e-12)
+    assert result.coefficient == pytest.approx(expected * 2.0 * contact.half_width / contact.load, rel=0.01)
+
+
+def test_eyring_stress_is_newtonian_when_slow_and_logarithmic_when_fast() -> None:
+    slow, newtonian = (traction(sliding(1e-9, **law), X, PRESSURE, FILM) for law in ({}, {"eyring_stress": math.inf}))
+    np.testing.assert_allclose(slow.stress, newtonian.stress, rtol=1e-4)
+    fast, faster = (traction(sliding(ratio), X, PRESSURE, FILM).stress[200] for ratio in (0.1, 1.0))
+    assert faster - fast == pytest.approx(5e6 * math.log(10.0), rel=1e-3)
+
+
+def test_friction_has_the_sign_of_the_sliding_and_none_without() -> None:
+    forth, back, none = (traction(sliding(ratio), X, PRESSURE, FILM, fluid_part=0.5) for ratio in (0.3, -0.3, 0.0))
+    np.testing.assert_array_equal(forth.stress, -back.stress)
+    assert forth.coefficient == back.coefficient > 0.0
+    assert none.coefficient == 0.0
+    assert np.abs(none.stress).max() == 0.0
+
+
+def test_touching_asperities_have_the_boundary_coefficient() -> None:
+    dry = traction(CONTACT, X, PRESSURE, FILM, fluid_part=0.0, boundary_friction=0.12)
+    load = np.sum(PRESSURE) * (X[1] - X[0])
+    assert dry.film == 0.0
+    assert dry.asperities == pytest.approx(0.12 * load / CONTACT.load, rel=1e-12)
+    half = traction(CONTACT, X, PRESSURE, FILM, fluid_part=0.5, boundary_friction=0.12)
+    wet = traction(CONTACT, X, PRESSURE, FILM)
+    assert half.coefficient == pytest.approx(0.5 * (dry.coefficient + wet.coefficient), rel=1e-12)
+
+
+def test_ceiling_of_the_shear_stress() -> None:
+    limited = traction(sliding(1.0, limiting_shear=0.01), X, PRESSURE, FILM)
+    assert (limited.stress <= 0.01 * PRESSURE + 1e-9).all()
+    assert limited.coefficient == pytest.approx(0.01, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [
+        ("roelands", [0.0058, 0.0122, 0.0172, 0.0212, 0.0254]),
+        ("two_slope", [0.0157, 0.0232, 0.0284, 0.0326, 0.0370]),
+    ],
+)
+def test_friction_of_a_smooth_film_is_that_of_an_independent_prototype(law: str, expected: list[float]) -> None:
+    """1 GPa, 20 mm, 10 m/s, 50 deg C, Eyring stress 5 MPa; film without shear thinning."""
+    film = smooth_film(sliding(0.0, law="roelands", eyring_stress=math.inf), nodes=513)
+    for ratio, friction in zip([0.025, 0.1, 0.25, 0.5, 1.0], expected, strict=True):
+        contact = sliding(ratio, law=law)
+        result = traction(contact, film.position, film.pressure, film.film)
+        assert result.coefficient == pytest.approx(friction, rel=0.03)
+
+
+def test_temperature_of_a_uniform_band_is_that_of_jaeger() -> None:
+    """At its end 2 q sqrt(l / (pi u)) / b over both bodies, and q h / (12 k) within the film."""
+    stress = np.full_like(X, 2e7)
+    contact = sliding(2.0)  # one surface stands still and takes no heat away
+    length = 2.0 * contact.half_width
+    heat = 2e7 * contact.sliding_velocity
+    passing = 12890.0 * math.sqrt(2.0 * contact.rolling_velocity)
+    expected = 2.0 * heat * math.sqrt(length / math.pi) / passing + heat * 1.3e-6 / (12.0 * 0.14)
+    assert film_temperature(contact, X, stress, FILM, 0.14, 12890.0)[-1] == pytest.approx(expected, rel=2e-3)
+
+
+def test_heat_lowers_friction_more_the_more_slides() -> None:
+    ratios = []
+    for slide in (0.01, 0.1, 1.0):
+        cold, warm = (traction(sliding(slide), X, PRESSURE, FILM, thermal=thermal) for thermal in (False, True))
+        assert warm.temperature_rise.max() > 0.0
+        ratios.append(warm.coefficient / cold.coefficient)
+    assert 1.0 > ratios[0] > ratios[1] > ratios[2] > 0.2
+    settled = traction(sliding(1.0), X, PRESSURE, FILM, thermal=True)
+    own = film_temperature(sliding(1.0), X, settled.stress, FILM, 0.14, 12890.0)
+    np.testing.assert_allclose(settled.temperature_rise, own, rtol=1e-4, atol=1e-6)
+
+
+def test_thermal_correction_asks_for_its_numbers() -> None:
+    with pytest.raises(InputError, match="temperature_viscosity"):
+        traction(sliding(0.1, conductivity=None), X, PRESSURE, FILM, thermal=True)
