@@ -107,7 +107,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "contact_radius": ("mm", "equivalent radius of the contact"),
     "rolling_velocity": ("m s-1", "mean velocity of the surfaces across the contact line"),
     "slide_to_roll": ("1", "difference of the surface velocities over the rolling velocity"),
-    "oil_temperature": ("degC", "temperature of the oil in the inlet"),
+    "temperature": ("degC", "temperature of the oil at the inlet of the contact"),
     "roughness_1": ("um", "rms height of the first surface"),
     "roughness_2": ("um", "rms height of the second surface"),
     "friction_coefficient": ("1", "friction force over the load"),

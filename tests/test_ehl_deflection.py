@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -114,4 +116,4 @@ def test_ranks_of_the_blocks_hardly_grow_with_the_nodes() -> None:
     ranks = [h.on_first[0].shape[1] for h in hierarchical._tree(6144).halvings]
     assert len(ranks) == 7
     assert max(ranks) <= 26
-    assert all(abs(a - b) <= 3 for a, b in zip(ranks, ranks[1:], strict=False))
+    assert all(abs(a - b) <= 3 for a, b in pairwise(ranks))

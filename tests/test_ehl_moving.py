@@ -44,9 +44,7 @@ def test_smooth_surfaces_stay_as_they_are(order: int) -> None:
     passage = rough_passage(GEAR, steps=12, nodes=193, span=SPAN, ramp=0, settle=0, order=order, keep=12)
     assert (passage.status == Status.CERTIFIED).all()
     within = np.abs(start.position) < GEAR.half_width
-    np.testing.assert_allclose(
-        passage.film[0][within], start.film[within], rtol=1e-9 if order == 2 else 0.05
-    )
+    np.testing.assert_allclose(passage.film[0][within], start.film[within], rtol=1e-9 if order == 2 else 0.05)
     assert passage.average("asperity_share") == 0.0
 
 
@@ -76,7 +74,7 @@ def published(contact: LineContact, wavelength: float) -> float:
     DOI 10.1016/S0167-8922(08)70440-1; the fitted curve is that of the later papers of Lubrecht and Venner.
     """
     reach = wavelength * contact.moes_load**0.75 / contact.moes_viscosity**0.5
-    return 1.0 / (1.0 + 0.125 * reach + 0.04 * reach**2)
+    return float(1.0 / (1.0 + 0.125 * reach + 0.04 * reach**2))
 
 
 @pytest.mark.parametrize(("load", "viscous", "wavelength"), [(60, 8, 1.0), (20, 14, 1.0), (60, 8, 0.5)])
@@ -181,7 +179,7 @@ def test_generated_profile_has_the_height_and_the_correlation_asked_for() -> Non
     assert abs(profile.heights.mean()) < 1e-15
     spectrum = np.abs(np.fft.rfft(profile.heights)) ** 2
     correlation = np.fft.irfft(spectrum)[:100] / np.fft.irfft(spectrum)[0]
-    lag = profile.spacing * np.arange(100)
+    lag = profile.spacing * np.arange(100.0)
     np.testing.assert_allclose(correlation, np.exp(-((lag / 20e-6) ** 2)), atol=1e-3)
     np.testing.assert_array_equal(profile.heights, generated_profile(0.5e-6, 20e-6, 40e-3, seed=4).heights)
     here = np.array([1e-3, 7e-3])
@@ -190,7 +188,7 @@ def test_generated_profile_has_the_height_and_the_correlation_asked_for() -> Non
 
 
 def test_measured_profile_is_the_trace_without_its_slope() -> None:
-    place = np.arange(400)
+    place = np.arange(400.0)
     trace = 0.3e-6 * np.sin(2 * np.pi * place / 50) + 2e-9 * place + 5e-6
     profile = measured_profile(trace, 1e-6)
     np.testing.assert_allclose(profile(1e-6 * place), profile.heights[:400], atol=1e-18)

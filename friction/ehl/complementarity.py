@@ -222,10 +222,14 @@ def _states(problem: Problem, point: Point, pace: Pace) -> States:
     by_own_pressure = np.abs(point.balance.by_pressure[2] + own @ point.balance.by_film)
     by_own_pressure[[0, -1]] = 1.0
     members = np.stack(
-        [point.lack / by_own_pressure, point.pressure, point.gap / (pace.gap_scale * abs(problem.deflection.influence[0]))]
+        [
+            point.lack / by_own_pressure,
+            point.pressure,
+            point.gap / (pace.gap_scale * abs(problem.deflection.influence[0])),
+        ]
     )
     members[State.RUPTURED, [0, -1]] = -math.inf  # no pressure at the ends
-    return np.argmin(members, axis=0).astype(np.int8)
+    return np.asarray(np.argmin(members, axis=0), dtype=np.int8)
 
 
 def _newton_step(problem: Problem, point: Point, state: States) -> tuple[Array, float]:
@@ -249,5 +253,3 @@ def _newton_step(problem: Problem, point: Point, state: States) -> tuple[Array, 
     lift = (float(by_value.sum()) - missing) / total
     change = by_value - lift * by_lift
     return change, lift - unit * math.log(spacing) * float(change.sum())
-
-

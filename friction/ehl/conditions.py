@@ -104,8 +104,12 @@ class LineContact:
     @property
     def reynolds_number(self) -> float:
         """12 viscosity velocity R^2 / (a^3 p_h): the only group of the isoviscous equation in Hertz units [1]."""
-        return 12.0 * self.oil.viscosity * self.rolling_velocity * self.radius**2 / (
-            self.half_width**3 * self.hertz_pressure
+        return (
+            12.0
+            * self.oil.viscosity
+            * self.rolling_velocity
+            * self.radius**2
+            / (self.half_width**3 * self.hertz_pressure)
         )
 
     def central_film_estimate(self) -> float:

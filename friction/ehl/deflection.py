@@ -70,7 +70,7 @@ class Deflection:
     def influence(self) -> NDArray[np.float64]:
         """Deflection at distances 0 ... n - 1 spacings from a node of unit pressure, (n)."""
         hats = logarithm_of_hats(np.arange(self.nodes))
-        return -self.spacing / np.pi * (hats + np.log(self.spacing))
+        return np.asarray(-self.spacing / np.pi * (hats + np.log(self.spacing)))
 
     @cached_property
     def _length(self) -> int:

@@ -174,7 +174,7 @@ def rough_passage(
     return Passage(
         contact=contact,
         position=start.position,
-        time=np.arange(1, steps + 1) * float(x[1] - x[0]) * contact.half_width / contact.rolling_velocity,
+        time=np.asarray(np.arange(1, steps + 1) * float(x[1] - x[0]) * contact.half_width / contact.rolling_velocity),
         settled=np.arange(1, steps + 1) > settle,
         status=status,
         iterations=iterations,

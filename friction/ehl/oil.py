@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,32 @@ Array = NDArray[np.float64]
 
 #: Constants of Roelands' law [Pa], [1].
 _ROELANDS_PRESSURE, _ROELANDS_LOGARITHM = 1.98e8, 9.67
-#: Transition of the two-slope law [Pa]: start, middle and end (Goglia, Cusano and Conry 1984).
+#: Transition of the two-slope law [Pa]: start, where the two lines would meet, and end.
 _TWO_SLOPE = (70e6, 380e6, 1400e6)
 #: Coefficients of the density by Dowson and Higginson [1/Pa].
 _DENSITY_RISE, _DENSITY_FALL = 2.266e-9, 1.683e-9
 
 ViscosityLaw = Literal["roelands", "two_slope"]
+
+
+class OilNumbers(Protocol):
+    """An oil at one temperature, as the table of a lubricant gives it."""
+
+    @property
+    def viscosity(self) -> Any:
+        """[Pa s]."""
+
+    @property
+    def pressure_viscosity(self) -> Any:
+        """[1/Pa]."""
+
+    @property
+    def temperature_viscosity(self) -> Any:
+        """[1/K]."""
+
+    @property
+    def thermal_conductivity(self) -> Any:
+        """[W/(m K)]."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +104,17 @@ class Oil:
                 f"viscosity {self.viscosity:g} Pa s is below {math.exp(-_ROELANDS_LOGARITHM):.2g} Pa s, "
                 "where Roelands' law ends: give Pa s, not another unit, or take the two-slope law"
             )
+
+    @classmethod
+    def of(cls, numbers: OilNumbers, **rheology: Any) -> Oil:
+        """Oil from the numbers of a lubricant at one temperature; `rheology` are further attributes."""
+        return cls(
+            float(numbers.viscosity),
+            float(numbers.pressure_viscosity),
+            temperature_viscosity=float(numbers.temperature_viscosity),
+            conductivity=float(numbers.thermal_conductivity),
+            **rheology,
+        )
 
     def log_viscosity(self, pressure: Array) -> tuple[Array, Array]:
         """Return ln(viscosity / viscosity at ambient pressure) and its derivative [1/Pa] at pressures >= 0 [Pa]."""

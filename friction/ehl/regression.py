@@ -107,9 +107,9 @@ class FrictionFormula:
             reduced_modulus,
         )
         slack = 1e-9 * self.scale
-        inside = ((groups >= self.lowest - slack) & (groups <= self.highest + slack)).all(axis=-1)
+        inside = np.all((groups >= self.lowest - slack) & (groups <= self.highest + slack), axis=-1)
         normal = (np.clip(groups, self.lowest, self.highest) - self.centre) / self.scale
-        return np.exp(_columns(normal, self.terms) @ self.coefficients), inside
+        return np.exp(_columns(normal, self.terms) @ self.coefficients), np.asarray(inside)
 
 
 def _logarithms(
@@ -138,7 +138,7 @@ def _columns(normal: Array, terms: tuple[Term, ...]) -> Array:
 
 def study_groups(dataset: xr.Dataset) -> Array:
     """Logarithms of the groups of each case of a study, (cases, 5)."""
-    oils = [oil_75w90(float(temperature)) for temperature in dataset["oil_temperature"].values]
+    oils = [oil_75w90(float(temperature)) for temperature in dataset["temperature"].values]
     return _logarithms(
         1e9 * dataset["contact_pressure"].values,
         1e-3 * dataset["contact_radius"].values,

@@ -8,11 +8,12 @@ two nodes and the balance of a node are
 
 F vanishes where the film is whole, and is positive where it breaks: more leaves than arrives. phi is the flow factor of
 an Eyring fluid that is sheared much faster than it is pressed along: cosh of the asinh of the Newtonian shear stress
-over the Eyring stress (Ehret, Dowson and Taylor 1998, DOI 10.1098/rspa.1998.0183).
+over the Eyring stress (Ehret, Dowson and Taylor, Proceedings of the Royal Society A 454 (1998) 763).
 
-The flow with the surfaces, m = rho H, is taken from upstream: (3 m(i) - m(i-1)) / 2 to second order, m(i) to first, which
-rough surfaces want: extrapolated, the flow over a steep flank could turn round. The flow under pressure has the mean of
-rho phi / eta of both nodes, but the harmonic mean of their H^3: where a gap closes, nothing flows through.
+The flow with the surfaces, m = rho H, is taken from upstream: (3 m(i) - m(i-1)) / 2 to second order, m(i) to first,
+which rough surfaces want: extrapolated, the flow over a steep flank could turn round. The flow under pressure has the
+mean of rho phi / eta of both nodes, but the harmonic mean of their H^3: where a gap closes, nothing flows through. Where
+asperities touch, only the part of P that the lubricant carries drives it, see `fluid_part`.
 """
 
 from __future__ import annotations
@@ -180,7 +181,7 @@ def fluid_part(film: Array, touching_film: float) -> tuple[Array, Array]:
 def _mobility(
     contact: LineContact, pressure: Array, film: Array, density: Array, density_slope: Array
 ) -> tuple[Array, Array, Array]:
-    """rho phi / (eta lambda), and its derivatives by P and H."""
+    """Return rho phi / (eta lambda), and its derivatives by P and H."""
     thickening, slope = contact.oil.log_viscosity(contact.hertz_pressure * pressure)
     slope = np.where(thickening < _STIFFEST, contact.hertz_pressure * slope, 0.0)
     viscosity = np.exp(np.minimum(thickening, _STIFFEST))

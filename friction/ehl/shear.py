@@ -1,8 +1,8 @@
 """Shear of the film and of touching asperities, and the friction coefficient.
 
-In the film the stress is that of an Eyring fluid, tau0 asinh(eta u_s / (tau0 h)), with the sliding velocity u_s, if wanted
-under a ceiling proportional to the pressure; where asperities touch it is the boundary friction coefficient times the
-pressure (dissertation, equations 5.7-5.9); where the film is ruptured there is none.
+In the film the stress is that of an Eyring fluid, tau0 asinh(eta u_s / (tau0 h)), with the sliding velocity u_s, if
+wanted under a ceiling proportional to the pressure; where asperities touch it is the boundary friction coefficient
+times the pressure (dissertation, equations 5.7-5.9); where the film is ruptured there is none.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def traction(
         fluid = _eyring(contact, np.where(whole, thickening - fall, 0.0), film)
         if oil.limiting_shear is not None:
             fluid = np.minimum(fluid, oil.limiting_shear * loaded)
-        return np.where(whole, fluid_part * fluid, 0.0) + solid
+        return np.asarray(np.where(whole, fluid_part * fluid, 0.0) + solid)
 
     rise = np.zeros_like(pressure)
     stress = stress_at(rise)
@@ -138,7 +138,8 @@ def film_temperature(
 
     The heat |tau u_s| flows into both surfaces as they pass; common surface temperature by the theory of moving heat
     sources (Blok; Jaeger): the integral of the heat over the root of the distance from upstream, by the sum of
-    effusivity times root velocity of both. Within the film, conduction adds heat times thickness over 12 conductivities.
+    effusivity times root velocity of both. Within the film, conduction adds heat times thickness over 12 times the
+    conductivity.
 
     Parameters
     ----------

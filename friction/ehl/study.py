@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import os
@@ -221,9 +222,9 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     """
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))
-    units = {"hertz_pressure": "contact_pressure", "radius": "contact_radius", "temperature": "oil_temperature"}
+    renamed = {"hertz_pressure": "contact_pressure", "radius": "contact_radius"}
     data: dict[str, Any] = {
-        units.get(name, name): ("case", np.array([case[name] for case in cases], dtype=float)) for name in names
+        renamed.get(name, name): ("case", np.array([case[name] for case in cases], dtype=float)) for name in names
     }
     for name in _NUMBERS:
         data[name] = ("case", np.array([row[name] for row in rows.values()], dtype=float))
@@ -234,9 +235,7 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     return labelled(xr.Dataset(data, coords={"case": np.array(list(rows), dtype=int)}))
 
 
-def _one_by_one(
-    conditions: dict[int, Condition], resolution: Resolution, deadline: float
-) -> Iterator[tuple[int, Row]]:
+def _one_by_one(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:
     for number, condition in conditions.items():
         if time.monotonic() > deadline:
             return
@@ -245,7 +244,7 @@ def _one_by_one(
 
 def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:
     try:
-        import dask as engine
+        engine: Any = importlib.import_module("dask")
     except ImportError as error:
         raise MissingPackageError("dask is not installed: pip install 'easeoff[dask]', or run without it") from error
     batch = 8 * (os.cpu_count() or 1)
