@@ -101,6 +101,15 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # lubricated line contact
+    "rolling_position": ("um", "distance from the middle of the dry contact along the rolling direction"),
+    "time": ("us", "time since the heights began to grow"),
+    "kept_time": ("us", "time of the fields that were kept"),
+    "film_pressure": ("MPa", "pressure of film and touching asperities together"),
+    "film": ("um", "film thickness; behind the end of the film the gap"),
+    "node_state": ("", "what holds at a node"),
+    "settled": ("1", "1 for steps that count in averages, 0 elsewhere"),
+    "minimum_film": ("um", "smallest film thickness within the dry contact"),
     # friction study
     "case": ("1", "number of the combination in the design of the study"),
     "contact_pressure": ("GPa", "greatest pressure of the dry contact"),

@@ -14,8 +14,10 @@ from easeoff.friction.ehl import (
     State,
     Status,
     asperity,
+    film_dataset,
     generated_profile,
     measured_profile,
+    passage_dataset,
     rough_passage,
     smooth_film,
     wave,
@@ -173,6 +175,22 @@ def test_step_that_cannot_be_solved_is_a_status_and_not_a_number(monkeypatch: py
     assert passage.certified_share == 0.0
 
 
+def test_passage_and_film_as_labelled_datasets() -> None:
+    start = smooth_film(GEAR, nodes=129)
+    film = film_dataset(start)
+    assert film["film"].attrs["units"] == "um"
+    assert float(film["film_pressure"].max()) == pytest.approx(1e-6 * start.pressure.max())
+    passage = rough_passage(GEAR, wave(2e-8, 5e-5), steps=9, nodes=129, settle=3, keep=3)
+    data = passage_dataset(passage)
+    assert dict(data.sizes) == {"time": 9, "kept_time": 3, "rolling_position": 129}
+    np.testing.assert_allclose(data["kept_time"], data["time"][2::3])
+    at_contact = np.abs(data["rolling_position"]) < 1e6 * GEAR.half_width
+    least = data["film"].where(at_contact).min("rolling_position")
+    np.testing.assert_allclose(least, data["minimum_film"][2::3], rtol=1e-12)
+    settled = data["film_friction"].where(data["settled"] == 1).mean()
+    assert float(settled) == pytest.approx(passage.average("film_friction"), rel=1e-12)
+
+
 def test_generated_profile_has_the_height_and_the_correlation_asked_for() -> None:
     profile = generated_profile(0.5e-6, 20e-6, 40e-3, seed=4)
     assert profile.rms == pytest.approx(0.5e-6, rel=1e-12)
@@ -205,6 +223,7 @@ def test_measured_profile_is_the_trace_without_its_slope() -> None:
         (lambda: measured_profile(np.arange(20.0), 0.0), "spacing"),
         (lambda: rough_passage(GEAR, steps=0), "steps"),
         (lambda: rough_passage(GEAR, steps=1, order=3), "order"),
+        (lambda: rough_passage(GEAR, steps=30, nodes=129), "leave none"),
         (lambda: rough_passage(GEAR, steps=1, touching_film=0.0), "touching_film"),
     ],
 )

@@ -3,6 +3,7 @@
 from .certificate import Certificate, Status
 from .complementarity import State
 from .conditions import LineContact
+from .labels import film_dataset, passage_dataset
 from .moving import Passage, rough_passage
 from .oil import Oil
 from .roughness import RoughProfile, asperity, generated_profile, measured_profile, wave
@@ -20,8 +21,10 @@ __all__ = [
     "Status",
     "Traction",
     "asperity",
+    "film_dataset",
     "generated_profile",
     "measured_profile",
+    "passage_dataset",
     "rough_passage",
     "smooth_film",
     "traction",

@@ -20,10 +20,12 @@ from .deflection import Deflection
 from .reynolds import Array, History, fluid_part
 from .roughness import Profile, smooth
 from .shear import BOUNDARY_FRICTION, traction
-from .steady import Film, smooth_film
+from .steady import Film, domain, smooth_film
 
 #: Film left between touching asperities [m]: a few layers of molecules.
 TOUCHING_FILM = 4e-9
+#: The inlet of rough passages, see `steady.domain`: less than the smooth film's, for the sake of the nodes.
+FLOODED = 25.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +97,7 @@ def rough_passage(
     *,
     steps: int,
     nodes: int = 513,
-    span: tuple[float, float] = (-2.5, 1.5),
+    span: tuple[float, float] | None = None,
     ramp: int = 20,
     settle: int | None = None,
     touching_film: float = TOUCHING_FILM,
@@ -115,8 +117,9 @@ def rough_passage(
         Steps in time; with `nodes` of them the mean flow passes once through the domain.
     nodes : int
         Nodes of the grid. A correlation length should have five or more.
-    span : (float, float)
-        Ends of the domain in half widths.
+    span : (float, float), optional
+        Ends of the domain in half widths; those of `steady.domain` for a gap of 25 times the film at the inlet if not
+        given.
     ramp : int
         Steps over which the heights grow from nothing to their size; 0 for profiles that start outside the domain.
     settle : int, optional
@@ -146,9 +149,11 @@ def rough_passage(
         raise InputError(f"steps >= 1, ramp >= 0, keep >= 0, order 1 or 2, not {steps}, {ramp}, {keep}, {order}")
     if not (touching_film > 0.0 and math.isfinite(touching_film)):
         raise InputError(f"touching_film must be positive [m], not {touching_film!r}")
-    start = smooth_film(contact, nodes=nodes, span=span)
+    start = smooth_film(contact, nodes=nodes, span=domain(contact, FLOODED) if span is None else span)
     x = start.position / contact.half_width
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
+    if settle >= steps:
+        raise InputError(f"{steps} steps leave none for averages, which begin after {settle}: ask for more steps")
     kept = np.arange(keep, steps + 1, keep) if keep else np.arange(0)
     records = {name: np.full(steps, math.nan) for name in _RECORDED}
     status = np.full(steps, Status.FAILED, dtype=np.int8)

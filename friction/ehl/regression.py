@@ -10,7 +10,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -29,6 +32,31 @@ GROUPS = ("hertz_pressure", "slide_to_roll", "speed", "material", "roughness")
 _FEWEST_CASES = 30
 #: A further term must lower the error of prediction at least to this part.
 _WORTHWHILE = 0.99
+
+
+#: A space-filling subset of the design of the dissertation, run with the defaults.
+SHIPPED = Path(__file__).with_name("study.nc")
+
+
+class Conditions(Protocol):
+    """Conditions of line contacts as the models of the friction coefficient get them, in SI; arrays that broadcast."""
+
+    @property
+    def hertz_pressure(self) -> Any: ...  # noqa: D102
+    @property
+    def equivalent_radius(self) -> Any: ...  # noqa: D102
+    @property
+    def rolling_velocity(self) -> Any: ...  # noqa: D102
+    @property
+    def slide_to_roll(self) -> Any: ...  # noqa: D102
+    @property
+    def viscosity(self) -> Any: ...  # noqa: D102
+    @property
+    def pressure_viscosity(self) -> Any: ...  # noqa: D102
+    @property
+    def composite_roughness(self) -> Any: ...  # noqa: D102
+    @property
+    def contact_modulus(self) -> float: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +138,27 @@ class FrictionFormula:
         inside = np.all((groups >= self.lowest - slack) & (groups <= self.highest + slack), axis=-1)
         normal = (np.clip(groups, self.lowest, self.highest) - self.centre) / self.scale
         return np.exp(_columns(normal, self.terms) @ self.coefficients), np.asarray(inside)
+
+    def coefficient(self, conditions: Conditions) -> Array:
+        """Friction coefficient under conditions of another stage; the formula as a model for a gear analysis."""
+        friction, _ = self(
+            conditions.hertz_pressure,
+            conditions.equivalent_radius,
+            conditions.rolling_velocity,
+            conditions.slide_to_roll,
+            conditions.viscosity,
+            conditions.pressure_viscosity,
+            conditions.composite_roughness,
+            conditions.contact_modulus,
+        )
+        return friction
+
+
+@cache
+def shipped_formula() -> FrictionFormula:
+    """Return the formula fitted to the study that comes with the package."""
+    with xr.open_dataset(SHIPPED, engine="netcdf4") as dataset:
+        return fit_friction(dataset.load())
 
 
 def _logarithms(

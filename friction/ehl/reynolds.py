@@ -12,8 +12,8 @@ over the Eyring stress (Ehret, Dowson and Taylor, Proceedings of the Royal Socie
 
 The flow with the surfaces, m = rho H, is taken from upstream: (3 m(i) - m(i-1)) / 2 to second order, m(i) to first,
 which rough surfaces want: extrapolated, the flow over a steep flank could turn round. The flow under pressure has the
-mean of rho phi / eta of both nodes, but the harmonic mean of their H^3: where a gap closes, nothing flows through. Where
-asperities touch, only the part of P that the lubricant carries drives it, see `fluid_part`.
+mean of rho phi / eta of both nodes, but the harmonic mean of their H^3: where a gap closes, nothing flows through.
+Where asperities touch, only the part of P that the lubricant carries drives it, see `fluid_part`.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from ...core.errors import InputError, MissingPackageError
 from ...core.files import check_writable, whole_file
 from .certificate import Status
 from .design import Condition, Design, numbers
-from .moving import TOUCHING_FILM, rough_passage
+from .moving import FLOODED, TOUCHING_FILM, rough_passage
 from .roughness import generated_profile
 from .shear import BOUNDARY_FRICTION
 from .steady import domain, smooth_film
@@ -60,7 +60,7 @@ class Resolution:
     fewest: int = 193
     most: int = 1025
     travel: float = 20.0
-    flooded: float = 25.0
+    flooded: float = FLOODED
     seed: int = 1
     touching_film: float = TOUCHING_FILM
     boundary_friction: float = BOUNDARY_FRICTION
