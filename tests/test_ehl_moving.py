@@ -41,12 +41,12 @@ def by_moes(load: float, viscous: float) -> LineContact:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_smooth_surfaces_stay_as_they_are(order: int) -> None:
-    """To second order the steps start from a solution of their own equations; to first, the film moves a little."""
+    """To second order the steady film solves the equations of a step, but for the first node; to first, it moves a little."""
     start = smooth_film(GEAR, nodes=193, span=SPAN)
     passage = rough_passage(GEAR, steps=12, nodes=193, span=SPAN, ramp=0, settle=0, order=order, keep=12)
     assert (passage.status == Status.CERTIFIED).all()
     within = np.abs(start.position) < GEAR.half_width
-    np.testing.assert_allclose(passage.film[0][within], start.film[within], rtol=1e-9 if order == 2 else 0.05)
+    np.testing.assert_allclose(passage.film[0][within], start.film[within], rtol=1e-5 if order == 2 else 0.05)
     assert passage.average("asperity_share") == 0.0
 
 
@@ -120,15 +120,16 @@ def test_touching_and_rupture_neither_make_nor_lose_lubricant() -> None:
     first, second = (generated_profile(0.4e-6, 20e-6, 3e-3, seed) for seed in (1, 2))
     start = smooth_film(contact, nodes=193, span=SPAN)
     march = _March(contact, start.position / contact.half_width, start, 4e-9 / contact.film_scale, 1)
+    mass = march._mass
     seen: set[int] = set()
     for step in range(1, 50):
         held = (march.mass - march.lack)[1:-1].sum()
-        lack = march.lack.copy()
+        lack, carried = march.lack.copy(), march.mass.copy()
         outcome, _ = march.advance(min(1.0, step / 20), first, second)
         assert outcome.converged
         point = outcome.point
-        flow_in = point.balance.flow[0] - lack[0]
-        flow_out = point.balance.flow[-1] - lack[-2]
+        flow_in = carried[0] - lack[0] + point.balance.flow[0] - mass(point)[0]
+        flow_out = carried[-2] - lack[-2] + point.balance.flow[-1] - mass(point)[-2]
         gained = (march.mass - march.lack)[1:-1].sum() - held
         assert gained == pytest.approx(flow_in - flow_out, abs=1e-9 * abs(point.balance.flow).sum())
         inner = slice(1, -1)
@@ -150,9 +151,24 @@ def test_asperities_take_the_load_as_the_film_becomes_thin() -> None:
         shares.append(passage.average("asperity_share"))
         frictions.append(passage.friction_coefficient)
     assert shares[0] == 0.0
-    assert shares[0] < shares[1] < 0.5
+    assert shares[0] < shares[1] < shares[2]
     assert shares[2] > 0.95
     assert frictions[2] == pytest.approx(0.1, abs=0.006)
+
+
+def test_rough_film_depends_neither_on_the_grid_nor_on_the_order() -> None:
+    """Lambda ratio 0.3: what the flow carries along is neither smeared nor made to ripple."""
+    contact = LineContact(0.7e9, 0.02, 2.0, Oil(0.0106, 9.7e-9), slide_to_roll=0.45)
+    profiles = [generated_profile(0.3e-6, 30e-6, 10e-3, seed) for seed in (1, 2)]
+    found = []
+    for nodes, order in ((121, 1), (121, 2), (241, 2)):
+        passage = rough_passage(
+            contact, *profiles, steps=nodes, nodes=nodes, span=(-2.0, 1.5), settle=7 * nodes // 10, order=order
+        )
+        assert passage.certified_share == 1.0
+        found.append([passage.average("mean_film"), passage.friction_coefficient])
+    np.testing.assert_allclose(found[0], found[2], rtol=0.1)
+    np.testing.assert_allclose(found[1], found[2], rtol=0.1)
 
 
 def test_rough_contact_of_the_dissertation_is_certified_at_every_step() -> None:

@@ -89,8 +89,6 @@ class Problem:
         Gap of the undeformed surfaces but for the approach: the parabola less the heights of both surfaces.
     touching_film : float
         H_c; minus infinity for surfaces that cannot touch.
-    order : {1, 2}
-        Order of the upstream differences.
     history : History, optional
     lacking : (n) array or float
         V that arrives at each node from upstream.
@@ -100,7 +98,6 @@ class Problem:
     deflection: Deflection
     profile: Array
     touching_film: float = -math.inf
-    order: int = 2
     history: History | None = None
     lacking: Array | float = 0.0
 
@@ -162,7 +159,6 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
         deflection.spacing,
         pressure,
         film,
-        order=problem.order,
         history=problem.history,
         touching_film=problem.touching_film,
     )

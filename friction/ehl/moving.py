@@ -101,7 +101,7 @@ def rough_passage(
     ramp: int = 20,
     settle: int | None = None,
     touching_film: float = TOUCHING_FILM,
-    order: int = 1,
+    order: int = 2,
     keep: int = 0,
     boundary_friction: float = BOUNDARY_FRICTION,
     thermal: bool = False,
@@ -128,8 +128,7 @@ def rough_passage(
     touching_film : float
         Film left between touching asperities [m].
     order : {1, 2}
-        Order of the differences in space and time. The second transports waves in the film with less damping, the
-        first keeps the flow over steep flanks from turning round.
+        Order of the steps in time. Either carries the film along without damping.
     keep : int
         Keep the fields of every so many steps; 0 keeps none.
     boundary_friction, thermal
@@ -252,17 +251,15 @@ class _March:
         heights = first(contact.half_width * (self.x - (1.0 + slide) * moved))
         heights = heights + second(contact.half_width * (self.x - (1.0 - slide) * moved))
         # The first step has no step before the one before; from a steady state that makes no difference.
-        history = (
-            History(spacing, 2.0 * self.mass - 0.5 * self.mass_before, 1.5)
-            if self.order == 2
-            else History(spacing, self.mass, 1.0)
-        )
+        # Along the path of the mean flow: the node upstream a step ago, and the next two steps ago.
+        last = np.concatenate([self.mass[:1], self.mass[:-1]])
+        before = np.concatenate([self.mass_before[:1], self.mass_before[:1], self.mass_before[:-2]])
+        history = History(2.0 * last - 0.5 * before, 1.5) if self.order == 2 else History(last, 1.0)
         problem = Problem(
             contact,
             self.deflection,
             0.5 * self.x**2 - size * heights / contact.film_scale,
             self.touching_film,
-            self.order,
             history,
             np.concatenate([[0.0], self.lack[:-1]]),
         )

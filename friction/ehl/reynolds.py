@@ -10,10 +10,15 @@ F vanishes where the film is whole, and is positive where it breaks: more leaves
 an Eyring fluid that is sheared much faster than it is pressed along: cosh of the asinh of the Newtonian shear stress
 over the Eyring stress (Ehret, Dowson and Taylor, Proceedings of the Royal Society A 454 (1998) 763).
 
-The flow with the surfaces, m = rho H, is taken from upstream: (3 m(i) - m(i-1)) / 2 to second order, m(i) to first,
-which rough surfaces want: extrapolated, the flow over a steep flank could turn round. The flow under pressure has the
-mean of rho phi / eta of both nodes, but the harmonic mean of their H^3: where a gap closes, nothing flows through.
-Where asperities touch, only the part of P that the lubricant carries drives it, see `fluid_part`.
+The flow with the surfaces, m = rho H, is taken from upstream to second order, (3 m(i) - m(i-1)) / 2. In time, it and
+the storage are one derivative along the path of the mean flow, which advances by one node a step:
+
+    dX (d/dX + d/dT) m = (3 m(i) - 4 m(i-1) of the last step + m(i-2) of the one before) / 2.
+
+What the flow carries is neither smeared nor made to ripple by it, and a state that does not change is one of the steady
+equations. The flow under pressure has the mean of rho phi / eta of both nodes, but the harmonic mean of their H^3:
+where a gap closes, nothing flows through. Where asperities touch, only the part of P that the lubricant carries drives
+it, see `fluid_part`.
 """
 
 from __future__ import annotations
@@ -36,19 +41,17 @@ _STIFFEST = 100.0
 
 @dataclass(frozen=True)
 class History:
-    """What the time derivative needs of the steps before.
+    """What a step in time needs of those before; in one step the mean flow advances by one node.
 
     Attributes
     ----------
-    step : float
-        Time step in a / u.
     storage : (n) array
-        What rho H of the new step is compared with: rho H of the old one, or of the old two, weighted.
+        What rho H of the new step is compared with, along the path of the mean flow: rho H of the node upstream a step
+        ago (first order), or twice that less half of the next node upstream two steps ago (second order).
     weight : float
-        Factor of the new rho H: 1 (first order) or 3/2 (second order).
+        Factor of the new rho H: 1 or 3/2.
     """
 
-    step: float
     storage: Array
     weight: float
 
@@ -62,7 +65,7 @@ class Balance:
     residual : (n) array
         F; zero at both ends.
     flow : (n - 1) array
-        q between the nodes.
+        q between the nodes; in time with m of the node upstream.
     by_pressure, by_film : (4, n) arrays
         Derivatives of F(i) by P(i + k) at fixed H and by H(i + k) at fixed P, for k of `OFFSETS`.
     """
@@ -79,7 +82,6 @@ def balance(
     pressure: Array,
     film: Array,
     *,
-    order: int,
     history: History | None = None,
     touching_film: float = -math.inf,
 ) -> Balance:
@@ -92,8 +94,6 @@ def balance(
         Distance of the nodes in half widths.
     pressure, film : (n) arrays
         P and H; negative values, which occur on the way to a solution, count as none and as next to none.
-    order : {1, 2}
-        Order of the upstream difference of the flow with the surfaces.
     history : History, optional
         The steps before; none for the steady state.
     touching_film : float
@@ -130,11 +130,12 @@ def balance(
     q_pressure_left = driving * part[left] - slope * shared * 0.5 * mobility_slope[left]
     q_pressure_right = -driving * part[right] - slope * shared * 0.5 * mobility_slope[right]
 
-    # Flow with the surfaces: the first middle has no second node upstream and takes the mean of its two.
-    weight = 1.5 if order == 2 else 1.0
-    own = np.full(mass.size - 1, weight)
-    before, after = np.full_like(own, 1.0 - weight), np.zeros_like(own)
-    own[0], before[0], after[0] = 0.5, 0.0, 0.5
+    # Flow with the surfaces: the first middle has no second node upstream and takes the mean of its two. In time, the
+    # comparison along the path of the mean flow stands for it.
+    own = np.full(mass.size - 1, 1.5 if history is None else 0.0)
+    before, after = np.full_like(own, -0.5 if history is None else 0.0), np.zeros_like(own)
+    if history is None:
+        own[0], before[0], after[0] = 0.5, 0.0, 0.5
     upstream = np.concatenate([mass[:1], mass[:-2]])
     flow = own * mass[left] + before * upstream + after * mass[right] - conductance * slope
 
@@ -157,10 +158,10 @@ def balance(
         bands[1, 1:-1] -= q_own[:-1]
         bands[2, 1:-1] -= q_after[:-1]
     if history is not None:
-        ratio = spacing / history.step
-        residual[1:-1] += ratio * (history.weight * mass - history.storage)[1:-1]
-        by_pressure[2, 1:-1] += ratio * history.weight * mass_slope[1:-1]
-        by_film[2, 1:-1] += ratio * history.weight * density[1:-1]
+        residual[1:-1] += (history.weight * mass - history.storage)[1:-1]
+        by_pressure[2, 1:-1] += history.weight * mass_slope[1:-1]
+        by_film[2, 1:-1] += history.weight * density[1:-1]
+        flow += mass[left]
     return Balance(residual, flow, by_pressure, by_film)
 
 

@@ -47,6 +47,8 @@ class Resolution:
         contact if that is more. Before, it moves from the inlet to the middle.
     flooded : float
         See `steady.domain`.
+    order : int
+        Of the differences in space and time, see `moving.rough_passage`.
     seed : int
         Of the profiles; the surfaces have different ones.
     touching_film, boundary_friction : float
@@ -61,6 +63,7 @@ class Resolution:
     most: int = 1025
     travel: float = 20.0
     flooded: float = FLOODED
+    order: int = 2
     seed: int = 1
     touching_film: float = TOUCHING_FILM
     boundary_friction: float = BOUNDARY_FRICTION
@@ -130,6 +133,7 @@ def _computed(condition: Condition, resolution: Resolution) -> Row:
         settle=settle,
         span=span,
         touching_film=resolution.touching_film,
+        order=resolution.order,
         boundary_friction=resolution.boundary_friction,
         thermal=resolution.thermal,
     )
