@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import datetime
+import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
 from ..geometry.assembly import Misalignment
+from ..geometry.modification import Modification, modified_ease_off
 from ..geometry.pair import FlankName, GearPair, pair_geometry
 
 SCHEMA_VERSION = 1
@@ -54,6 +56,7 @@ def analyze_in_full(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    modification: Modification | None = None,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -63,6 +66,8 @@ def analyze_in_full(
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
+    if modification is not None:
+        geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
     unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
@@ -79,7 +84,7 @@ def analyze_in_full(
         **options,
     )
     groups = {
-        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver)),
+        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver, modification)),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
         "/teeth": geometry.teeth,
@@ -95,6 +100,7 @@ def analyze(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    modification: Modification | None = None,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -111,6 +117,8 @@ def analyze(
         Torques at the pinion [N m]; the case's own if left out.
     misalignment
         Assembly errors; the case's own if left out.
+    modification
+        Added to the ease-off.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     progress
@@ -134,15 +142,25 @@ def analyze(
     """
     checked = case if isinstance(case, Case) else read_case(case)
     return analyze_in_full(
-        checked, flank=flank, torques=torques, misalignment=misalignment, solver=solver, progress=progress, **options
+        checked,
+        flank=flank,
+        torques=torques,
+        misalignment=misalignment,
+        modification=modification,
+        solver=solver,
+        progress=progress,
+        **options,
     ).tree
 
 
-def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str, Any]:
+def _provenance(
+    case: Case, pair: GearPair, flank: str, solver: str, modification: Modification | None
+) -> dict[str, Any]:
     """Where a result came from, as netCDF attributes."""
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     own = version("easeoff")
     errors = pair.assembly.misalignment
+    added = {} if modification is None else {"modification_um": json.dumps(dict(modification.coefficients))}
     return {
         "Conventions": "CF-1.11",
         "title": case.title,
@@ -160,4 +178,5 @@ def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str
         "misalignment_gear_axial_mm": errors.gear_axial,
         "misalignment_shaft_angle_rad": errors.shaft_angle,
         "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
+        **added,
     }

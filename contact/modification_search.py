@@ -1,0 +1,133 @@
+"""One convex programme after another, each at the contact regions of the last accepted modification.
+
+A programme is exact while its contact regions hold. Where they change it promises too much or too little, so its
+answer is solved afresh, and taken only if it is better; else the next programme may not reach as far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .load_response import LinearLoads
+from .optimal_modification import Goal, Value, judged, solve_programme
+
+Array = NDArray[np.float64]
+
+#: Of the promised gain, what must come true for the step to be taken, and for the next one to reach farther.
+TAKEN, GOOD = 0.1, 0.75
+#: First and shortest reach [um].
+REACH, SHORTEST_REACH = 8.0, 0.01
+#: A promise below this, or in proportion within a shorter reach than the first, ends the search: nothing is left to gain.
+LEAST_GAIN = 1e-4
+
+
+@dataclass(frozen=True)
+class Step:
+    """One programme and what came of it.
+
+    Parameters
+    ----------
+    status
+        Status of the programme.
+    reach
+        How far the surface was allowed to move [um].
+    promised
+        What the programme promised.
+    fresh
+        What the fresh solution gave; NaN if there was none.
+    accepted
+        Whether the step was taken.
+    """
+
+    status: str
+    reach: float
+    promised: Value
+    fresh: Value
+    accepted: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The end of a search.
+
+    Parameters
+    ----------
+    coefficients
+        Of the best modification (p) [um].
+    loads
+        Its loads.
+    value
+        How it fares.
+    steps
+        All programmes.
+    converged
+        Whether the last programme had nothing left to gain.
+    """
+
+    coefficients: Array
+    loads: LinearLoads
+    value: Value
+    steps: tuple[Step, ...]
+    converged: bool
+
+
+def search(
+    solved: Callable[[Array], LinearLoads | None],
+    start: LinearLoads,
+    goal: Goal,
+    *,
+    programmes: int = 40,
+    reach: float = REACH,
+    progress: Callable[[], None] | None = None,
+) -> Search:
+    """Improve a modification, beginning from none, until no convex programme promises a gain.
+
+    Parameters
+    ----------
+    solved
+        Certified loads at given coefficients (p) [um], or ``None`` if there are none.
+    start
+        The same at coefficients of zero.
+    goal
+        What is asked for.
+    programmes
+        The most programmes to solve.
+    reach
+        How far the surface may move at first [um].
+    progress
+        Called after every programme.
+
+    Returns
+    -------
+    Search
+        Never worse than the start.
+    """
+    coefficients = np.zeros(goal.surface.shape[1])
+    loads, value = start, judged(start, goal)
+    steps: list[Step] = []
+    converged = False
+    while len(steps) < programmes and not converged and reach >= SHORTEST_REACH:
+        answer = solve_programme(loads, goal, coefficients, reach)
+        gain = value.merit - answer.value.merit
+        converged = answer.solved and gain < LEAST_GAIN * min(1.0, reach / REACH)
+        if not answer.solved or converged:
+            steps.append(Step(answer.status, reach, answer.value, Value(np.nan, np.nan), False))
+            reach *= 0.25
+            continue
+        found = solved(coefficients + answer.step)
+        fresh = Value(np.nan, np.nan) if found is None else judged(found, goal)
+        came_true = (value.merit - fresh.merit) / gain
+        accepted = found is not None and came_true > TAKEN
+        steps.append(Step(answer.status, reach, answer.value, fresh, accepted))
+        if found is not None and accepted:
+            coefficients, loads, value = coefficients + answer.step, found, fresh
+            reach *= 2.0 if came_true > GOOD else 1.0
+        else:
+            reach *= 0.25
+        if progress is not None:
+            progress()
+    return Search(coefficients, loads, value, tuple(steps), converged)

@@ -1,0 +1,149 @@
+"""Loaded contact of a pair under any low-order modification of its ease-off, with the slopes a convex programme needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..geometry.modification import Modification, basis, modified_ease_off
+from ..geometry.pair import PairGeometry
+from .bending import ElasticModel
+from .fields import FlankFields
+from .load_response import LinearLoads, linear_loads, stacked
+from .loaded import all_segments, loaded_fields, solve_all
+from .loaded_cases import LoadedCase
+from .segments import MeshLines, closest_approach, gauss_points, lines_in_mesh
+from .solvers import Status
+
+Array = NDArray[Any]
+
+
+def separation_slopes(fields: FlankFields, mesh: MeshLines, count: int, names: tuple[str, ...]) -> list[Array]:
+    """Derivatives of every segment's separation by the coefficients of a modification.
+
+    A gap at its smallest does not change, to first order, with the place where it is taken: the derivative is the
+    modification itself at the closest approach.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``loaded_fields``.
+    mesh
+        Contact lines.
+    count
+        Segments per line.
+    names
+        Terms of the modification (p).
+
+    Returns
+    -------
+    list
+        One array (n, p) [mm/um] a mesh position, in the order of ``loaded.all_segments``.
+    """
+    points, weights = gauss_points(mesh.lines, count)
+    closest = closest_approach(fields, points)
+    place = points + closest.shift
+    by_angle = 1e-3 * basis(names, place[0], place[1]) / fields("lever_arm", place)[..., None]
+    shape = (mesh.lines.level.size, count, weights.size)
+    slopes = np.einsum("mcgp,g->mcp", by_angle.reshape(*shape, len(names)), weights)
+    slopes *= (closest.lever_arm.reshape(shape) @ weights)[..., None]
+    return [slopes[mesh.position == k].reshape(-1, len(names)) for k in range(mesh.rotations.size)]
+
+
+@dataclass(frozen=True)
+class ModifiedContact:
+    """A pair whose ease-off may be modified.
+
+    Parameters
+    ----------
+    geometry
+        The pair as it is.
+    mesh
+        Its contact lines, which a modification leaves where they are.
+    ratio
+        Gear teeth over pinion teeth.
+    torques
+        Torques at the pinion (t) [N m].
+    model
+        How the teeth give way.
+    segments_per_line
+        Segments of a contact line.
+    names
+        Terms of the modification (p).
+    solver
+        Name of the contact solver.
+    """
+
+    geometry: PairGeometry
+    mesh: MeshLines
+    ratio: float
+    torques: Array
+    model: ElasticModel
+    segments_per_line: int
+    names: tuple[str, ...]
+    solver: str = "auto"
+
+    @classmethod
+    def of(
+        cls, geometry: PairGeometry, pinion_teeth: int, ratio: float, mesh_positions: int, **options: Any
+    ) -> ModifiedContact:
+        """Trace the contact lines of a pair; the options are the other fields."""
+        fields = _fields(geometry, geometry.ease_off)
+        mesh = lines_in_mesh(fields, 2.0 * np.pi / pinion_teeth, mesh_positions)
+        return cls(geometry, mesh, ratio, **options)
+
+    def modification(self, coefficients: Array) -> Modification:
+        """The modification with these coefficients (p) [um]."""
+        return Modification(dict(zip(self.names, map(float, coefficients), strict=True)))
+
+    def loads(self, coefficients: Array, cycle: int = 0) -> LinearLoads | None:
+        """Solve the loaded contact afresh, certified, and find how it changes with the coefficients.
+
+        Parameters
+        ----------
+        coefficients
+            Of the modification (p) [um].
+        cycle
+            Number of the first torque's mesh cycle.
+
+        Returns
+        -------
+        LinearLoads or None
+            ``None`` if a torque has a mesh position without a certified solution.
+        """
+        ease_off = modified_ease_off(self.geometry.ease_off, self.modification(coefficients))
+        fields, count = _fields(self.geometry, ease_off), self.segments_per_line
+        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count)
+        slopes = separation_slopes(fields, self.mesh, count, self.names)
+        parts = []
+        for case in solve_all(segments, self.torques, self.ratio, self.solver, {}):
+            if not isinstance(case, LoadedCase) or case.solution.status != Status.CERTIFIED:
+                return None
+            parts.append(_linear(case, slopes[case.mesh_position], count, cycle))
+        return stacked(parts)
+
+
+def _fields(geometry: PairGeometry, ease_off: xr.Dataset) -> FlankFields:
+    return loaded_fields(geometry.flanks, ease_off, geometry.teeth)
+
+
+def _linear(case: LoadedCase, slope: Array, count: int, cycle: int) -> LinearLoads:
+    here, solution = case.segments, case.solution
+    number = np.arange(here.length.size) % count
+    return linear_loads(
+        here.bending + np.diag(here.line_contact.tangent(solution.force)),
+        here.lever_arm,
+        solution.force,
+        solution.gap,
+        solution.rotation,
+        slope,
+        length=here.length,
+        curvature=1.0 / here.equivalent_radius,
+        at_end=(number == 0) | (number == count - 1),
+        torque=case.torque,
+        cycle=cycle + case.torque,
+    )
