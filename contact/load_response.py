@@ -87,12 +87,12 @@ class LinearLoads:
         Relative curvature across the contact line (n) [1/mm].
     at_end
         Whether a segment is the first or last of its contact line (n).
-    torque
-        Number of each segment's torque (n).
+    cycle
+        Number of the mesh cycle that each segment belongs to (n); a cycle is one torque in one assembly.
     rotation, rotation_slope
         (m) [urad] and (m, p).
-    cycle
-        Number of the mesh cycle that each rotation belongs to (m): one a torque and assembly.
+    rotation_cycle
+        Number of the mesh cycle that each rotation belongs to (m).
     """
 
     line_load: Array
@@ -100,10 +100,10 @@ class LinearLoads:
     length: Array
     curvature: Array
     at_end: NDArray[np.bool_]
-    torque: NDArray[np.int64]
+    cycle: NDArray[np.int64]
     rotation: Array
     rotation_slope: Array
-    cycle: NDArray[np.int64]
+    rotation_cycle: NDArray[np.int64]
 
     @property
     def carried(self) -> Array:
@@ -127,7 +127,6 @@ def linear_loads(
     length: Array,
     curvature: Array,
     at_end: NDArray[np.bool_],
-    torque: int,
     cycle: int,
 ) -> LinearLoads:
     """One solved contact problem as affine functions of the coefficients.
@@ -142,7 +141,7 @@ def linear_loads(
         The solution: (n) [N], (n) [mm], [rad].
     separation
         Derivatives of the separation (n, p) [mm per unit].
-    length, curvature, at_end, torque, cycle
+    length, curvature, at_end, cycle
         See ``LinearLoads``.
     """
     active = force > 0.0
@@ -155,8 +154,8 @@ def linear_loads(
         length=length,
         curvature=curvature,
         at_end=at_end,
-        torque=np.full(force.size, torque),
+        cycle=np.full(force.size, cycle),
         rotation=np.array([1e6 * rotation]),
         rotation_slope=1e6 * slope.rotation[None],
-        cycle=np.array([cycle]),
+        rotation_cycle=np.array([cycle]),
     )

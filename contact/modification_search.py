@@ -21,8 +21,12 @@ Array = NDArray[np.float64]
 TAKEN, GOOD = 0.1, 0.75
 #: First and shortest reach [um].
 REACH, SHORTEST_REACH = 8.0, 0.01
-#: A promise below this, or in proportion within a shorter reach than the first, ends the search: nothing is left to gain.
+#: A promise below this, or in proportion within a shorter reach than the first, ends the search.
 LEAST_GAIN = 1e-4
+#: Programmes that may mend a step which gained but broke a limit, and how far they reach in proportion.
+MENDINGS, MENDING_REACH = 2, 0.25
+
+NOTHING = Value(np.nan, np.nan)
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,9 @@ class Step:
     fresh
         What the fresh solution gave; NaN if there was none.
     accepted
-        Whether the step was taken.
+        Whether the search went on from there.
+    mending
+        Whether it began at the step before, to mend that one, and not at the best modification so far.
     """
 
     status: str
@@ -48,6 +54,7 @@ class Step:
     promised: Value
     fresh: Value
     accepted: bool
+    mending: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,28 +113,40 @@ def search(
     Search
         Never worse than the start.
     """
-    coefficients = np.zeros(goal.surface.shape[1])
-    loads, value = start, judged(start, goal)
+    best = _Point(np.zeros(goal.surface.shape[1]), start, judged(start, goal))
     steps: list[Step] = []
     converged = False
     while len(steps) < programmes and not converged and reach >= SHORTEST_REACH:
-        answer = solve_programme(loads, goal, coefficients, reach)
-        gain = value.merit - answer.value.merit
-        converged = answer.solved and gain < LEAST_GAIN * min(1.0, reach / REACH)
-        if not answer.solved or converged:
-            steps.append(Step(answer.status, reach, answer.value, Value(np.nan, np.nan), False))
-            reach *= 0.25
-            continue
-        found = solved(coefficients + answer.step)
-        fresh = Value(np.nan, np.nan) if found is None else judged(found, goal)
-        came_true = (value.merit - fresh.merit) / gain
-        accepted = found is not None and came_true > TAKEN
-        steps.append(Step(answer.status, reach, answer.value, fresh, accepted))
-        if found is not None and accepted:
-            coefficients, loads, value = coefficients + answer.step, found, fresh
-            reach *= 2.0 if came_true > GOOD else 1.0
+        here, gain = best, 0.0
+        for mending in range(1 + MENDINGS):
+            span = reach * MENDING_REACH**mending
+            answer = solve_programme(here.loads, goal, here.coefficients, span)
+            if mending == 0:
+                gain = best.value.merit - answer.value.merit
+                converged = answer.solved and gain < LEAST_GAIN * min(1.0, reach / REACH)
+            found = None if converged or not answer.solved else solved(here.coefficients + answer.step)
+            fresh = NOTHING if found is None else judged(found, goal)
+            came_true = (best.value.merit - fresh.merit) / gain
+            steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN, mending > 0))
+            if progress is not None:
+                progress()
+            if found is None:
+                break
+            here = _Point(here.coefficients + answer.step, found, fresh)
+            if came_true > TAKEN or fresh.violation <= best.value.violation:
+                break
+        if steps[-1].accepted:
+            best = here
+            reach *= 2.0 if came_true > GOOD and not steps[-1].mending else 1.0
         else:
             reach *= 0.25
-        if progress is not None:
-            progress()
-    return Search(coefficients, loads, value, tuple(steps), converged)
+    return Search(best.coefficients, best.loads, best.value, tuple(steps), converged)
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A modification, solved."""
+
+    coefficients: Array
+    loads: LinearLoads
+    value: Value

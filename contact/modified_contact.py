@@ -144,6 +144,5 @@ def _linear(case: LoadedCase, slope: Array, count: int, cycle: int) -> LinearLoa
         length=here.length,
         curvature=1.0 / here.equivalent_radius,
         at_end=(number == 0) | (number == count - 1),
-        torque=case.torque,
         cycle=cycle + case.torque,
     )

@@ -3,12 +3,15 @@
 Loads and rotations being affine functions of the coefficients (see ``load_response``), the greatest line load, the
 greatest of other positive multiples of it, the sum of its squares, and the peak to peak of the rotation are convex
 functions of the coefficients. The programme has a handful of unknowns, however many segments there are.
+
+Conry and Seireg, A mathematical programming technique for the evaluation of load distribution and optimal modifications
+for gear systems, ASME Journal of Engineering for Industry 95(4) (1973) 1115-1122.
 """
 
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -19,7 +22,7 @@ from .load_response import LinearLoads
 
 Array = NDArray[np.float64]
 Objective = Literal["peak_load", "peak_pressure", "even_load"]
-OBJECTIVES: tuple[str, ...] = get_args(Objective)
+OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
 #: Price of a limit that is passed, per part of it, in units of the objective, which is one at the start.
 PRICE = 10.0
@@ -29,20 +32,20 @@ PRICE = 10.0
 class Goal:
     """What is asked for, and what must be kept.
 
+    The mesh cycles of the loads are numbered through the torques of the first assembly, then those of the next.
+
     Parameters
     ----------
     objective
         ``peak_load``: the greatest line load; ``peak_pressure``: the greatest contact pressure; ``even_load``: the root
-        of the sum of the squared line loads times the length. Of each torque in relation to the start; the torque that
-        fares worst counts.
+        of the sum of the squared line loads times the length. Of each torque in relation to the start, the worst
+        assembly counting; then the torque that fares worst.
     reference
         The objective of each torque at the start (t), see ``figures``.
     load_reference
         The greatest line load of each torque at the start (t) [N/mm].
-    weights
-        Weight of each torque (t).
     transmission_error
-        Limit of the rotation's peak to peak in each mesh cycle (c) [urad]; infinite for none.
+        Limit of the rotation's peak to peak in every mesh cycle [urad]; infinite for none.
     end_load
         Limit of the line load at the ends of the contact lines, for each torque (t) [N/mm]; infinite for none.
     surface
@@ -54,8 +57,7 @@ class Goal:
     objective: Objective
     reference: Array
     load_reference: Array
-    weights: Array
-    transmission_error: Array
+    transmission_error: float
     end_load: Array
     surface: Array
     largest: float
@@ -68,7 +70,7 @@ class Value:
     Parameters
     ----------
     objective
-        Greatest over the torques of weight times figure over reference.
+        Greatest over the torques of the figure over its reference.
     violation
         By which part the worst limit is passed: of the peak to peak's own limit, of the line load's peak at the start.
     """
@@ -91,14 +93,14 @@ class ProgrammeAnswer:
     status
         In the words of CVXPY: ``optimal``, ``optimal_inaccurate``, ...
     step
-        Change of the coefficients (p), NaN if there is none.
+        Change of the coefficients (p) [um], NaN if there is none.
     value
         What the programme promises.
     """
 
     status: str
     step: Array
-    value: Value = field(default=Value(np.nan, np.nan))
+    value: Value
 
     @property
     def solved(self) -> bool:
@@ -106,42 +108,41 @@ class ProgrammeAnswer:
         return bool(np.isfinite(self.step).all())
 
 
-def _multiple(loads: LinearLoads, objective: Objective) -> Array:
-    """What line loads are multiplied by in the objective (n): the pressure squared goes with load times curvature."""
-    return loads.curvature if objective == "peak_pressure" else np.ones(loads.line_load.size)
+def figures(loads: LinearLoads, objective: Objective) -> Array:
+    """The objective of each mesh cycle (c), in its own units.
 
-
-def figures(loads: LinearLoads, objective: Objective, torques: int) -> Array:
-    """The objective of each torque (t) in its own units: N/mm, its root over mm, or N/mm^0.5.
-
-    The peak pressure counts as the root of line load times curvature, to which it is proportional.
+    N/mm for the load, its root over mm for the pressure, which is proportional to it, and N/mm^0.5 for the evenness.
     """
-    values = np.zeros(torques)
+    values = np.zeros(1 + loads.cycle.max())
     if objective == "even_load":
-        np.add.at(values, loads.torque, loads.length * loads.carried**2)
+        np.add.at(values, loads.cycle, loads.length * loads.carried**2)
         return np.sqrt(values)
-    np.maximum.at(values, loads.torque, loads.carried * _multiple(loads, objective))
+    np.maximum.at(values, loads.cycle, loads.carried * _multiple(loads, objective))
     return np.sqrt(values) if objective == "peak_pressure" else values
 
 
-def greatest_load(loads: LinearLoads, torques: int, among: NDArray[np.bool_] | None = None) -> Array:
-    """Greatest line load of each torque (t) [N/mm], over all or some of the segments (n)."""
-    values = np.zeros(torques)
-    chosen = np.ones(loads.line_load.size, dtype=bool) if among is None else among
-    np.maximum.at(values, loads.torque[chosen], loads.carried[chosen])
+def end_loads(loads: LinearLoads) -> Array:
+    """Greatest line load at the ends of the contact lines in each mesh cycle (c) [N/mm]; negative if all are clear."""
+    values = np.full(1 + loads.cycle.max(), -np.inf)
+    np.maximum.at(values, loads.cycle[loads.at_end], loads.line_load[loads.at_end])
     return values
 
 
 def peak_to_peaks(loads: LinearLoads) -> Array:
     """Peak to peak of the rotation in each mesh cycle (c) [urad]."""
-    return np.array([np.ptp(loads.rotation[loads.cycle == c]) for c in range(loads.cycle.max() + 1)])
+    return np.array([np.ptp(loads.rotation[loads.rotation_cycle == c]) for c in range(1 + loads.cycle.max())])
+
+
+def worst_assembly(values: Array, torques: int) -> Array:
+    """Greatest value of each torque (t), from the values of all mesh cycles (c)."""
+    return np.asarray(values.reshape(-1, torques).max(axis=0))
 
 
 def judged(loads: LinearLoads, goal: Goal) -> Value:
     """How solved loads fare."""
     torques = goal.reference.size
-    reached = goal.weights * figures(loads, goal.objective, torques) / goal.reference
-    end = (greatest_load(loads, torques, loads.at_end) - goal.end_load) / goal.load_reference
+    reached = worst_assembly(figures(loads, goal.objective), torques) / goal.reference
+    end = (worst_assembly(end_loads(loads), torques) - goal.end_load) / goal.load_reference
     ripple = peak_to_peaks(loads) / goal.transmission_error - 1.0
     return Value(float(reached.max()), max(float(end.max()), float(ripple.max()), 0.0))
 
@@ -169,40 +170,26 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
 
     cvxpy: Any = untyped
 
-    # The surface moves by some micrometres: in units of the reach all numbers are of order one.
-    step = cvxpy.Variable(coefficients.size)
-    worst = cvxpy.Variable()
-    violation = cvxpy.Variable(nonneg=True)
+    # In units of the reach, all numbers are of order one.
+    step, worst, violation = cvxpy.Variable(coefficients.size), cvxpy.Variable(), cvxpy.Variable(nonneg=True)
     moved = goal.surface @ step
     conditions = [
         cvxpy.abs(moved) <= 1.0,
         cvxpy.abs(goal.surface @ coefficients / reach + moved) <= goal.largest / reach,
     ]
-    multiple = _multiple(loads, goal.objective)
-    squared = goal.objective == "peak_pressure"
-    for t, (weight, reference) in enumerate(zip(goal.weights, goal.reference, strict=True)):
-        here = loads.torque == t
-        if goal.objective == "even_load":
-            chosen = here & (loads.line_load > 0.0)
-            root = np.sqrt(loads.length[chosen])[:, None]
-            rows = root * np.column_stack([reach * loads.line_load_slope[chosen], loads.line_load[chosen]])
-            # As many rows as unknowns say the same as thousands of them.
-            triangle = np.linalg.qr(rows / reference, mode="r")
-            conditions.append(weight * cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1]) <= worst)
-        else:
-            scale = (weight / reference) ** (2 if squared else 1) * multiple[here]
-            level, slope = scale * loads.line_load[here], scale[:, None] * loads.line_load_slope[here]
-            conditions.append(level + reach * slope @ step <= worst)
+    torques = goal.reference.size
+    for cycle in range(1 + loads.cycle.max()):
+        here = loads.cycle == cycle
+        conditions.append(_objective(cvxpy, loads, here, goal, reach, step) <= worst)
+        limit, reference = goal.end_load[cycle % torques], goal.load_reference[cycle % torques]
         ends = here & loads.at_end
-        if np.isfinite(goal.end_load[t]) and ends.any():
-            excess = (loads.line_load[ends] - goal.end_load[t]) / goal.load_reference[t]
-            slope = reach / goal.load_reference[t] * loads.line_load_slope[ends]
-            conditions.append(excess + slope @ step <= violation)
-    for c, limit in enumerate(goal.transmission_error):
         if np.isfinite(limit):
-            here = loads.cycle == c
-            level = (loads.rotation[here] - loads.rotation[here].mean()) / limit
-            error = level + reach / limit * loads.rotation_slope[here] @ step
+            excess = (loads.line_load[ends] - limit) / reference
+            conditions.append(excess + reach / reference * loads.line_load_slope[ends] @ step <= violation)
+        if np.isfinite(goal.transmission_error):
+            now = loads.rotation_cycle == cycle
+            level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error
+            error = level + reach / goal.transmission_error * loads.rotation_slope[now] @ step
             conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 + violation)
     programme = cvxpy.Problem(cvxpy.Minimize(worst + PRICE * violation), conditions)
     with warnings.catch_warnings():
@@ -210,12 +197,40 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
         try:
             programme.solve(solver="CLARABEL")
         except cvxpy.error.SolverError as error:
-            return ProgrammeAnswer(str(error), np.full(coefficients.size, np.nan))
+            return _no_answer(str(error), coefficients.size)
     if step.value is None:
-        return ProgrammeAnswer(str(programme.status), np.full(coefficients.size, np.nan))
-    reached = float(worst.value)
-    promise = Value(np.sqrt(reached) if squared else reached, float(violation.value))
+        return _no_answer(str(programme.status), coefficients.size)
+    reached = max(float(worst.value), 0.0)
+    promise = Value(float(np.sqrt(reached)) if _squared(goal) else reached, float(violation.value))
     return ProgrammeAnswer(str(programme.status), reach * np.asarray(step.value, dtype=np.float64), promise)
+
+
+def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
+    """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
+    reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
+    if goal.objective == "even_load":
+        chosen = here & (loads.line_load > 0.0)
+        slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
+        rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([reach * slope, level]) / reference
+        # As many rows as unknowns say the same as thousands of them.
+        triangle = np.linalg.qr(rows, mode="r")
+        return cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1])
+    scale = _multiple(loads, goal.objective)[here] / reference ** (2 if _squared(goal) else 1)
+    return cvxpy.max(scale * loads.line_load[here] + reach * scale[:, None] * loads.line_load_slope[here] @ step)
+
+
+def _squared(goal: Goal) -> bool:
+    """Whether the programme sees the square of the objective: that of the pressure is affine in the line load."""
+    return goal.objective == "peak_pressure"
+
+
+def _multiple(loads: LinearLoads, objective: Objective) -> Array:
+    """What line loads are multiplied by in the objective (n): the squared pressure goes with load times curvature."""
+    return loads.curvature if objective == "peak_pressure" else np.ones(loads.line_load.size)
+
+
+def _no_answer(status: str, size: int) -> ProgrammeAnswer:
+    return ProgrammeAnswer(status, np.full(size, np.nan), Value(np.nan, np.nan))
 
 
 def checked_objective(name: str) -> Objective:
@@ -226,6 +241,7 @@ def checked_objective(name: str) -> Objective:
     InputError
         If there is none.
     """
-    if name not in OBJECTIVES:
-        raise InputError(f"objective = {name!r}: allowed are {', '.join(OBJECTIVES)}")
-    return name  # type: ignore[return-value]
+    for objective in OBJECTIVES:
+        if objective == name:
+            return objective
+    raise InputError(f"objective = {name!r}: allowed are {', '.join(OBJECTIVES)}")
