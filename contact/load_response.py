@@ -70,6 +70,21 @@ def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separ
     return Slopes(force, gap, rotation, yielding)
 
 
+def held_in_contact(
+    compliance: Array, separation: Array, lever_arm: Array, torque: float
+) -> tuple[Array, float]:
+    """Forces [N], also pulling ones, and rotation [rad] that close the gap of all segments (n).
+
+    Parameters
+    ----------
+    compliance, separation, lever_arm, torque
+        See ``ContactProblem``; the compliance is positive definite.
+    """
+    solved = cho_solve(cho_factor(compliance, lower=True), np.column_stack([separation, lever_arm]))
+    rotation = (torque + lever_arm @ solved[:, 0]) / (lever_arm @ solved[:, 1])
+    return solved[:, 1] * rotation - solved[:, 0], float(rotation)
+
+
 @dataclass(frozen=True, eq=False)
 class LinearLoads:
     """Line loads (n) and rotations (m) of many contact problems as affine functions of p coefficients.
@@ -81,6 +96,8 @@ class LinearLoads:
     ----------
     line_load, line_load_slope
         (n) [N/mm] and (n, p).
+    touching
+        Whether a segment is in the contact region (n).
     length
         Length of the segments (n) [mm].
     curvature
@@ -97,6 +114,7 @@ class LinearLoads:
 
     line_load: Array
     line_load_slope: Array
+    touching: NDArray[np.bool_]
     length: Array
     curvature: Array
     at_end: NDArray[np.bool_]
@@ -128,6 +146,7 @@ def linear_loads(
     curvature: Array,
     at_end: NDArray[np.bool_],
     cycle: int,
+    held: bool = False,
 ) -> LinearLoads:
     """One solved contact problem as affine functions of the coefficients.
 
@@ -143,14 +162,17 @@ def linear_loads(
         Derivatives of the separation (n, p) [mm per unit].
     length, curvature, at_end, cycle
         See ``LinearLoads``.
+    held
+        Whether all segments are held in contact, by pulling if need be, see ``held_in_contact``.
     """
-    active = force > 0.0
+    active = np.full(force.size, held) | (force > 0.0)
     slope = slopes(compliance, lever_arm, active, separation)
     would_be = np.where(active, force, -np.maximum(gap, 0.0) / slope.yielding)
     would_be_slope = np.where(active[:, None], slope.force, -slope.gap / slope.yielding[:, None])
     return LinearLoads(
         line_load=would_be / length,
         line_load_slope=would_be_slope / length[:, None],
+        touching=active,
         length=length,
         curvature=curvature,
         at_end=at_end,

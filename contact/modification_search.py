@@ -2,12 +2,16 @@
 
 A programme is exact while its contact regions hold. Where they change it promises too much or too little, so its
 answer is solved afresh, and taken only if it is better; else the next programme may not reach as far.
+
+What is found is a local optimum: segments that do not touch yet show no gain. Therefore a second search begins at the
+answer of the programme in which all segments are held in contact, the one of Conry and Seireg.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +30,7 @@ LEAST_GAIN = 1e-4
 #: Programmes that may mend a step which gained but broke a limit, and how far they reach in proportion.
 MENDINGS, MENDING_REACH = 2, 0.25
 
+Start = Literal["full_contact", "present"]
 NOTHING = Value(np.nan, np.nan)
 
 
@@ -47,6 +52,8 @@ class Step:
         Whether the search went on from there.
     mending
         Whether it began at the step before, to mend that one, and not at the best modification so far.
+    search
+        Which search it belongs to, see ``optimal_modification``.
     """
 
     status: str
@@ -55,6 +62,7 @@ class Step:
     fresh: Value
     accepted: bool
     mending: bool = False
+    search: Start = "present"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,20 +95,23 @@ def search(
     start: LinearLoads,
     goal: Goal,
     *,
+    coefficients: Array | None = None,
     programmes: int = 40,
     reach: float = REACH,
     progress: Callable[[], None] | None = None,
 ) -> Search:
-    """Improve a modification, beginning from none, until no convex programme promises a gain.
+    """Improve a modification until no convex programme promises a gain.
 
     Parameters
     ----------
     solved
         Certified loads at given coefficients (p) [um], or ``None`` if there are none.
     start
-        The same at coefficients of zero.
+        The same where the search begins.
     goal
         What is asked for.
+    coefficients
+        Where it begins (p) [um]; zero if left out.
     programmes
         The most programmes to solve.
     reach
@@ -113,7 +124,8 @@ def search(
     Search
         Never worse than the start.
     """
-    best = _Point(np.zeros(goal.surface.shape[1]), start, judged(start, goal))
+    first = np.zeros(goal.surface.shape[1]) if coefficients is None else coefficients
+    best = _Point(first, start, judged(start, goal))
     steps: list[Step] = []
     converged = False
     while len(steps) < programmes and not converged and reach >= SHORTEST_REACH:
@@ -141,6 +153,44 @@ def search(
         else:
             reach *= 0.25
     return Search(best.coefficients, best.loads, best.value, tuple(steps), converged)
+
+
+def optimal_modification(
+    solved: Callable[[Array], LinearLoads | None],
+    start: LinearLoads,
+    held: LinearLoads,
+    goal: Goal,
+    *,
+    programmes: int = 40,
+    progress: Callable[[], None] | None = None,
+) -> Search:
+    """Search from the programme of full contact and from no modification, and keep the better end.
+
+    Parameters
+    ----------
+    solved, start, goal, programmes, progress
+        See ``search``; ``programmes`` bounds each of the two.
+    held
+        Loads at coefficients of zero with all segments held in contact.
+
+    Returns
+    -------
+    Search
+        Never worse than the start; with the steps of both searches.
+    """
+    none = np.zeros(goal.surface.shape[1])
+    whole = 2.0 * goal.largest
+    answer = solve_programme(held, goal, none, whole)
+    found = solved(answer.step) if answer.solved else None
+    fresh = NOTHING if found is None else judged(found, goal)
+    steps = [Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")]
+    ends = [search(solved, start, goal, programmes=programmes, progress=progress)]
+    if found is not None:
+        first = answer.step
+        ends.insert(0, search(solved, found, goal, coefficients=first, programmes=programmes, progress=progress))
+        steps += [replace(step, search="full_contact") for step in ends[0].steps]
+    best = min(ends, key=lambda end: end.value.merit)
+    return replace(best, steps=(*steps, *ends[-1].steps))
 
 
 @dataclass(frozen=True, eq=False)

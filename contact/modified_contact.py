@@ -13,9 +13,9 @@ from ..geometry.modification import Modification, basis, modified_ease_off
 from ..geometry.pair import PairGeometry
 from .bending import ElasticModel
 from .fields import FlankFields
-from .load_response import LinearLoads, linear_loads, stacked
+from .load_response import LinearLoads, held_in_contact, linear_loads, stacked
 from .loaded import all_segments, loaded_fields, solve_all
-from .loaded_cases import LoadedCase
+from .loaded_cases import LoadedCase, Segments
 from .segments import MeshLines, closest_approach, gauss_points, lines_in_mesh
 from .solvers import Status
 
@@ -115,34 +115,54 @@ class ModifiedContact:
         LinearLoads or None
             ``None`` if a torque has a mesh position without a certified solution.
         """
-        ease_off = modified_ease_off(self.geometry.ease_off, self.modification(coefficients))
-        fields, count = _fields(self.geometry, ease_off), self.segments_per_line
-        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count)
-        slopes = separation_slopes(fields, self.mesh, count, self.names)
+        segments, slopes = self._segments(coefficients)
         parts = []
         for case in solve_all(segments, self.torques, self.ratio, self.solver, {}):
             if not isinstance(case, LoadedCase) or case.solution.status != Status.CERTIFIED:
                 return None
-            parts.append(_linear(case, slopes[case.mesh_position], count, cycle))
+            here, solution = case.segments, case.solution
+            outcome = solution.force, solution.gap, solution.rotation
+            compliance = here.bending + np.diag(here.line_contact.tangent(solution.force))
+            parts.append(self._linear(here, compliance, outcome, slopes[case.mesh_position], cycle + case.torque))
         return stacked(parts)
+
+    def held(self, coefficients: Array, cycle: int = 0) -> LinearLoads:
+        """As ``loads``, all segments held in contact, with the local compliance of even load."""
+        segments, slopes = self._segments(coefficients)
+        parts = []
+        for here, slope in zip(segments, slopes, strict=True):
+            for index, torque in enumerate(1e3 * self.ratio * self.torques if here is not None else ()):
+                even = torque / float(here.lever_arm @ here.length) * here.length
+                compliance = here.bending + np.diag(here.line_contact.secant(even))
+                force, rotation = held_in_contact(compliance, here.separation, here.lever_arm, torque)
+                outcome = force, np.zeros(force.size), rotation
+                parts.append(self._linear(here, compliance, outcome, slope, cycle + index, held=True))
+        return stacked(parts)
+
+    def _segments(self, coefficients: Array) -> tuple[list[Segments | None], list[Array]]:
+        ease_off = modified_ease_off(self.geometry.ease_off, self.modification(coefficients))
+        fields, count = _fields(self.geometry, ease_off), self.segments_per_line
+        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count)
+        return segments, separation_slopes(fields, self.mesh, count, self.names)
+
+    def _linear(
+        self, here: Segments, compliance: Array, outcome: tuple[Array, Array, float], slope: Array, cycle: int,
+        *, held: bool = False,
+    ) -> LinearLoads:
+        number = np.arange(here.length.size) % self.segments_per_line
+        return linear_loads(
+            compliance,
+            here.lever_arm,
+            *outcome,
+            slope,
+            length=here.length,
+            curvature=1.0 / here.equivalent_radius,
+            at_end=(number == 0) | (number == self.segments_per_line - 1),
+            cycle=cycle,
+            held=held,
+        )
 
 
 def _fields(geometry: PairGeometry, ease_off: xr.Dataset) -> FlankFields:
     return loaded_fields(geometry.flanks, ease_off, geometry.teeth)
 
-
-def _linear(case: LoadedCase, slope: Array, count: int, cycle: int) -> LinearLoads:
-    here, solution = case.segments, case.solution
-    number = np.arange(here.length.size) % count
-    return linear_loads(
-        here.bending + np.diag(here.line_contact.tangent(solution.force)),
-        here.lever_arm,
-        solution.force,
-        solution.gap,
-        solution.rotation,
-        slope,
-        length=here.length,
-        curvature=1.0 / here.equivalent_radius,
-        at_end=(number == 0) | (number == count - 1),
-        cycle=cycle + case.torque,
-    )

@@ -209,7 +209,7 @@ def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Go
     """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
     reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
     if goal.objective == "even_load":
-        chosen = here & (loads.line_load > 0.0)
+        chosen = here & loads.touching
         slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
         rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([reach * slope, level]) / reference
         # As many rows as unknowns say the same as thousands of them.

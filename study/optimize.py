@@ -15,7 +15,7 @@ from ..cases.conversion import elastic_model
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.load_response import LinearLoads, stacked
-from ..contact.modification_search import Search, search
+from ..contact.modification_search import Search, optimal_modification
 from ..contact.modified_contact import ModifiedContact
 from ..contact.optimal_modification import (
     Goal,
@@ -82,7 +82,7 @@ def optimize(
     largest
         Limit of the modification anywhere on the flank [um].
     programmes
-        The most convex programmes to solve.
+        The most convex programmes to solve in each of the two searches.
     solver
         Name of the contact solver.
     progress
@@ -122,7 +122,9 @@ def optimize(
             "torques or misalignments"
         )
     goal = _goal(start, chosen, torque.size, names, transmission_error, end_load, largest)
-    found = search(solved, start, goal, programmes=programmes, progress=progress)
+    none = np.zeros(len(names))
+    held = stacked([contact.held(none, i * torque.size) for i, contact in enumerate(contacts)])
+    found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
     best = contacts[0].modification(found.coefficients)
     tree = analyze_in_full(checked, flank=flank, torques=torques, modification=best, solver=solver).tree
     record = _compared(checked, start, found, before.tree["loaded"].to_dataset(), assemblies)
@@ -230,6 +232,7 @@ def _compared(
         "fresh_violation": [s.fresh.violation for s in steps],
         "accepted": np.array([s.accepted for s in steps], dtype=np.int8),
         "mending": np.array([s.mending for s in steps], dtype=np.int8),
+        "search": [s.search for s in steps],
         "programme_status": [s.status for s in steps],
     }
     data |= {name: ("programme", values) for name, values in by_step.items()}
