@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from ..cases.conversion import gear_pair
@@ -34,6 +35,12 @@ class _Wanted:
         flank = solve_flank(gear.loaded, gear.section, *gear.section.points(lengthwise, profile))
         now = compute(flank, self.pair.pinion.loaded, self.pair.pinion.section, self.pair.assembly)
         return np.asarray(now.angle * now.lever_arm + 1e-3 * self.modification(lengthwise, profile))
+
+
+def recorded_modification(tree: xr.DataTree) -> Modification:
+    """The modification of a result of ``optimize``."""
+    terms = tree["modification"]["coefficient"]
+    return Modification({str(k): float(v) for k, v in zip(terms["term"].values, terms.values, strict=True)})
 
 
 def fit_modification(

@@ -79,7 +79,7 @@ def test_programme_is_exact_while_the_contact_region_holds() -> None:
 
 @pytest.mark.parametrize("objective", ["peak_load", "peak_pressure", "even_load"])
 def test_last_programme_promised_what_the_fresh_solution_gives(objective: Any) -> None:
-    for seed in range(4):
+    for seed in range(2):
         bed = smooth_bed(seed, positions=3, torques=(2e5, 6e5), terms=3)
         goal = bed.goal(objective)
         found = improved(bed, goal)
@@ -93,8 +93,8 @@ def test_last_programme_promised_what_the_fresh_solution_gives(objective: Any) -
 
 @pytest.mark.parametrize("objective", ["peak_load", "peak_pressure", "even_load"])
 def test_no_torque_fares_worse_than_before(objective: Any) -> None:
-    for seed in range(6):
-        bed = smooth_bed(seed, positions=3, torques=(1e5, 3e5, 6e5), terms=2)
+    for seed in range(2):
+        bed = smooth_bed(seed, positions=3, torques=(1e5, 6e5), terms=2)
         start = figures(bed.solved(np.zeros(2)), objective)
         found = improved(bed, bed.goal(objective))
         after = figures(bed.solved(found.coefficients), objective)
@@ -108,7 +108,7 @@ def test_no_torque_fares_worse_than_before(objective: Any) -> None:
 def test_optimum_is_a_local_one() -> None:
     """Nothing near it is better, by the true contact solver."""
     rng = np.random.default_rng(0)
-    for seed in range(4):
+    for seed in range(2):
         bed = smooth_bed(seed, segments=8, positions=2)
         goal = bed.goal()
         found = improved(bed, goal)
