@@ -70,9 +70,7 @@ def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separ
     return Slopes(force, gap, rotation, yielding)
 
 
-def held_in_contact(
-    compliance: Array, separation: Array, lever_arm: Array, torque: float
-) -> tuple[Array, float]:
+def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torque: float) -> tuple[Array, float]:
     """Forces [N], also pulling ones, and rotation [rad] that close the gap of all segments (n).
 
     Parameters

@@ -1,8 +1,9 @@
-"""Loaded contact of a pair under any low-order modification of its ease-off, with the slopes a convex programme needs."""
+"""Loaded contact of a pair under any low-order modification of its ease-off, and how the loads change with it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..geometry.modification import Modification, basis, modified_ease_off
 from ..geometry.pair import PairGeometry
-from .bending import ElasticModel
+from .bending import ElasticModel, shells
+from .compliance import Shell
 from .fields import FlankFields
 from .load_response import LinearLoads, held_in_contact, linear_loads, stacked
 from .loaded import all_segments, loaded_fields, solve_all
@@ -131,7 +133,9 @@ class ModifiedContact:
         segments, slopes = self._segments(coefficients)
         parts = []
         for here, slope in zip(segments, slopes, strict=True):
-            for index, torque in enumerate(1e3 * self.ratio * self.torques if here is not None else ()):
+            if here is None:
+                continue
+            for index, torque in enumerate(1e3 * self.ratio * self.torques):
                 even = torque / float(here.lever_arm @ here.length) * here.length
                 compliance = here.bending + np.diag(here.line_contact.secant(even))
                 force, rotation = held_in_contact(compliance, here.separation, here.lever_arm, torque)
@@ -139,15 +143,25 @@ class ModifiedContact:
                 parts.append(self._linear(here, compliance, outcome, slope, cycle + index, held=True))
         return stacked(parts)
 
+    @cached_property
+    def _shells(self) -> tuple[Shell, Shell]:
+        return shells(self.geometry.teeth, self.model)
+
     def _segments(self, coefficients: Array) -> tuple[list[Segments | None], list[Array]]:
         ease_off = modified_ease_off(self.geometry.ease_off, self.modification(coefficients))
         fields, count = _fields(self.geometry, ease_off), self.segments_per_line
-        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count)
+        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count, self._shells)
         return segments, separation_slopes(fields, self.mesh, count, self.names)
 
     def _linear(
-        self, here: Segments, compliance: Array, outcome: tuple[Array, Array, float], slope: Array, cycle: int,
-        *, held: bool = False,
+        self,
+        here: Segments,
+        compliance: Array,
+        outcome: tuple[Array, Array, float],
+        slope: Array,
+        cycle: int,
+        *,
+        held: bool = False,
     ) -> LinearLoads:
         number = np.arange(here.length.size) % self.segments_per_line
         return linear_loads(
@@ -165,4 +179,3 @@ class ModifiedContact:
 
 def _fields(geometry: PairGeometry, ease_off: xr.Dataset) -> FlankFields:
     return loaded_fields(geometry.flanks, ease_off, geometry.teeth)
-

@@ -26,6 +26,8 @@ OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
 #: Price of a limit that is passed, per part of it, in units of the objective, which is one at the start.
 PRICE = 10.0
+#: A programme aims below a limit by this part of it, so that the fresh solution does not pass it.
+MARGIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,12 +187,12 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
         ends = here & loads.at_end
         if np.isfinite(limit):
             excess = (loads.line_load[ends] - limit) / reference
-            conditions.append(excess + reach / reference * loads.line_load_slope[ends] @ step <= violation)
+            conditions.append(excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - MARGIN)
         if np.isfinite(goal.transmission_error):
             now = loads.rotation_cycle == cycle
             level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error
             error = level + reach / goal.transmission_error * loads.rotation_slope[now] @ step
-            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 + violation)
+            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - MARGIN + violation)
     programme = cvxpy.Problem(cvxpy.Minimize(worst + PRICE * violation), conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -213,7 +215,7 @@ def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Go
         slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
         rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([reach * slope, level]) / reference
         # As many rows as unknowns say the same as thousands of them.
-        triangle = np.linalg.qr(rows, mode="r")
+        triangle: Array = np.asarray(np.linalg.qr(rows, mode="r"))
         return cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1])
     scale = _multiple(loads, goal.objective)[here] / reference ** (2 if _squared(goal) else 1)
     return cvxpy.max(scale * loads.line_load[here] + reach * scale[:, None] * loads.line_load_slope[here] @ step)

@@ -1,4 +1,4 @@
-"""Machine settings that cut a modification of the ease-off: the pinion fitted to what it gives now, and the addition."""
+"""Machine settings that cut a modification of the ease-off: the pinion fitted to the present one with the addition."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Wanted:
 
 def recorded_modification(tree: xr.DataTree) -> Modification:
     """The modification of a result of ``optimize``."""
-    terms = tree["modification"]["coefficient"]
+    terms = tree["modification"].to_dataset()["coefficient"]
     return Modification({str(k): float(v) for k, v in zip(terms["term"].values, terms.values, strict=True)})
 
 

@@ -36,8 +36,6 @@ from .analysis import analyze_in_full, prepared_pair
 
 Array = NDArray[Any]
 
-#: The search aims below a limit by this part of it, which its own end may pass.
-MARGIN = 1e-3
 STAGES = ("before", "after")
 
 
@@ -106,7 +104,8 @@ def optimize(
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
     before = analyze_in_full(checked, flank=flank, torques=torques, solver=solver)
-    torque = before.tree["loaded"]["torque"].values
+    loaded = before.tree["loaded"].to_dataset()
+    torque = loaded["torque"].values
     assemblies = [prepared_pair(checked, flank, other) for other in (None, *misalignments)]
     contacts = [_contact(checked, pair, torque, names, solver) for pair in assemblies]
 
@@ -127,11 +126,11 @@ def optimize(
     found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
     best = contacts[0].modification(found.coefficients)
     tree = analyze_in_full(checked, flank=flank, torques=torques, modification=best, solver=solver).tree
-    record = _compared(checked, start, found, before.tree["loaded"].to_dataset(), assemblies)
+    record = _compared(checked, start, found, loaded, assemblies)
     record.attrs |= {
         "objective": chosen,
         "transmission_error_limit_urad": math.inf if transmission_error is None else transmission_error,
-        "end_load_limit_N_per_mm": goal.end_load + MARGIN * goal.load_reference,
+        "end_load_limit_N_per_mm": goal.end_load,
         "largest_modification_um": largest,
         "converged": int(found.converged),
     }
@@ -151,9 +150,7 @@ def _check(transmission_error: float | None, end_load: float | None, largest: fl
         raise InputError(f"programmes = {programmes}: at least one is needed")
 
 
-def _contact(
-    case: Case, pair: GearPair, torques: Array, names: tuple[str, ...], solver: str
-) -> ModifiedContact:
+def _contact(case: Case, pair: GearPair, torques: Array, names: tuple[str, ...], solver: str) -> ModifiedContact:
     settings = case.contact
     return ModifiedContact.of(
         pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes)),
@@ -184,8 +181,8 @@ def _goal(
         objective=objective,
         reference=worst_assembly(figures(start, objective), torques),
         load_reference=load,
-        transmission_error=math.inf if transmission_error is None else (1.0 - MARGIN) * transmission_error,
-        end_load=np.maximum(at_ends if end_load is None else np.full(torques, end_load), 0.0) - MARGIN * load,
+        transmission_error=math.inf if transmission_error is None else transmission_error,
+        end_load=np.maximum(at_ends, 0.0) if end_load is None else np.full(torques, end_load),
         surface=basis(names, places[0].ravel(), places[1].ravel()),
         largest=largest,
     )

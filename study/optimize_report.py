@@ -34,7 +34,9 @@ def optimization_text(tree: xr.DataTree) -> str:
         title = "case's own assembly" if number == 0 else f"assembly {number}: {_errors(here)}"
         parts.append(f"Before -> after, {title}")
         headers = ("torque [N m]", *torques)
-        parts.append(tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques))))
+        parts.append(
+            tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
+        )
     return "\n\n".join([*parts, *notes(tree)])
 
 
@@ -46,8 +48,8 @@ def notes(tree: xr.DataTree) -> list[str]:
     ripple, limit = after["peak_to_peak"].values, record.attrs["transmission_error_limit_urad"]
     if np.any(ripple > limit):
         found.append(
-            f"Warning: the peak to peak limit of {limit:g} urad is passed, {ripple.max():.2f} urad: allow more, or terms of "
-            "a higher order"
+            f"Warning: the peak to peak limit of {limit:g} urad is passed, {ripple.max():.2f} urad: allow more, or terms "
+            "of a higher order"
         )
     ends, most = after["max_end_load"].values, np.atleast_1d(record.attrs["end_load_limit_N_per_mm"])
     if np.any(ends > most):

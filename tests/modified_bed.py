@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 class Bed:
     """Mesh positions (k) of n segments at several torques, with constant compliance.
 
-    Separations (k, n) [mm], basis (k, n, p) [mm per unit], lever arms (k, n) [mm], compliances (k, n, n) [mm/N], torques
-    (t) [N mm], lengths (n) [mm], curvatures (n) [1/mm].
+    Separations (k, n) [mm], basis (k, n, p) [mm per unit], lever arms (k, n) [mm], compliances (k, n, n) [mm/N],
+    torques (t) [N mm], lengths (n) [mm], curvatures (n) [1/mm].
     """
 
     separation: Array

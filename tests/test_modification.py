@@ -1,4 +1,4 @@
-"""Low-order modifications: names, signs, what they do to the ease-off and the analysis, and machine settings for them."""
+"""Low-order modifications: names, signs, what they do to the ease-off and the analysis, machine settings for them."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_modification_adds_to_the_normal_ease_off_up_to_a_rotation() -> None:
 
 
 def test_settings_for_a_modification_give_what_they_say() -> None:
-    """The ease-off of the fitted case, made afresh, is that of the old one with the modification, within what is left."""
+    """The ease-off of the fitted case, made afresh, is the old one with the modification, within what is left."""
     case = read_case("fm-11x41")
     wanted = Modification({"lengthwise_crowning": 4.0, "profile_crowning": 3.0, "bias": 2.0})
     fitted, found = fit_modification(case, wanted)

@@ -156,8 +156,8 @@ def least_peak(bed: Bed, goal: Goal) -> float:
     cost = np.zeros(size)
     cost[p] = 1.0
     conditions = LinearConstraint(np.concatenate(rows), np.concatenate(least), np.concatenate(most))
-    options = {"time_limit": 30.0, "mip_rel_gap": 1e-7}
-    answer = milp(cost, constraints=conditions, integrality=whole, bounds=Bounds(lower, upper), options=options)
+    bounds = Bounds(lower, upper)
+    answer = milp(cost, constraints=conditions, integrality=whole, bounds=bounds, options={"mip_rel_gap": 1e-7})
     assert answer.status == 0
     return float(answer.fun)
 

@@ -14,13 +14,13 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff.cases import Case, read_case
+from easeoff.cases.conversion import elastic_model
 from easeoff.contact.modified_contact import ModifiedContact
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.geometry import Misalignment
-from easeoff.geometry.pair import pair_geometry
-from easeoff.cases.conversion import elastic_model
 from easeoff.geometry.modification import terms
+from easeoff.geometry.pair import pair_geometry
 from easeoff.study.analysis import prepared_pair
 from easeoff.study.cli import main
 from easeoff.study.fitted_settings import recorded_modification
@@ -65,7 +65,8 @@ def test_figures_are_those_of_ordinary_analyses(objective: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("objective", "name"), [("peak_load", "max_line_load"), ("peak_pressure", "max_pressure"), ("even_load", "load_norm")]
+    ("objective", "name"),
+    [("peak_load", "max_line_load"), ("peak_pressure", "max_pressure"), ("even_load", "load_norm")],
 )
 def test_every_torque_gains_and_no_edge_loses(objective: str, name: str) -> None:
     record = optimized(objective)["optimization"].to_dataset()
@@ -151,7 +152,7 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
     outcome = CliRunner().invoke(main, [*arguments, str(tmp_path / "fitted.toml")])
     assert outcome.exit_code == 0, outcome.output
     assert "assembly 1: E +0.02 mm" in outcome.output
-    record = easeoff.read_result(tmp_path / "best.nc")["optimization"]
+    record = easeoff.read_result(tmp_path / "best.nc")["optimization"].to_dataset()
     assert math.isinf(np.max(record.attrs["end_load_limit_N_per_mm"]))
     before, after = record["max_line_load"].values[:, 0, 0]
     assert after < 0.9 * before

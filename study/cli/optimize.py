@@ -82,7 +82,9 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     click.echo(f"\nwrote {output}")
     if fitted_case is not None:
         fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
-        write_case(fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}.")
+        write_case(
+            fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
+        )
         click.echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
     failures = uncertified(tree)
     if failures:
