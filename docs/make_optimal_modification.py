@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from dissertation_figures import save_small
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import easeoff
@@ -49,17 +50,12 @@ def fitted_cells(name: str, tree: xr.DataTree) -> tuple[str, list[str]]:
     fitted, fit = fit_modification(easeoff.read_case(name), recorded_modification(tree))
     loaded = easeoff.analyze(fitted)["loaded"].to_dataset()
     load = (loaded["force"] / loaded["length"]).transpose("torque", "mesh_position", "segment").values
-    here = loaded["tooth"].values
-    # The first and last segment of a line are where the tooth pair changes, or the ends of the vector.
-    edges = np.zeros(load.shape, dtype=bool)
-    count = easeoff.read_case(name).contact.segments_per_line
-    number = np.arange(load.shape[-1]) % count
-    edges[..., (number == 0) | (number == count - 1)] = True
-    edges &= np.isfinite(here)
+    number = np.arange(load.shape[-1]) % easeoff.read_case(name).contact.segments_per_line
+    at_end = load[..., (number == 0) | (number == number.max())]
     values = {
         "max_line_load": np.nanmax(load, axis=(1, 2)),
         "max_pressure": loaded["max_pressure"].values,
-        "max_end_load": np.nanmax(np.where(edges, load, 0.0), axis=(1, 2)),
+        "max_end_load": np.nanmax(at_end, axis=(1, 2)),
         "peak_to_peak": loaded["peak_to_peak"].values,
     }
     row = [" / ".join(f"{value:.{digits}f}" for value in values[key]) for key, digits in COLUMNS]
@@ -96,6 +92,7 @@ def swept(tree: xr.DataTree) -> tuple[Any, Any, Any]:
 def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
     """The modification, and where the load was and is."""
     figure = Figure(figsize=(9.6, 2.9), layout="constrained")
+    FigureCanvasAgg(figure)
     left, *rest = figure.subplots(1, 3, sharey=True)
     surface = after["modification"].to_dataset()["modification"]
     t, h = surface["lengthwise"].values, surface["profile"].values
@@ -107,7 +104,7 @@ def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
     most = max(load.max() for _, _, load in both)
     for axes, (x, y, load), title in zip(rest, both, ("before", "after"), strict=True):
         order = np.argsort(load)
-        points = axes.scatter(x[order], y[order], c=load[order], s=9, cmap="viridis", vmin=0.0, vmax=most)
+        points = axes.scatter(x[order], y[order], c=load[order], s=16, cmap="viridis", vmin=0.0, vmax=most)
         axes.set_title(f"{title}: up to {load.max():.0f} N/mm")
     figure.colorbar(points, ax=rest, label=f"line load at {SHOWN:g} N m [N/mm]")
     for axes in (left, *rest):
@@ -129,6 +126,7 @@ def draw_trade(name: str, free: xr.DataTree, path: Path) -> None:
         print(limit, reached[-1], flush=True)
     x, y = np.array(sorted(reached)).T
     figure = Figure(figsize=(4.6, 3.0), layout="constrained")
+    FigureCanvasAgg(figure)
     axes = figure.subplots()
     axes.plot(x, y, "o-")
     axes.axhline(1.0, color="0.6", linewidth=0.8)

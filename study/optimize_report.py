@@ -48,8 +48,8 @@ def notes(tree: xr.DataTree) -> list[str]:
     ripple, limit = after["peak_to_peak"].values, record.attrs["transmission_error_limit_urad"]
     if np.any(ripple > limit):
         found.append(
-            f"Warning: the peak to peak limit of {limit:g} urad is passed, {ripple.max():.2f} urad: allow more, or terms "
-            "of a higher order"
+            f"Warning: the peak to peak limit of {limit:g} urad is passed, {ripple.max():.2f} urad: allow more, or "
+            "terms of a higher order"
         )
     ends, most = after["max_end_load"].values, np.atleast_1d(record.attrs["end_load_limit_N_per_mm"])
     if np.any(ends > most):
@@ -61,7 +61,7 @@ def notes(tree: xr.DataTree) -> list[str]:
     if not record.attrs["converged"]:
         found.append("Note: the search ended before nothing was left to gain; more programmes may find more")
     greatest = record.attrs["largest_modification_um"]
-    if np.abs(tree["modification"]["modification"].values).max() > 0.999 * greatest:
+    if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
         found.append(f"Note: the modification reaches its limit of {greatest:g} um")
     return found
 
