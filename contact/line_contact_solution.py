@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
 from .problem import ContactProblem
+from .recovered import with_certificate
 from .solvers import ContactSolution, Status, require_solver, solve
 from .solvers.judge import judge
 from .solvers.status import no_solution
@@ -108,10 +109,8 @@ def _finish(
     except InputError as error:
         return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iteration.count), bending
     solution = judge(
-        problem,
         name,
-        iteration.force,
-        iteration.rotation,
+        with_certificate(problem, iteration.force, iteration.rotation),
         tolerance=iteration.step.tolerance,
         iterations=iteration.count,
         polished=iteration.step.polished,
