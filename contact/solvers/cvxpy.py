@@ -21,7 +21,7 @@ from .status import Status
 
 #: Largest number of segments for which the parametrised form of a dense problem is faster: it cannot have the
 #: compliance as it is, but only its root, with which the solver has twice the unknowns.
-LARGEST_DENSE = 75
+LARGEST_DENSE = 90
 
 _SUSPICIONS = {
     "infeasible": Status.INFEASIBLE,

@@ -23,7 +23,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..lifted_form import compressed_factor
 from ..scaling import ScaledProblem
 
 #: Programmes kept in a process. Along a mesh cycle there are two or three numbers of segments.
@@ -58,22 +57,31 @@ class Root:
 
 
 def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
-    """Return a root of the compliance: the modes and the diagonal of a structured one, or a Cholesky factor."""
+    """Return a root of the compliance: modes and local part of a structured one if `lifted`, or a Cholesky factor."""
+    size = problem.separation.size
     if lifted:
         assert problem.pair is not None
-        structure = problem.pair
-        modes = compressed_factor(structure.factor) * np.sqrt(structure.weight)
-        root = np.hstack([modes, np.diag(np.sqrt(structure.diagonal))])
-        rows, columns = np.nonzero(root)
-    else:
-        try:
-            root = np.linalg.cholesky(problem.compliance)
-            rows, columns = np.tril_indices_from(root)
-        except np.linalg.LinAlgError:  # singular to rounding
-            values, vectors = np.linalg.eigh(problem.compliance)
-            root = vectors * np.sqrt(np.maximum(values, 0.0))
-            rows, columns = (places.ravel() for places in np.indices(root.shape))
-    return Root((root.shape[0], root.shape[1]), rows, columns, root[rows, columns])
+        basis, local = problem.pair.modal_basis, np.arange(size)
+        blocks, _, rank = basis.modes.shape
+        filled = basis.index < size
+        # All places of a block, also where its modes happen to vanish: other problems will have numbers there.
+        rows = np.broadcast_to(basis.index[:, :, np.newaxis], basis.modes.shape)[filled].ravel()
+        mode = np.arange(blocks * rank).reshape(blocks, 1, rank)
+        columns = np.broadcast_to(mode, basis.modes.shape)[filled].ravel()
+        return Root(
+            (size, blocks * rank + size),
+            np.concatenate([rows, local]),
+            np.concatenate([columns, blocks * rank + local]),
+            np.concatenate([basis.modes[filled].ravel() * problem.pair.mode_unit, np.sqrt(problem.pair.diagonal)]),
+        )
+    try:
+        root = np.linalg.cholesky(problem.compliance)
+        rows, columns = np.tril_indices(size)
+    except np.linalg.LinAlgError:  # singular to rounding
+        values, vectors = np.linalg.eigh(problem.compliance)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        rows, columns = (places.ravel() for places in np.indices(root.shape))
+    return Root((size, size), rows, columns, root[rows, columns])
 
 
 class ParametrisedProgramme:

@@ -67,7 +67,9 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     if result.ended == "pivot limit":
         raise NoAnswerError(f"not at the end after {result.pivots} pivots", Status.NOT_CONVERGED)
     force, rotation = forces_and_rotation(problem, eliminated, result.z)
-    return ScaledAnswer(force, rotation, result.pivots, "solved")
+    gap = matrix @ result.z + vector  # w, in which the eliminated segment has its force
+    gap[eliminated] = result.z[eliminated]
+    return ScaledAnswer(force, rotation, result.pivots, "solved", gap=gap)
 
 
 def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int) -> LemkeResult:

@@ -77,8 +77,8 @@ def solve(
         others.
     form : str
         What a backend gets of a structured problem: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
-        `lifted_qp`, which clarabel, osqp, piqp and scs can take; ``"auto"``, the lifted one from the size in the table
-        of settings on.
+        `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
+        from that size on.
     **settings
         Passed to the backend on top of the settings of the table; for the native solver, ``method``.
 
