@@ -174,7 +174,9 @@ def test_smooth_law_converges_quadratically(monkeypatch: pytest.MonkeyPatch) -> 
 def test_line_contact_is_inverted_over_all_decades() -> None:
     steel = Material(206000.0, 0.3)
     count = 200
-    contact = WeberLineContact(np.full(count, 1.3), np.full(count, 40.0), np.full(count, 2.0), 3.0, steel, steel)
+    contact = WeberLineContact(
+        np.full(count, 1.3), np.full(count, 40.0), np.full(count, 2.0), np.full(count, 3.0), steel, steel
+    )
     force = np.geomspace(1e-9, 1e6, count)
     place = np.append(np.arange(count), count)[None, None, :]
     law = LineContactLaw(contact, place, np.full(count, 100.0))

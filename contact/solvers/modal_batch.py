@@ -28,7 +28,7 @@ MAX_ITERATIONS = 60
 MAX_HALVINGS = 20
 #: Gradient, relative to its terms, at which only rounding is left; and below which a problem is done when a step gains
 #: less than a factor of two.
-ROUNDING_RESIDUAL, STALLED_RESIDUAL = 4e-16, 1e-8
+ROUNDING_RESIDUAL, STALLED_RESIDUAL = 2e-15, 1e-8
 #: A slope of phi below this, relative to its terms, is rounding.
 ROUNDING_SLOPE = 1e-12
 
