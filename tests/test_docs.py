@@ -212,7 +212,7 @@ def test_table_of_solvers_is_that_of_the_code() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
     expected = {
-        name: (entry.kind, entry.licence, "easeoff" if not entry.package or entry.package in always else entry.requirement)
+        name: (entry.kind, entry.licence, "easeoff" if {entry.package} <= always | {""} else entry.requirement)
         for name, entry in SOLVERS.items()
     }
     assert listed == expected

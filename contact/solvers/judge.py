@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..recovered import RecoveredAnswer
+from .answer import ScaledAnswer
 from .status import ContactSolution, Status, no_solution
 
 
@@ -52,4 +53,19 @@ def judge(
         polished=polished,
         tolerance=tolerance,
         message=message,
+    )
+
+
+def judge_scaled(
+    solver: str, answer: ScaledAnswer, result: RecoveredAnswer, tolerance: float, *, polished: bool = False
+) -> ContactSolution:
+    """Judge what became of an answer; iterations and words stay those of the solver that gave it."""
+    return judge(
+        solver,
+        result,
+        tolerance=tolerance,
+        iterations=answer.iterations,
+        polished=polished,
+        message=answer.message,
+        suspicion=answer.suspicion,
     )

@@ -18,7 +18,7 @@ from ..scaling import ScaledProblem
 from . import native
 from .answer import ScaledAnswer
 from .backend import FORMS, NoAnswerError, chosen_form
-from .judge import judge
+from .judge import judge, judge_scaled
 from .polish import recover_answer
 from .settings import SOLVERS
 from .status import ContactSolution, Status, no_solution
@@ -107,7 +107,7 @@ def solve(
     name = require_solver(solver)
     if form not in FORMS:
         raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
-    active = None if initial_active is None else _as_mask(initial_active, problem.size)
+    active = None if initial_active is None else as_mask(initial_active, problem.size)
     if not problem.is_positive_semidefinite:
         return no_solution(
             problem.size,
@@ -137,14 +137,8 @@ def _solve_native(
     start = problem.scaling.estimated_active if active is None else active
     best: ContactSolution | None = None
     for answer in native.answers(scaled, start, settings):
-        solution = judge(
-            "native",
-            recovered(problem, answer.force, answer.rotation),
-            tolerance=EXACT_TOLERANCE,
-            iterations=answer.iterations,
-            message=answer.message,
-            suspicion=answer.suspicion,
-        )
+        result = recovered(problem, answer.force, answer.rotation)
+        solution = judge_scaled("native", answer, result, EXACT_TOLERANCE)
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
         if best.certificate.worst <= ROUNDING_LEVEL:
@@ -185,16 +179,8 @@ def _solve_backend(
         message = f"{type(error).__name__}: {error}"
         return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message, tolerance=entry.tolerance)
     result, polished = recover_answer(problem, scaled, answer, polished=polish)
-    # The iterations and the message of a polished answer stay those of the backend, whose work this is.
-    return judge(
-        name,
-        result,
-        tolerance=EXACT_TOLERANCE if polished else entry.tolerance,
-        iterations=answer.iterations,
-        polished=polished,
-        message=answer.message,
-        suspicion=answer.suspicion,
-    )
+    tolerance = EXACT_TOLERANCE if polished else entry.tolerance
+    return judge_scaled(name, answer, result, tolerance, polished=polished)
 
 
 def _is_unbounded(problem: ScaledProblem) -> bool:
@@ -217,7 +203,8 @@ def _is_installed(name: str) -> bool:
     return importlib.util.find_spec(package) is not None
 
 
-def _as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
+def as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
+    """Return a warm start as a mask of the segments (n); raises as `solve`."""
     array = np.asarray(active)
     if array.dtype == np.bool_:
         if array.shape != (size,):
