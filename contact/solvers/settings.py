@@ -212,6 +212,5 @@ SOLVERS: dict[str, SolverSettings] = {
         "easeoff",
         _OWN,
         "Lemke's complementary pivoting, dense, to 1000 segments",
-        settings={"max_pivots": 10_000},
     ),
 }

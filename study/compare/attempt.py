@@ -90,8 +90,8 @@ def load_adapter(solver: str) -> Adapter | None:
         return None
     module, separator, function = solver.partition(":")
     if not separator:
-        importlib.import_module(SOLVERS[solver].package)  # slow imports are not to be timed
-        importlib.import_module("qpsolvers")
+        for package in filter(None, (SOLVERS[solver].package, "qpsolvers")):
+            importlib.import_module(package)  # slow imports are not to be timed
         module, function = f"easeoff.contact.solvers.{solver}", "solve_scaled"
     try:
         found: Adapter = getattr(importlib.import_module(module), function)
