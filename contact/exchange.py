@@ -48,7 +48,10 @@ _OWN_NAMES = frozenset(ATTRIBUTES) | {"size", "structured", "mode_count", "probl
 
 
 def write_problems(
-    problems: Sequence[ContactProblem], path: str | os.PathLike[str], labels: Mapping[str, ArrayLike] | None = None
+    problems: Sequence[ContactProblem],
+    path: str | os.PathLike[str],
+    labels: Mapping[str, ArrayLike | xr.DataArray] | None = None,
+    attributes: Mapping[str, str | int | float] | None = None,
 ) -> None:
     """Write contact problems to a netCDF-4 file, without loss.
 
@@ -59,18 +62,27 @@ def write_problems(
     path : path
         The file, replaced if it exists. It appears complete or not at all.
     labels : mapping of name to (number of problems) array, optional
-        What each problem is, for instance ``torque_index`` and ``mesh_position``; numbers or text.
+        What each problem is, for instance ``torque_index`` and ``mesh_position``; numbers or text. A DataArray brings
+        its attributes along, such as units.
+    attributes : mapping of name to text or number, optional
+        What the whole file is: further global attributes.
 
     Raises
     ------
     InputError
-        No problems, or a label of the wrong length or with the name of a variable of the file.
+        No problems, a label of the wrong length or with the name of a variable of the file, or an attribute with the
+        name of one of the file.
     """
     if not problems:
         raise InputError("no contact problems to write")
     dataset = _dataset(problems)
     for name, values in (labels or {}).items():
-        dataset.coords[name] = ("problem", _label(name, values, len(problems)))
+        described = values.attrs if isinstance(values, xr.DataArray) else None
+        dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
+    taken = sorted(set(attributes or {}) & set(dataset.attrs))
+    if taken:
+        raise InputError(f"attribute {taken[0]!r} has the name of an attribute of the file: choose another")
+    dataset.attrs |= attributes or {}
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
         for name, variable in dataset.variables.items()
