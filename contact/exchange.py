@@ -82,7 +82,7 @@ def write_problems(
     taken = sorted(set(attributes or {}) & set(dataset.attrs))
     if taken:
         raise InputError(f"attribute {taken[0]!r} has the name of an attribute of the file: choose another")
-    dataset.attrs |= attributes or {}
+    dataset.attrs.update(attributes or {})
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
         for name, variable in dataset.variables.items()

@@ -153,7 +153,7 @@ def conditions(problem: ContactProblem, force: NDArray[np.float64], rotation: fl
     gap = problem.dense_compliance @ force + problem.separation - rotation * problem.lever_arm
     deflection = float((problem.dense_compliance @ force).mean())
     return max(
-        abs(problem.lever_arm @ force / problem.torque - 1.0),
+        abs(float(problem.lever_arm @ force) / problem.torque - 1.0),
         -float(force.min() / force.max()),
         -float(gap.min()) / deflection,
         float(np.minimum(force / force.max(), gap / deflection).max()),
@@ -300,7 +300,7 @@ def test_mistakes_are_told_before_any_work(tmp_path: Path, monkeypatch: pytest.M
         raise AssertionError
 
     monkeypatch.setattr(files, "generate", never)
-    with pytest.raises(InputError, match="huge.*small, medium, large"):
+    with pytest.raises(InputError, match=r"huge.*small, medium, large"):
         write_library(tmp_path, ["huge"])
     with pytest.raises(InputError, match="parts = none"):
         write_library(tmp_path, [])

@@ -84,8 +84,9 @@ def scaled_local_compliance(problem: ContactProblem, factor: float) -> ContactPr
 
 def twin_segments(problem: ContactProblem, _: float) -> ContactProblem:
     """Every segment twice at the same place, each with a local compliance of its own: ties throughout."""
-    s, r, t, d, v = (np.repeat(part, 2, axis=0) if np.ndim(part) else part for part in parts(problem))
-    return ContactProblem(s, r, t, (d, v))
+    s, r, t, d, v = parts(problem)
+    twice = np.repeat(np.arange(problem.size), 2)
+    return ContactProblem(s[twice], r[twice], t, (d[twice], v[twice]))
 
 
 def copied_segments(problem: ContactProblem, _: float) -> ContactProblem:

@@ -1,4 +1,4 @@
-"""The library on disk: a file a part, each problem with its labels and its reference answer, checked as it is written."""
+"""The library on disk: a file a part, every problem with its labels and its reference answer, and checked by it."""
 
 from __future__ import annotations
 
