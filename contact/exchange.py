@@ -40,6 +40,7 @@ from ..core.files import whole_file
 from .problem import ContactProblem
 from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES
+from .problem_dataset import FORMAT as SINGLE_FORMAT
 
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1
@@ -95,8 +96,8 @@ def write_problems(
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
     """Read the contact problems of a file, identical to those written.
 
-    A file that another program wrote may leave out the global attributes, the units, ``size``, ``structured`` and
-    ``mode_count``; see `problem_arrays`.
+    A file that another program wrote may leave out the global attributes, the units, ``size``, ``structured``,
+    ``mode_count`` and, with a single problem, the dimension of the problem; see `problem_arrays`.
 
     Raises
     ------
@@ -109,12 +110,10 @@ def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
             return [_problem(data, i) for i in range(data["separation"].shape[0])]
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
-        except (KeyError, IndexError, ValueError) as error:
-            raise InputError(f"{path} is incomplete: {error}") from error
 
 
 def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """Read the labels that were written with the problems, each an array with one entry a problem.
+    """Read what else a file says of each problem: the labels it was written with, each an array of one entry a problem.
 
     Raises
     ------
@@ -122,7 +121,9 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
         As `read_problems`.
     """
     with _opened(path) as dataset:
-        return {str(name): dataset[name].to_numpy() for name in dataset.variables if name not in _OWN_NAMES}
+        problem = dataset["torque"].dims
+        labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
+        return {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
 
 
 def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
@@ -178,8 +179,6 @@ def _label(name: str, values: ArrayLike, count: int) -> NDArray[Any]:
 
 def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
     n = int(data["size"][i])
-    if not 0 < n <= data["separation"].shape[1]:
-        raise InputError(f"problem {i} has {n} segments in arrays of {data['separation'].shape[1]}")
     compliance: Any
     if data["structured"][i]:
         factor = data["compliance_factor"][i, :n, : int(data["mode_count"][i])]
@@ -202,15 +201,15 @@ def _opened(path: str | os.PathLike[str]) -> Any:
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{path} is not a netCDF file: {error}") from error
     with dataset:
-        name = dataset.attrs.get("format")
-        if name is None:
-            try:
-                require_arrays(dataset)
-            except InputError as error:
-                raise InputError(f"{path} holds no contact problems: {error}") from error
-        elif name != FORMAT:
+        if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
             raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
-        version = int(dataset.attrs.get("format_version", 0))
-        if version > FORMAT_VERSION:
-            raise InputError(f"{path} is of format version {version}; this program reads up to {FORMAT_VERSION}")
+        try:
+            require_arrays(dataset)
+        except InputError as error:
+            raise InputError(f"{path} holds no contact problems: {error}") from error
+        version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
+        with contextlib.suppress(TypeError, ValueError):
+            known = float(version) == FORMAT_VERSION
+        if not known:
+            raise InputError(f"{path} is of format version {version}; this program reads {FORMAT_VERSION}")
         yield dataset

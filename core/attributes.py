@@ -104,6 +104,8 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     # comparison of solvers
     "problem_file": ("", "file the problem is from"),
     "problem": ("1", "number of the problem in its file, from 0"),
+    "problem_name": ("", "name of the problem, where the file has names"),
+    "kind": ("", "kind of the problem, where the file has kinds"),
     "size": ("1", "number of segments"),
     "gear_torque": ("N m", "torque about the gear axis"),
     "solver": ("", "name of the solver"),
@@ -119,7 +121,6 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "message": ("", "the solver's own words"),
     # library of problems
     "name": ("", "name of the problem in the library"),
-    "kind": ("", "why the problem is in the library"),
     "case": ("", "shipped case the problem comes from"),
     "flanks": ("", "which flanks mesh: drive or coast"),
     "pinion_torque": ("N m", "torque at the pinion in the instant the problem comes from"),

@@ -38,6 +38,7 @@ def report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
         _made_with(dataset, named),
         "## Who was right\n",
         _success(dataset, problems, named),
+        *_by_kind(problems, named),
         "## Run time\n",
         _run_time(dataset, problems, named),
         *(f"![{caption}]({name})\n" for name, _, caption in (picture.partition("|") for picture in pictures)),
@@ -109,6 +110,19 @@ def _success(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
         "that of one exact solve on the active set the solver found, which can also save a poor one. *False claim*: "
         "says solved, but is not certified. *Denied*: certified, but does not say solved.\n"
     )
+
+
+def _by_kind(problems: Any, named: list[Method]) -> list[str]:
+    """Certified problems by their kind, where the files tell kinds."""
+    kinds = [kind for kind in dict.fromkeys(problems["kind"]) if kind]
+    if not kinds:
+        return []
+    rows = []
+    for method in named:
+        found = of_method(problems, method)
+        of_kind = [found[found["kind"] == kind]["certified"] for kind in kinds]
+        rows.append([*method, *(f"{int(one.sum())} of {len(one)}" for one in of_kind)])
+    return ["Certified, by kind of problem:\n", _table(["solver", "settings", "start", *kinds], rows)]
 
 
 def _run_time(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
