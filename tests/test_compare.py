@@ -324,6 +324,30 @@ def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> 
         assert times[method]["median [ms]"] == "-"
 
 
+def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) -> None:
+    labels = {"name": ["first", "second", "third"], "kind": ["easy", "hard", "hard"]}
+    write_problems(same_size(3), tmp_path / "kinds.nc", labels)
+    solvers = ["native", "lemke"]
+    table = compare([tmp_path / "kinds.nc"], tmp_path, solvers=solvers, repetitions=1, time_limit=20.0, raw=True)
+    for solver in solvers:
+        found = rows(table, solver)
+        for label, column in (("name", "problem_name"), ("kind", "kind")):
+            assert found[column].tolist() == [labels[label][number] for number in found["problem"]]
+    # Lemke's method needs no package of its own, and no settings.
+    assert rows(table, "lemke")["certified"].all()
+    assert set(rows(table, "lemke")["settings"]) == {"default", "unpolished", "raw"}
+    text = report(table)
+    by_kind = cells(text.replace("Certified, by kind of problem:", "## kinds"), "kinds")
+    wanted = {"easy": "1 of 1", "hard": "2 of 2"}
+    assert {kind: by_kind[("lemke", "raw", "cold")][kind] for kind in wanted} == wanted
+    assert {kind: by_kind[("native", "default", "warm")][kind] for kind in ("hard",)} == {"hard": "2 of 2"}
+
+
+def test_without_kinds_the_report_has_no_table_of_kinds(lies: xr.Dataset) -> None:
+    assert set(lies["kind"].values) == {""}
+    assert "by kind" not in report(lies)
+
+
 def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: list[Path], folder: Path) -> None:
     text = (folder / "report.md").read_text(encoding="utf-8")
     made_with = json.loads(read_table(folder / "results.nc").attrs["machine"])

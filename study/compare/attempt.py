@@ -90,8 +90,9 @@ def load_adapter(solver: str) -> Adapter | None:
         return None
     module, separator, function = solver.partition(":")
     if not separator:
-        importlib.import_module(SOLVERS[solver].package)  # slow imports are not to be timed
-        importlib.import_module("qpsolvers")
+        if SOLVERS[solver].package:  # one of our own has none
+            importlib.import_module(SOLVERS[solver].package)  # slow imports are not to be timed
+            importlib.import_module("qpsolvers")
         module, function = f"easeoff.contact.solvers.{solver}", "solve_scaled"
     try:
         found: Adapter = getattr(importlib.import_module(module), function)
