@@ -53,6 +53,19 @@ def change_table() -> str:
     return _table(["change", "amounts", "problems", "what it does"], rows)
 
 
+def proof_table() -> str:
+    """One row a method that proves answers."""
+    every, rows = reference_answers().values(), []
+    for method in ("refined", "lemke"):
+        found = {a.name: getattr(a, f"{method}_difference") for a in every}
+        known = {name: value for name, value in found.items() if math.isfinite(value)}
+        worst = max(known, key=lambda name: known[name])
+        others = max(value for name, value in known.items() if "shifted-rotation" not in name)
+        rows.append([method, str(len(known)), f"{known[worst]:.0e}, `{worst}`", f"{others:.0e}"])
+    head = ["method", "problems", "largest difference from the native rotation", "without `shifted_rotation`"]
+    return _table(head, rows)
+
+
 def problem_table() -> str:
     """One row a problem."""
     answers = reference_answers()
@@ -92,7 +105,13 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-TABLES = {"parts": part_table, "kinds": kind_table, "changes": change_table, "problems": problem_table}
+TABLES = {
+    "parts": part_table,
+    "kinds": kind_table,
+    "changes": change_table,
+    "proofs": proof_table,
+    "problems": problem_table,
+}
 
 
 def updated(page: str) -> str:
