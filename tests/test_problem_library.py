@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +22,7 @@ from easeoff.geometry.assembly import Misalignment
 from easeoff.study.analysis import analyze_in_full
 from easeoff.study.cli import main
 from easeoff.study.library import KINDS, PARTS, Entry, entries, files, generate, reference_answers, write_library
-from easeoff.study.library.answers import condition_number, proved_answer, refined_rotation
+from easeoff.study.library.answers import TABLE, condition_number, proved_answer, refined_rotation
 from easeoff.study.library.changes import CHANGES, copied_segments, next_contact
 from easeoff.study.library.description import BASES, MESH_POSITIONS, TORQUES
 from easeoff.study.library.generation import dense
@@ -82,6 +83,11 @@ def test_every_problem_has_a_reference_answer() -> None:
         assert 0 <= answer.touching <= answer.size or answer.touching == -1
 
 
+def test_answers_ship_with_the_package() -> None:
+    data = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"]["setuptools"]
+    assert data["package-data"]["easeoff.study.library"] == [TABLE]
+
+
 def test_problem_is_that_of_the_analysis(real: ContactProblem) -> None:
     source = BASES[BASE]
     analysis = analyze_in_full(
@@ -91,12 +97,12 @@ def test_problem_is_that_of_the_analysis(real: ContactProblem) -> None:
     assert read_case(source.case).contact.segments_per_line == source.segments_per_line
     (case,) = [case for case in analysis.cases if case.mesh_position == source.mesh_position]
     assert real.is_structured
-    assert np.array_equal(real.separation, case.problem.separation)
-    assert np.array_equal(real.lever_arm, case.problem.lever_arm)
+    np.testing.assert_allclose(real.separation, case.problem.separation, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(real.lever_arm, case.problem.lever_arm, rtol=1e-12)
     assert real.torque == pytest.approx(case.problem.torque, rel=1e-15)
     scale = case.problem.dense_compliance.max()
     np.testing.assert_allclose(real.dense_compliance, case.problem.dense_compliance, rtol=0, atol=1e-12 * scale)
-    assert solve(real).rotation == pytest.approx(case.solution.rotation, rel=1e-12)
+    assert solve(real).rotation == pytest.approx(case.solution.rotation, rel=1e-10)
 
 
 def test_problems_come_out_again_with_their_reference_answers(sample: dict[str, ContactProblem]) -> None:
@@ -104,7 +110,7 @@ def test_problems_come_out_again_with_their_reference_answers(sample: dict[str, 
     for name, problem in sample.items():
         certificate, difference, fault = files.checked(problem, answers[name])
         assert not fault
-        assert certificate < 1e-11
+        assert certificate < 1e-10
         assert difference < files.AGREEMENT
 
 
@@ -253,7 +259,7 @@ def test_file_says_what_every_problem_is(tmp_path: Path, monkeypatch: pytest.Mon
     (written,) = write_library(tmp_path / "new" / "library", ["small"])
     assert written.problems == len(chosen)
     assert not written.faults
-    assert 0.0 < written.worst_certificate < 1e-11
+    assert 0.0 < written.worst_certificate < 1e-10
     labels, answers = read_labels(written.path), reference_answers()
     assert labels["name"].tolist() == [entry.name for entry in chosen]
     assert labels["kind"].tolist() == [entry.kind for entry in chosen]
