@@ -21,7 +21,7 @@ PARTS = {"small": 31, "medium": 150, "large": 2000}
 #: Kinds of problems, and why they are in the library.
 KINDS = {
     "load": "each shipped case, drive and coast, under light, design and heavy load, aligned: everyday problems",
-    "misaligned": "each shipped case, design torque, misaligned one way and the other: contact moves, in some onto an edge",
+    "misaligned": "each shipped case at the design torque, misaligned both ways: contact moves, in some onto an edge",
     "cycle": "one mesh cycle in sequence: warm starts, lines that enter and leave",
     "fine": "ever more segments a line, to thousands: growth of time and memory",
     "weak": "the local compliance scaled down: nearly singular, ever more so",

@@ -7,18 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg.lapack import dpstrf
 
 from ...cases.conversion import elastic_model
 from ...cases.reading import read_case
 from ...contact.bending import ElasticModel
 from ...contact.curves import ContactLines
 from ...contact.fields import FlankFields
-from ...contact.line_contact_solution import solve_line_contact
-from ...contact.loaded import all_segments, loaded_fields
-from ...contact.loaded_cases import Segments
-from ...contact.modal_basis import DROP_TOLERANCE
+from ...contact.loaded import all_segments, loaded_fields, solve_all
 from ...contact.problem import ContactProblem
 from ...contact.segments import MeshLines, lines_in_mesh
 from ...core.errors import GeometryError
@@ -27,8 +22,6 @@ from ...geometry.pair import pair_geometry
 from ..analysis import prepared_pair
 from .changes import CHANGES
 from .description import MESH_POSITIONS, Entry, Source
-
-Array = NDArray[np.float64]
 
 
 def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]:
@@ -72,20 +65,6 @@ def dense(problem: ContactProblem) -> ContactProblem:
     return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
-def structured_bending(segments: Segments) -> tuple[Array, Array]:
-    """Bending compliance of the segments as the pair (0, V), V in as few columns as rounding leaves."""
-    size = segments.pair.size
-    factors = []
-    for pair in np.unique(segments.pair):
-        rows = np.flatnonzero(segments.pair == pair)
-        block = segments.bending[np.ix_(rows, rows)]
-        lower, pivot, rank, _ = dpstrf(block, tol=DROP_TOLERANCE * float(block.diagonal().max()), lower=1)
-        factor = np.zeros((size, rank))
-        factor[rows[pivot - 1]] = np.tril(lower)[:, :rank]
-        factors.append(factor)
-    return np.zeros(size), np.hstack(factors)
-
-
 @dataclass(frozen=True)
 class _Mesh:
     """What all instants of a pair have in common."""
@@ -109,20 +88,13 @@ def _mesh(source: Source) -> _Mesh:
 def _real_problem(mesh: _Mesh, source: Source) -> ContactProblem:
     """The linear problem with the secant compliance at the solution of the nonlinear one."""
     instant = _instant(mesh.lines, source.mesh_position)
-    segments = all_segments(mesh.fields, mesh.teeth, mesh.model, instant, source.segments_per_line)[0]
+    (segments,) = all_segments(mesh.fields, mesh.teeth, mesh.model, instant, source.segments_per_line)
     if segments is None:
         raise GeometryError(f"{source}: no tooth pair can touch there")
-    solution, problem = solve_line_contact(
-        segments.separation,
-        segments.lever_arm,
-        1e3 * mesh.ratio * source.torque,
-        structured_bending(segments),
-        segments.line_contact,
-        "native",
-    )
-    if not solution.certified:
-        raise GeometryError(f"{source}: the loaded contact ended with {solution.status.name}: {solution.message}")
-    return problem
+    (solved,) = solve_all([segments], np.array([source.torque]), mesh.ratio, "native", {})
+    if not solved.solution.certified:
+        raise GeometryError(f"{source}: {solved.solution.status.name} {solved.solution.message}")
+    return solved.problem
 
 
 def _instant(mesh: MeshLines, position: int) -> MeshLines:
