@@ -343,6 +343,14 @@ def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) ->
     assert {kind: by_kind[("native", "default", "warm")][kind] for kind in ("hard",)} == {"hard": "2 of 2"}
 
 
+def test_report_says_which_problems_failed(dataset: xr.Dataset, written: list[Path], folder: Path) -> None:
+    failures = cells((folder / "report.md").read_text(encoding="utf-8"), "Failures")
+    assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "two.nc 0, two.nc 1"
+    named = dataset.assign(problem_name=dataset["problem"].astype(str).astype(object) + " of many")
+    failures = cells(report(named), "Failures")
+    assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "0 of many, 1 of many"
+
+
 def test_without_kinds_the_report_has_no_table_of_kinds(lies: xr.Dataset) -> None:
     assert set(lies["kind"].values) == {""}
     assert "by kind" not in report(lies)

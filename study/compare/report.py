@@ -18,6 +18,9 @@ from .table import RESIDUALS
 
 Method = tuple[str, str, str]
 
+#: Problems that are named in a line of failures.
+NAMED = 3
+
 
 def report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
     """Return the report.
@@ -177,11 +180,18 @@ def _failures(dataset: xr.Dataset, named: list[Method]) -> str:
         failed = found[found["certified"] == 0]
         for (claim, message), group in failed.groupby(["claim", "message"], sort=False):
             words = str(message).replace("|", "/").replace("`", "'")
-            rows.append([*method, claim, words, len(group), group.groupby(["problem_file", "problem"]).ngroups])
+            problems = group.drop_duplicates(["problem_file", "problem"])
+            rows.append([*method, claim, words, len(group), len(problems), _which(problems)])
     if not rows:
         return "None: every attempt is certified.\n"
-    head = ["solver", "settings", "start", "says", "its words", "attempts", "problems"]
+    head = ["solver", "settings", "start", "says", "its words", "attempts", "problems", "which"]
     return f"{_table(head, rows)}\nAttempts that are not certified.\n"
+
+
+def _which(problems: Any) -> str:
+    """The first few problems, by name or else by number."""
+    few = [row.problem_name or f"{row.problem_file} {row.problem}" for row in problems.head(NAMED).itertuples()]
+    return ", ".join(few) + (", ..." if len(problems) > NAMED else "")
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
