@@ -203,13 +203,13 @@ def _opened(path: str | os.PathLike[str]) -> Any:
     with dataset:
         if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
             raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
-        try:
-            require_arrays(dataset)
-        except InputError as error:
-            raise InputError(f"{path} holds no contact problems: {error}") from error
         version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
         with contextlib.suppress(TypeError, ValueError):
             known = float(version) == FORMAT_VERSION
         if not known:
             raise InputError(f"{path} is of format version {version}; this program reads {FORMAT_VERSION}")
+        try:
+            require_arrays(dataset)
+        except InputError as error:
+            raise InputError(f"{path} holds no contact problems: {error}") from error
         yield dataset
