@@ -21,6 +21,7 @@ from click.testing import CliRunner, Result
 from easeoff.contact import ContactProblem, read_problems, write_problems
 from easeoff.contact.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers.problem_classes import problems
+from easeoff.contact.solvers.settings import SOLVERS as SOLVERS_TABLE
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
@@ -322,6 +323,25 @@ def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> 
         assert counts(success[method]) == (2, 2, 0, 0, 0, 2, 0)
         assert float(times[method]["mean [ms]"]) == pytest.approx(1e3 * LIMIT)  # a wrong answer counts as none
         assert times[method]["median [ms]"] == "-"
+
+
+def test_backend_gets_the_form_that_solve_gives_it() -> None:
+    seen: list[str] = []
+
+    def adapter(_: Any, keywords: Any) -> Any:
+        seen.append(keywords.get("form", "dense"))
+        raise RuntimeError
+
+    rng = np.random.default_rng(1)
+    modes = 1e-3 * rng.standard_normal((SOLVERS_TABLE["piqp"].lifted_from or 0, 4))
+    size = modes.shape[0]
+    pair = (np.full(size, 1e-6), modes)
+    large = ContactProblem(1e-3 * rng.uniform(size=size), np.full(size, 40.0), 1e5, pair)
+    for problem in (large, same_size(1)[0]):
+        for settings in ("default", "unpolished", "raw"):
+            attempt(problem, "piqp", adapter, settings, 1.0)
+    attempt(large, "my_solver:solve_scaled", adapter, "default", 1.0)
+    assert seen == ["lifted", "lifted", "dense", *["dense"] * 4]
 
 
 def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) -> None:

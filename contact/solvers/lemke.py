@@ -28,8 +28,6 @@ from .status import Status
 
 #: Largest number of segments: the tableau is dense, and its rounding errors grow with the pivots.
 LARGEST_SIZE = 1000
-#: Pivots without a setting: far more than the segments that touch.
-MAX_PIVOTS = 10_000
 #: An entry of the entering column below this, relative to the largest, is rounding.
 PIVOT_TOLERANCE = 1e-11
 #: Ratios that differ by less, relative to the level of the column, are ties.
@@ -63,7 +61,7 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     if size > LARGEST_SIZE:
         raise InputError(f"lemke is meant for small problems: {size} segments are more than {LARGEST_SIZE}")
     matrix, vector, eliminated = eliminated_system(problem)
-    result = lemke(matrix, vector, settings.get("max_pivots", MAX_PIVOTS))
+    result = lemke(matrix, vector, **settings)
     if result.ended == "ray":
         raise NoAnswerError("ended on a ray: no forces satisfy all conditions", Status.UNBOUNDED)
     if result.ended == "pivot limit":
@@ -72,7 +70,7 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     return ScaledAnswer(force, rotation, result.pivots, "solved")
 
 
-def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int) -> LemkeResult:
+def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int = 10_000) -> LemkeResult:
     """Solve w = M z + q >= 0, z >= 0, w'z = 0.
 
     Parameters
