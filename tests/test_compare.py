@@ -332,11 +332,11 @@ def test_backend_gets_the_form_that_solve_gives_it() -> None:
         seen.append(keywords.get("form", "dense"))
         raise RuntimeError
 
+    size = SOLVERS_TABLE["piqp"].lifted_from
+    assert size is not None
     rng = np.random.default_rng(1)
-    modes = 1e-3 * rng.standard_normal((SOLVERS_TABLE["piqp"].lifted_from or 0, 4))
-    size = modes.shape[0]
-    pair = (np.full(size, 1e-6), modes)
-    large = ContactProblem(1e-3 * rng.uniform(size=size), np.full(size, 40.0), 1e5, pair)
+    pair = (np.full(size, 1e-6), 1e-3 * rng.standard_normal((size, 4)))
+    large = ContactProblem(1e-3 * rng.standard_normal(size) ** 2, np.full(size, 40.0), 1e5, pair)
     for problem in (large, same_size(1)[0]):
         for settings in ("default", "unpolished", "raw"):
             attempt(problem, "piqp", adapter, settings, 1.0)
