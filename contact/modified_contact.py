@@ -17,7 +17,7 @@ from .compliance import Shell
 from .fields import FlankFields
 from .load_response import LinearLoads, held_in_contact, linear_loads, stacked
 from .loaded import all_segments, loaded_fields, solve_all
-from .loaded_cases import LoadedCase, Segments
+from .loaded_cases import Segments
 from .segments import MeshLines, closest_approach, gauss_points, lines_in_mesh
 from .solvers import Status
 
@@ -118,14 +118,16 @@ class ModifiedContact:
             ``None`` if a torque has a mesh position without a certified solution.
         """
         segments, slopes = self._segments(coefficients)
+        cases = solve_all(segments, self.torques, self.ratio, self.solver, {})
+        certified = sum(case.solution.status == Status.CERTIFIED for case in cases)
+        if certified < self.torques.size * len(segments):
+            return None
         parts = []
-        for case in solve_all(segments, self.torques, self.ratio, self.solver, {}):
-            if not isinstance(case, LoadedCase) or case.solution.status != Status.CERTIFIED:
-                return None
+        for case in cases:
             here, solution = case.segments, case.solution
             outcome = solution.force, solution.gap, solution.rotation
-            compliance = here.bending + np.diag(here.line_contact.tangent(solution.force))
-            parts.append(self._linear(here, compliance, outcome, slopes[case.mesh_position], cycle + case.torque))
+            local, slope = here.line_contact.tangent(solution.force), slopes[case.mesh_position]
+            parts.append(self._linear(here, _compliance(here, local), outcome, slope, cycle + case.torque))
         return stacked(parts)
 
     def held(self, coefficients: Array, cycle: int = 0) -> LinearLoads:
@@ -137,7 +139,7 @@ class ModifiedContact:
                 continue
             for index, torque in enumerate(1e3 * self.ratio * self.torques):
                 even = torque / float(here.lever_arm @ here.length) * here.length
-                compliance = here.bending + np.diag(here.line_contact.secant(even))
+                compliance = _compliance(here, here.line_contact.secant(even))
                 force, rotation = held_in_contact(compliance, here.separation, here.lever_arm, torque)
                 outcome = force, np.zeros(force.size), rotation
                 parts.append(self._linear(here, compliance, outcome, slope, cycle + index, held=True))
@@ -175,6 +177,12 @@ class ModifiedContact:
             cycle=cycle,
             held=held,
         )
+
+
+def _compliance(here: Segments, local: Array) -> Array:
+    """Compliance (n, n) [mm/N] with this local part (n)."""
+    factor = here.bending.factor
+    return np.asarray(factor @ factor.T + np.diag(local))
 
 
 def _fields(geometry: PairGeometry, ease_off: xr.Dataset) -> FlankFields:
