@@ -122,7 +122,7 @@ def search(
     Returns
     -------
     Search
-        Never worse than the start.
+        Never of a higher merit than the start: if that keeps the limits, no torque fares worse.
     """
     first = np.zeros(goal.surface.shape[1]) if coefficients is None else coefficients
     best = _Point(first, start, judged(start, goal))
@@ -176,7 +176,7 @@ def optimal_modification(
     Returns
     -------
     Search
-        Never worse than the start; with the steps of both searches.
+        Never of a higher merit than the start; with the steps of both searches.
     """
     none = np.zeros(goal.surface.shape[1])
     whole = 2.0 * goal.largest

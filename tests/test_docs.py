@@ -33,7 +33,16 @@ from easeoff.study.library.files import labels
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "problem_library", "optimal_modification")
+WITH_CODE = (
+    "index",
+    "results",
+    "contact_problems",
+    "python",
+    "cad",
+    "compare",
+    "problem_library",
+    "optimal_modification",
+)
 
 
 def text(name: str) -> str:
