@@ -1,0 +1,157 @@
+"""How a gear pair runs: speeds, oil temperatures and roughnesses, and by which models its friction is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+from .coefficient import COEFFICIENTS, CoefficientModel, coefficient_model
+from .film import film
+from .lubricant import Lubricant, OilState, OutOfRange, lubricant
+from .rolling import THERMAL_FACTORS
+
+Array = NDArray[Any]
+Numbers = float | Sequence[float] | Array
+Roughness = float | tuple[float, float]
+FrameOfRolling = Literal["fixed", "contact_line"]
+HIGHEST_SPEED = 1e6
+
+
+def _numbers(name: str, values: Any, low: float, high: float, allowed: str) -> Array:
+    try:
+        array = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} = {values!r}: must be a number or a list of numbers") from error
+    if array.ndim != 1 or array.size == 0:
+        raise InputError(f"{name} = {values!r}: must be a number or a list of numbers")
+    bad = ~((array >= low) & (array <= high))
+    if np.any(bad):
+        raise InputError(f"{name} = {array[bad][0]:g}: must be {allowed}")
+    if np.unique(array).size != array.size:
+        raise InputError(f"{name} = {array.tolist()}: a value comes twice")
+    return array
+
+
+@dataclass(frozen=True)
+class Operation:
+    """Speeds, temperatures and roughnesses; every combination is computed.
+
+    Parameters
+    ----------
+    speed
+        Of the pinion [1/min], one or several.
+    temperature
+        Of the oil at the inlet of the contact [degC], one or several.
+    roughness
+        RMS height Rq [um], one or several; each a number for both flanks or a pair (pinion, gear).
+    oil
+        Name of a lubricant, path of its file, or a ``Lubricant``.
+
+    Raises
+    ------
+    InputError
+        If a value is not possible, or there is no such lubricant.
+    """
+
+    speed: Numbers
+    temperature: Numbers = 90.0
+    roughness: Roughness | Sequence[Roughness] = 0.8
+    oil: str | Lubricant = "75w90"
+    speeds: Array = field(init=False, repr=False)
+    temperatures: Array = field(init=False, repr=False)
+    roughnesses: Array = field(init=False, repr=False)
+    lubricant: Lubricant = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        tiny = np.finfo(float).tiny
+        speeds = _numbers("speed", self.speed, tiny, HIGHEST_SPEED, f"above 0 and at most {HIGHEST_SPEED:g} per minute")
+        temperatures = _numbers("temperature", self.temperature, -273.15, np.inf, "above -273.15 degC")
+        given = self.roughness
+        one = isinstance(given, tuple) or np.ndim(given) == 0
+        entries: list[Any] = [given] if one else list(given)  # type: ignore[arg-type]
+        pairs = [entry if np.ndim(entry) else (entry, entry) for entry in entries]
+        if not pairs or any(np.shape(pair) != (2,) for pair in pairs):
+            raise InputError(f"roughness = {given!r}: must be numbers, or pairs of pinion and gear, in um")
+        flat = np.array(pairs, dtype=float)
+        if not np.all((flat >= 0.0) & (flat <= 100.0)):
+            raise InputError(f"roughness = {given!r}: every value must be within 0 and 100 um")
+        for name, value in (
+            ("speeds", speeds),
+            ("temperatures", temperatures),
+            ("roughnesses", flat),
+            ("lubricant", lubricant(self.oil)),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def angular_velocity(self) -> Array:
+        """Of the pinion [rad/s] (speeds)."""
+        return np.asarray(self.speeds * (2.0 * np.pi / 60.0))
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Numbers of speeds, temperatures and roughnesses."""
+        return self.speeds.size, self.temperatures.size, self.roughnesses.shape[0]
+
+
+@dataclass(frozen=True)
+class FrictionModel:
+    """By which models friction is computed.
+
+    Parameters
+    ----------
+    coefficient
+        Name of a model in ``coefficient.COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
+    film
+        Name of a formula in ``film.FILMS``.
+    thermal_factor
+        Of the rolling traction, a name in ``rolling.THERMAL_FACTORS``.
+    rolling_frame
+        Rolling velocity and slide-to-roll in the ``fixed`` frame, as the dissertation has it, or relative to the moving
+        ``contact_line``.
+    out_of_range
+        Temperatures the oil has no data for: ``error``, or ``clamp`` and flag it.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown.
+    """
+
+    coefficient: str | float | CoefficientModel = "kolivand"
+    film: str = "pan_hamrock"
+    thermal_factor: str = "goksem_hargreaves"
+    rolling_frame: FrameOfRolling = "fixed"
+    out_of_range: OutOfRange = "error"
+
+    def __post_init__(self) -> None:
+        coefficient_model(self.coefficient)
+        film(self.film)
+        if self.thermal_factor not in THERMAL_FACTORS:
+            raise InputError(f"thermal_factor = {self.thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
+        if self.rolling_frame not in ("fixed", "contact_line"):
+            raise InputError(f"rolling_frame = {self.rolling_frame!r}: must be 'fixed' or 'contact_line'")
+
+    @property
+    def name(self) -> str:
+        """The coefficient's model in words."""
+        if isinstance(self.coefficient, str):
+            return self.coefficient
+        return getattr(self.coefficient, "__name__", "own") if callable(self.coefficient) else f"{self.coefficient:g}"
+
+    @property
+    def is_formula(self) -> bool:
+        """Whether the coefficient is that of Eq. 5.11, with its ranges."""
+        return isinstance(self.coefficient, str) and COEFFICIENTS[self.coefficient] in (
+            COEFFICIENTS["kolivand"],
+            COEFFICIENTS["kolivand_blended"],
+        )
+
+    def oil_states(self, operation: Operation) -> OilState:
+        """The oil at all temperatures; raises InputError as ``Lubricant.at``."""
+        return operation.lubricant.at(operation.temperatures, out_of_range=self.out_of_range)
