@@ -1,0 +1,194 @@
+"""Load distribution with the torque of friction fed back: input power = output power + losses, at every mesh position.
+
+Friction takes part of the pinion's torque before it reaches the normal forces. With the forces F, lever arms r about the
+gear axis and the ratio R, the input torque T holds
+
+    T = sum F r / R + sum mu F f + rolling,
+
+f the velocity of the pinion's surface along the sliding, per angular velocity. Friction does not deform the teeth here,
+so the forces are those of the frictionless contact at a lower torque, and that torque alone is iterated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..contact.line_contact_solution import solve_line_contact
+from ..contact.loaded_cases import LoadedCase
+from ..contact.solvers import Status
+from ..core.attributes import labelled
+from .contacts import LoadedContacts, loaded_contacts
+from .efficiency import OPERATION, friction
+from .losses import losses
+from .operating import FrictionModel, Operation
+
+Array = NDArray[Any]
+ITERATIONS = 30
+TOLERANCE = 1e-11  # of the torque; an iteration gains a factor of about 50
+
+
+def friction_torques(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> tuple[Array, Array]:
+    """Torque that friction takes from the pinion, and what it gives to the gear over the ratio (t, k) [N m].
+
+    Their difference is the power loss over the pinion's angular velocity. The rolling traction acts on both surfaces,
+    half on each, against their motion.
+
+    Parameters
+    ----------
+    contacts
+        Loaded contacts.
+    operation
+        One speed, temperature and roughness.
+    model
+        How friction is computed.
+    """
+    v = contacts.velocities
+    rolling = v.rolling if model.rolling_frame == "fixed" else v.rolling_over_line
+    # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.
+    share = 0.5 + 0.25 * v.sliding_across / rolling
+    pinion_arm, gear_arm = contacts.friction_arms
+    torques = np.zeros((2, contacts.solved.size))
+    group = contacts.group
+    for block in losses(contacts, operation, model):
+        here = block.contacts
+        force = (block.coefficient[:, 0, 0, 0] * contacts.force[here])
+        drag = block.rolling_loss[:, 0, 0, 0] / operation.angular_velocity[0]
+        np.add.at(torques[0], group[here], force * pinion_arm[here] + drag * share[here])
+        np.add.at(torques[1], group[here], force * gear_arm[here] - drag * (1.0 - share[here]))
+    pinion, gear = torques.reshape(2, *contacts.solved.shape)
+    return pinion, gear
+
+
+def _solved_again(
+    cases: Sequence[LoadedCase], torque: Array, due: NDArray[np.bool_], loaded: xr.Dataset, ratio: float, solver: str
+) -> xr.Dataset:
+    """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
+    result = loaded.copy(deep=True)
+    force, pressure, status = (result[name].values for name in ("force", "pressure", "status"))
+    for case in cases:
+        at = (case.torque, case.mesh_position)
+        if not due[at]:
+            continue
+        here, size = case.segments, case.segments.pair.size
+        solution, _ = solve_line_contact(
+            here.separation,
+            here.lever_arm,
+            1e3 * ratio * float(torque[at]),
+            here.bending,
+            here.line_contact,
+            solver,
+            initial_force=force[at][:size],
+        )
+        status[at] = solution.status
+        certified = solution.status == Status.CERTIFIED
+        force[at][:size] = solution.force
+        pressure[at][:size] = here.line_contact.pressure(solution.force) if certified else np.nan
+    return result
+
+
+def _one_operation(
+    tree: xr.DataTree, cases: Sequence[LoadedCase], operation: Operation, model: FrictionModel, solver: str
+) -> xr.Dataset:
+    """Friction with feedback at one speed, temperature and roughness."""
+    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    ratio = float(tree["ease_off"].attrs["ratio"])
+    contacts = loaded_contacts(tree)
+    given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
+    effective, moving = given, contacts.solved
+    current = tree
+    for _ in range(ITERATIONS):
+        taken, _ = friction_torques(contacts, operation, model)
+        wanted = given - taken
+        moving = contacts.solved & (np.abs(wanted - effective) > TOLERANCE * given) & (wanted > 0.0)
+        if not np.any(moving):
+            break
+        effective = np.where(moving, wanted, effective)
+        loaded = _solved_again(cases, effective, moving, loaded, ratio, solver)
+        current = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
+        contacts = loaded_contacts(current)
+    if np.any(moving):  # not settled: no result there
+        loaded["status"].values[moving] = Status.NOT_CONVERGED
+        loaded["force"].values[moving] = np.nan
+        current = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
+        contacts = loaded_contacts(current)
+    taken, passed = friction_torques(contacts, operation, model)
+    # What the normal forces carry over, from the forces themselves.
+    carried = 1e-3 * (loaded["force"] * loaded["lever_arm"]).sum("segment").values / ratio
+    output = np.where(contacts.solved, ratio * (carried + passed), np.nan)
+    result = friction(current, operation, model, segment_fields=True)
+    expanded = dict(zip(OPERATION, range(3, 6), strict=True))
+    result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=list(expanded.values()))
+    mesh = ("torque", "mesh_position", *OPERATION)
+    result["gear_torque"] = (mesh, output[..., None, None, None])
+    power_in = given * operation.angular_velocity[0]
+    power_out = output * operation.angular_velocity[0] / ratio
+    loss = result["mesh_power_loss"].values[..., 0, 0, 0]
+    result["energy_balance"] = (mesh, ((power_in - power_out - loss) / power_in)[..., None, None, None])
+    return result
+
+
+def friction_feedback(
+    tree: xr.DataTree,
+    cases: Sequence[LoadedCase],
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+) -> xr.Dataset:
+    """As ``efficiency.friction``, with the load distribution that holds the balance of torque with friction.
+
+    Parameters
+    ----------
+    tree, cases
+        What ``study.analysis.analyze_in_full`` returns.
+    operation
+        Speeds, temperatures, roughnesses; the contact is solved anew for every combination.
+    model
+        How friction is computed.
+    solver
+        Of the contact problem.
+    progress
+        Called after every combination.
+
+    Returns
+    -------
+    xr.Dataset
+        The variables of ``friction``, and ``force``, ``gear_torque`` (the output torque) and ``energy_balance``: input
+        power less output power less losses, over the input power.
+
+    Raises
+    ------
+    InputError
+        As ``friction``.
+    """
+    model = model or FrictionModel()
+
+    def at(speed: float, temperature: float, roughness: Array) -> xr.Dataset:
+        pair = (float(roughness[0]), float(roughness[1]))
+        one = replace(operation, speed=speed, temperature=temperature, roughness=pair)
+        result = _one_operation(tree, cases, one, model, solver)
+        if progress is not None:
+            progress()
+        return result
+
+    def joined(results: list[xr.Dataset], dimension: str) -> xr.Dataset:
+        return xr.concat(results, dimension, data_vars="minimal", coords="minimal", compat="override", join="override")
+
+    result = joined(
+        [
+            joined(
+                [joined([at(s, t, r) for r in operation.roughnesses], "roughness") for t in operation.temperatures],
+                "temperature",
+            )
+            for s in operation.speeds
+        ],
+        "speed",
+    )
+    return labelled(result)
