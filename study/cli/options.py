@@ -8,7 +8,7 @@ import click
 
 # Everything heavy is imported where it is needed: `easeoff --help` stays quick.
 if TYPE_CHECKING:
-    from ..geometry.assembly import Misalignment
+    from ...geometry.assembly import Misalignment
 
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 
@@ -33,7 +33,7 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
         return None
     import math
 
-    from ..geometry.assembly import Misalignment
+    from ...geometry.assembly import Misalignment
 
     values = dict.fromkeys(MISALIGNMENT_KEYS, 0.0)
     for part in text.split(","):
