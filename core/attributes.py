@@ -133,7 +133,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "mean_rolling_loss": ("W", "part of the mean power loss that is due to rolling"),
     "mean_friction_coefficient": ("1", "sliding loss over the sum of force times sliding velocity, of the mesh cycle"),
     "efficiency": ("1", "power out over power in, mean over the mesh cycle"),
-    "gear_torque": ("N m", "output torque at the gear, friction taken into account"),
+    "output_torque": ("N m", "torque the gear gives out, friction taken into account"),
     "energy_balance": ("1", "input power less output power less losses, over the input power"),
     "input_power": ("W", "torque times angular velocity of the pinion"),
     # comparison of solvers

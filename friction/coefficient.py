@@ -25,8 +25,8 @@ USUAL_CONSTANT = 0.05  # Coleman, Machine Design 47, 1975
 def xu_kahraman(conditions: ContactConditions) -> Array:
     """Full-film regression of Xu and others, ASME Journal of Mechanical Design 129, 2007 (...).
 
-    In its own units: pressure in GPa, viscosity in mPa s, entrainment in m/s, radius in m, roughness in um. Quotations of
-    it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both.
+    In its own units: pressure in GPa, viscosity in mPa s, entrainment in m/s, radius in m, roughness in um. Quotations
+    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both.
     """
     b = (-8.916465, 1.03303, 1.036077, -0.354068, 2.812084, -0.100601, 0.752755, -0.390958, 0.620305)
     c = conditions

@@ -1,7 +1,7 @@
-"""Load distribution with the torque of friction fed back: input power = output power + losses, at every mesh position.
+"""Load distribution with the torque of friction fed back: input power = output power + losses at every mesh position.
 
-Friction takes part of the pinion's torque before it reaches the normal forces. With the forces F, lever arms r about the
-gear axis and the ratio R, the input torque T holds
+Friction takes part of the pinion's torque before it reaches the normal forces. With the forces F, lever arms r about
+the gear axis and the ratio R, the input torque T holds
 
     T = sum F r / R + sum mu F f + rolling,
 
@@ -57,7 +57,7 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
     group = contacts.group
     for block in losses(contacts, operation, model):
         here = block.contacts
-        force = (block.coefficient[:, 0, 0, 0] * contacts.force[here])
+        force = block.coefficient[:, 0, 0, 0] * contacts.force[here]
         drag = block.rolling_loss[:, 0, 0, 0] / operation.angular_velocity[0]
         np.add.at(torques[0], group[here], force * pinion_arm[here] + drag * share[here])
         np.add.at(torques[1], group[here], force * gear_arm[here] - drag * (1.0 - share[here]))
@@ -125,7 +125,7 @@ def _one_operation(
     expanded = dict(zip(OPERATION, range(3, 6), strict=True))
     result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=list(expanded.values()))
     mesh = ("torque", "mesh_position", *OPERATION)
-    result["gear_torque"] = (mesh, output[..., None, None, None])
+    result["output_torque"] = (mesh, output[..., None, None, None])
     power_in = given * operation.angular_velocity[0]
     power_out = output * operation.angular_velocity[0] / ratio
     loss = result["mesh_power_loss"].values[..., 0, 0, 0]
@@ -160,7 +160,7 @@ def friction_feedback(
     Returns
     -------
     xr.Dataset
-        The variables of ``friction``, and ``force``, ``gear_torque`` (the output torque) and ``energy_balance``: input
+        The variables of ``friction``, and ``force``, ``output_torque`` and ``energy_balance``: input
         power less output power less losses, over the input power.
 
     Raises

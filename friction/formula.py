@@ -124,8 +124,8 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
     """Friction coefficient (...) by Eq. 5.11 in its three regimes.
 
     Slide-to-roll is kept within 0.025 and 1, the pressure at 2.5 GPa at most and, from lambda = 1 on, at 0.5 GPa at
-    least, each roughness at 0.1 um at least: beyond, the expressions diverge or vanish. Elsewhere they are extrapolated;
-    ``formula_flags`` says what was done where.
+    least, each roughness at 0.1 um at least: beyond, the expressions diverge or vanish. Elsewhere they are
+    extrapolated; ``formula_flags`` says what was done where.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Surface velocities where the flanks touch: sliding and rolling, along and across the contact line.
 
-At its conjugate position a point of the flank moves with v = w a x (r - o) on either member (Kolivand 2009, Eq. 5.1). The
-members turn at their ratio, so both velocities have the same part along the common normal (Eq. 5.2): the points of
+At its conjugate position a point of the flank moves with v = w a x (r - o) on either member (Kolivand 2009, Eq. 5.1).
+The members turn at their ratio, so both velocities have the same part along the common normal (Eq. 5.2): the points of
 action and the pinion's normals there are where that holds to rounding. On the gear's own flank it holds to the slope of
 the ease-off only.
 
@@ -106,9 +106,7 @@ class SurfaceVelocities:
 
     @property
     def rolling_over_line(self) -> Array:
-        """The same relative to the contact line, which moves across itself unless the action surface is at right angles
-        to the flank. It is what draws oil into the contact.
-        """
+        """Rolling relative to the contact line, which itself moves across the flank's normal: what draws the oil in."""
         return np.asarray(0.5 * self.sliding_across - self.line_over_gear)
 
 

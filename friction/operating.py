@@ -48,7 +48,7 @@ class Operation:
     temperature
         Of the oil at the inlet of the contact [degC], one or several.
     roughness
-        RMS height Rq [um], one or several; each a number for both flanks or a pair (pinion, gear).
+        RMS height Rq [um]: a number for both flanks, a tuple (pinion, gear), or a list of such.
     oil
         Name of a lubricant, path of its file, or a ``Lubricant``.
 
@@ -60,7 +60,7 @@ class Operation:
 
     speed: Numbers
     temperature: Numbers = 90.0
-    roughness: Roughness | Sequence[Roughness] = 0.8
+    roughness: Roughness | list[Roughness] | Array = 0.8
     oil: str | Lubricant = "75w90"
     speeds: Array = field(init=False, repr=False)
     temperatures: Array = field(init=False, repr=False)
@@ -72,12 +72,16 @@ class Operation:
         speeds = _numbers("speed", self.speed, tiny, HIGHEST_SPEED, f"above 0 and at most {HIGHEST_SPEED:g} per minute")
         temperatures = _numbers("temperature", self.temperature, -273.15, np.inf, "above -273.15 degC")
         given = self.roughness
-        one = isinstance(given, tuple) or np.ndim(given) == 0
-        entries: list[Any] = [given] if one else list(given)  # type: ignore[arg-type]
-        pairs = [entry if np.ndim(entry) else (entry, entry) for entry in entries]
-        if not pairs or any(np.shape(pair) != (2,) for pair in pairs):
-            raise InputError(f"roughness = {given!r}: must be numbers, or pairs of pinion and gear, in um")
-        flat = np.array(pairs, dtype=float)
+        entries: list[Any] = list(given) if isinstance(given, (list, np.ndarray)) else [given]
+        pairs = [entry if isinstance(entry, tuple) else (entry, entry) for entry in entries]
+        try:
+            flat = np.array(pairs, dtype=float)
+        except (TypeError, ValueError):
+            flat = np.zeros(0)
+        if flat.ndim != 2 or flat.shape[1] != 2:
+            raise InputError(
+                f"roughness = {given!r}: must be a number in um, a tuple (pinion, gear), or a list of such"
+            )
         if not np.all((flat >= 0.0) & (flat <= 100.0)):
             raise InputError(f"roughness = {given!r}: every value must be within 0 and 100 um")
         for name, value in (

@@ -1,4 +1,4 @@
-"""Rolling traction of a line contact: what it takes to squeeze the oil through the inlet, and how its heat lowers it."""
+"""Rolling traction of a line contact: what it takes to press oil through the inlet, and how its heat lowers it."""
 
 from __future__ import annotations
 
