@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ def dowson_higginson(speed: Array, material: Array, load: Array) -> Array:
     return 2.65 * speed**0.7 * material**0.54 * load**-0.13
 
 
-FILMS: Mapping[str, Callable[[Array, Array, Array], Array]] = {
+FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
     "pan_hamrock": pan_hamrock,
     "dowson_higginson": dowson_higginson,
 }

@@ -120,6 +120,26 @@ def _step(ratio: Array, boundary: float, window: tuple[float, float], blend: boo
     return np.asarray(share**2 * (3.0 - 2.0 * share))
 
 
+def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
+    """Lambda ratio (...), and the other arguments as the mixed regime takes them and as the other two do."""
+    lowest = RANGES["roughness"][0]
+    roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
+    composite = np.hypot(*roughness)
+    ratio = conditions.film_thickness / composite
+    radius = conditions.equivalent_radius
+    in_both = {
+        "slide_to_roll": np.clip(conditions.slide_to_roll, *RANGES["slide_to_roll"]),
+        "speed": conditions.speed_parameter,
+        "material": conditions.material_parameter,
+        "composite": composite / radius,
+        "log_equivalent": np.log(roughness[0] * roughness[1] / (roughness[0] + roughness[1]) / radius),
+    }
+    low, high = (limit / conditions.contact_modulus for limit in RANGES["hertz_pressure"])
+    gentle = _Groups(pressure=np.minimum(conditions.pressure_parameter, high), **in_both)
+    strict = _Groups(pressure=np.clip(conditions.pressure_parameter, low, high), **in_both)
+    return ratio, gentle, strict
+
+
 def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -> Array:
     """Friction coefficient (...) by Eq. 5.11 in its three regimes.
 
@@ -139,21 +159,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
     ----------
     Kolivand 2009, Eq. 5.11 and Table 5.3.
     """
-    lowest = RANGES["roughness"][0]
-    roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
-    composite = np.hypot(*roughness)
-    ratio = conditions.film_thickness / composite
-    radius = conditions.equivalent_radius
-    in_both = {
-        "slide_to_roll": np.clip(conditions.slide_to_roll, *RANGES["slide_to_roll"]),
-        "speed": conditions.speed_parameter,
-        "material": conditions.material_parameter,
-        "composite": composite / radius,
-        "log_equivalent": np.log(roughness[0] * roughness[1] / (roughness[0] + roughness[1]) / radius),
-    }
-    low, high = (limit / conditions.contact_modulus for limit in RANGES["hertz_pressure"])
-    gentle = _Groups(pressure=np.minimum(conditions.pressure_parameter, high), **in_both)
-    strict = _Groups(pressure=np.clip(conditions.pressure_parameter, low, high), **in_both)
+    ratio, gentle, strict = _arguments(conditions)
     first, second = (_step(ratio, at, window, blend) for at, window in zip(BOUNDARIES, BLENDS, strict=True))
     result = np.zeros(np.broadcast_shapes(*(np.shape(v) for v in (ratio, gentle.pressure, gentle.slide_to_roll))))
     # Each expression explodes far from its own regime: its lambda stays within it and the windows beside it.
