@@ -24,7 +24,7 @@ from easeoff.friction.film import FILMS, dowson_higginson, pan_hamrock
 from easeoff.friction.rolling import isothermal_traction
 
 # Pressure GPa, radius mm, rolling m/s, slide-to-roll, degC, roughness um: film um, lambda, coefficient; then, where
-# they are known too, the expressions of the other regimes there. From an independent implementation of Eq. 5.11 as restored.
+# they are known too, the expressions of the other regimes there. From another implementation of the restored Eq. 5.11.
 GOLDEN = [
     (0.7, 42.0, 2.2, 0.45, 90.0, 0.8, 0.8, 0.2169, 0.1917, 0.05099, None, None),
     (1.0, 20.0, 1.0, 0.1, 100.0, 1.0, 1.0, 0.0728, 0.0515, 0.05630, None, None),
@@ -210,7 +210,7 @@ def test_clamped_inputs_count_as_the_limit_and_are_flagged(
     clamped: dict[str, Any], taken: dict[str, Any], flag: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The lambda ratio is that of the true pressure; a film that knows no load shows the rest.
-    monkeypatch.setitem(FILMS, "same", lambda u, g, w: 2.0 * u**0.7 * g**0.54)
+    monkeypatch.setitem(FILMS, "same", lambda u, g, w: 12.0 * u**0.7 * g**0.54)
     limit = conditions(**taken)
     assert formula_flags(limit) == 0
     beyond = conditions(**clamped)

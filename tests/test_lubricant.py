@@ -108,7 +108,12 @@ def test_options_that_do_not_exist() -> None:
         oil.at(50.0, out_of_range="guess")  # type: ignore[arg-type]
 
 
-GOOD = 'title = "t"\nsource = "s"\ntemperature = [20, 80]\ndynamic_viscosity = [0.1, 0.01]\npressure_viscosity = [20, 12]\n'
+GOOD = """title = "t"
+source = "s"
+temperature = [20, 80]
+dynamic_viscosity = [0.1, 0.01]
+pressure_viscosity = [20, 12]
+"""
 
 
 def test_an_oil_of_ones_own(tmp_path: Path) -> None:
