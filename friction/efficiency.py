@@ -79,7 +79,7 @@ def losses_dataset(
     """
     cycle, shape = contacts.solved.shape, operation.shape
     group = contacts.group
-    sums = {name: np.zeros((contacts.solved.size, *shape)) for name in ("sliding", "rolling", "weighted")}
+    sums = {name: np.zeros((*shape, contacts.solved.size)) for name in ("sliding", "rolling", "weighted")}
     fields: dict[str, Array] = {}
     if segments:
         whole = (*cycle, segments, *shape)
@@ -90,23 +90,27 @@ def losses_dataset(
     for block in losses(contacts, operation, model):
         here = group[block.contacts]
         starts = np.flatnonzero(np.diff(here, prepend=-1))
-        force_speed = contacts.force[block.contacts, None, None, None] * block.conditions.sliding_velocity
+        force_speed = contacts.force[block.contacts] * block.conditions.sliding_velocity
         for name, values in (
             ("sliding", block.sliding_loss),
             ("rolling", block.rolling_loss),
             ("weighted", force_speed),
         ):
-            sums[name][here[starts]] += np.add.reduceat(values, starts, axis=0)
+            sums[name][..., here[starts]] += np.add.reduceat(values, starts, axis=-1)
         if segments:
             at = tuple(contacts.index[:, block.contacts])
-            fields["friction_coefficient"][at] = block.coefficient
-            fields["lambda_ratio"][at] = block.conditions.lambda_ratio
-            fields["film_thickness"][at] = 1e6 * block.conditions.film_thickness[..., 0]
-            fields["power_loss"][at] = block.sliding_loss + block.rolling_loss
+            found = {
+                "friction_coefficient": block.coefficient,
+                "lambda_ratio": block.conditions.lambda_ratio,
+                "film_thickness": 1e6 * block.conditions.film_thickness[..., 0, :],
+                "power_loss": block.sliding_loss + block.rolling_loss,
+            }
             if model.is_formula:
-                fields["formula_flags"][at] = formula_flags(block.conditions)
+                found["formula_flags"] = formula_flags(block.conditions)
+            for name, values in found.items():
+                fields[name][at] = np.moveaxis(values, -1, 0)
     sliding, rolling, weighted = (
-        np.where(contacts.solved[..., None, None, None], value.reshape(*cycle, *shape), np.nan)
+        np.where(contacts.solved[..., None, None, None], np.moveaxis(value, -1, 0).reshape(*cycle, *shape), np.nan)
         for value in (sums["sliding"], sums["rolling"], sums["weighted"])
     )
     power = contacts.torque[:, None] * operation.angular_velocity

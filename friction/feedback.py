@@ -57,8 +57,8 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
     group = contacts.group
     for block in losses(contacts, operation, model):
         here = block.contacts
-        force = block.coefficient[:, 0, 0, 0] * contacts.force[here]
-        drag = block.rolling_loss[:, 0, 0, 0] / operation.angular_velocity[0]
+        force = block.coefficient[0, 0, 0] * contacts.force[here]
+        drag = block.rolling_loss[0, 0, 0] / operation.angular_velocity[0]
         np.add.at(torques[0], group[here], force * pinion_arm[here] + drag * share[here])
         np.add.at(torques[1], group[here], force * gear_arm[here] - drag * (1.0 - share[here]))
     pinion, gear = torques.reshape(2, *contacts.solved.shape)

@@ -66,9 +66,9 @@ class _Groups:
     log_equivalent: Array
 
 
-def _mixed(g: _Groups, ratio: Array) -> Array:
+def _mixed(g: _Groups, log_ratio: Array) -> Array:
     """Logarithm of the friction coefficient for lambda below 1 (Eq. 5.11a)."""
-    log_pressure, log_ratio = np.log(g.pressure), np.log(ratio)
+    log_pressure, ratio = np.log(g.pressure), np.exp(log_ratio)
     log_composite = np.log(g.composite)
     still = (
         A[0]
@@ -81,7 +81,7 @@ def _mixed(g: _Groups, ratio: Array) -> Array:
     return np.asarray(still + by_ratio + (A[8] * log_ratio + A[9] * log_composite) * log_ratio)
 
 
-def _transition(g: _Groups, ratio: Array) -> Array:
+def _transition(g: _Groups, log_ratio: Array) -> Array:
     """Logarithm of the friction coefficient for lambda between 1 and 3 (Eq. 5.11b)."""
     log_pressure, log_speed, log_material = np.log(g.pressure), np.log(g.speed), np.log(g.material)
     still = (
@@ -92,10 +92,10 @@ def _transition(g: _Groups, ratio: Array) -> Array:
         + (B[7] + B[8] * log_pressure) * log_material
         + B[9] * log_pressure**2
     )
-    return np.asarray(still + B[10] * g.composite * np.log(ratio))
+    return np.asarray(still + B[10] * g.composite * log_ratio)
 
 
-def _full_film(g: _Groups, ratio: Array) -> Array:
+def _full_film(g: _Groups, log_ratio: Array) -> Array:
     """Logarithm of the friction coefficient for lambda from 3 on (Eq. 5.11c)."""
     log_pressure, log_sliding = np.log(g.pressure), np.log(g.slide_to_roll)
     still = (
@@ -108,24 +108,22 @@ def _full_film(g: _Groups, ratio: Array) -> Array:
         + C[10] * g.material * log_pressure
         + C[11] * g.slide_to_roll * g.log_equivalent
     )
-    return np.asarray(still + C[6] * log_sliding * np.log(ratio))
+    return np.asarray(still + C[6] * log_sliding * log_ratio)
 
 
-def _step(ratio: Array, boundary: float, window: tuple[float, float], blend: bool) -> Array:
-    """Weight (...) of what lies beyond a boundary: 0 or 1, or a smooth step of ln lambda over the window."""
-    if not blend:
-        return np.asarray(ratio >= boundary, dtype=float)
+def _step(log_ratio: Array, window: tuple[float, float]) -> Array:
+    """Smooth step (...) from 0 to 1 over a window of lambda."""
     low, high = np.log(window)
-    share = np.clip((np.log(ratio) - low) / (high - low), 0.0, 1.0)
+    share = np.clip((log_ratio - low) / (high - low), 0.0, 1.0)
     return np.asarray(share**2 * (3.0 - 2.0 * share))
 
 
 def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
-    """Lambda ratio (...), and the other arguments as the mixed regime takes them and as the other two do."""
+    """Logarithm of lambda (...), and the other arguments as the mixed regime takes them and as the other two do."""
     lowest = RANGES["roughness"][0]
     roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
     composite = np.hypot(*roughness)
-    ratio = conditions.film_thickness / composite
+    log_ratio = np.log(conditions.film_thickness) - np.log(composite)
     radius = conditions.equivalent_radius
     in_both = {
         "slide_to_roll": np.clip(conditions.slide_to_roll, *RANGES["slide_to_roll"]),
@@ -137,7 +135,7 @@ def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
     low, high = (limit / conditions.contact_modulus for limit in RANGES["hertz_pressure"])
     gentle = _Groups(pressure=np.minimum(conditions.pressure_parameter, high), **in_both)
     strict = _Groups(pressure=np.clip(conditions.pressure_parameter, low, high), **in_both)
-    return ratio, gentle, strict
+    return log_ratio, gentle, strict
 
 
 def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -> Array:
@@ -159,19 +157,28 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
     ----------
     Kolivand 2009, Eq. 5.11 and Table 5.3.
     """
-    ratio, gentle, strict = _arguments(conditions)
-    first, second = (_step(ratio, at, window, blend) for at, window in zip(BOUNDARIES, BLENDS, strict=True))
-    result = np.zeros(np.broadcast_shapes(*(np.shape(v) for v in (ratio, gentle.pressure, gentle.slide_to_roll))))
-    # Each expression explodes far from its own regime: its lambda stays within it and the windows beside it.
-    (_, mixed_end), (full_start, transition_end) = BLENDS
-    for weight, expression, groups, valid in (
-        (1.0 - first, _mixed, gentle, (0.0, mixed_end)),
-        (first * (1.0 - second), _transition, strict, (BLENDS[0][0], transition_end)),
-        (second, _full_film, strict, (full_start, np.inf)),
-    ):
-        if np.any(weight):
-            result = result + weight * np.exp(expression(groups, np.clip(ratio, *valid)))
-    return result
+    log_ratio, gentle, strict = _arguments(conditions)
+    windows = BLENDS if blend else [(at, at) for at in BOUNDARIES]
+    ends = [0.0, *(float(end) for window in windows for end in np.log(window)), 0.0]
+    result: Any = 0.0
+    # An expression explodes far from its own regime: its lambda stays within it and the windows beside it.
+    least, most = float(np.min(log_ratio)), float(np.max(log_ratio))
+    if least < ends[2]:
+        result = _mixed(gentle, np.minimum(log_ratio, ends[2]))
+    if most >= ends[1] and least < ends[4]:
+        between = _transition(strict, np.clip(log_ratio, ends[1], ends[4]))
+        weight = _step(log_ratio, windows[0]) if blend else log_ratio >= ends[1]
+        result = _joined(result, between, weight)
+    if most >= ends[3]:
+        full = _full_film(strict, np.maximum(log_ratio, ends[3]))
+        weight = _step(log_ratio, windows[1]) if blend else log_ratio >= ends[3]
+        result = _joined(result, full, weight)
+    return np.asarray(np.exp(result))
+
+
+def _joined(below: Array, above: Array, weight: Array) -> Array:
+    """From one logarithm to the next, by a condition or a weight (...)."""
+    return np.where(weight, above, below) if weight.dtype == bool else below + weight * (above - below)
 
 
 def formula_flags(conditions: ContactConditions) -> NDArray[np.uint8]:

@@ -1,6 +1,7 @@
 """Friction, film and power loss of loaded contacts at many operating conditions, a block of contacts at a time.
 
-Arrays over (contact, speed, temperature, roughness); what does not depend on a dimension has length one there.
+Arrays over (speed, temperature, roughness, contact): the contacts last, so that the innermost loops are long. What does
+not depend on a dimension has length one there.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from .operating import FrictionModel, Operation
 from .rolling import rolling_traction
 
 Array = NDArray[Any]
-BLOCK = 100_000  # values: intermediate arrays stay in the processor's cache
+BLOCK = 200_000  # values: intermediate arrays stay in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Losses:
     conditions
         What they work under.
     coefficient
-        Friction coefficient (c, speed, temperature, roughness).
+        Friction coefficient (speed, temperature, roughness, c).
     sliding_loss, rolling_loss
         Power loss [W], the second of length one over the roughness.
     """
@@ -45,31 +46,27 @@ class Losses:
     rolling_loss: Array
 
 
-def _column(values: Array) -> Array:
-    return values[:, None, None, None]
-
-
 def conditions_of(
     contacts: LoadedContacts, operation: Operation, model: FrictionModel, block: slice
 ) -> ContactConditions:
-    """Conditions of a block of contacts, over (contact, speed, temperature, roughness)."""
-    v = contacts.velocities
-    omega = operation.angular_velocity[:, None, None]
-    rolling = np.abs(v.rolling if model.rolling_frame == "fixed" else v.rolling_over_line)[block]
+    """Conditions of a block of contacts, over (speed, temperature, roughness, contact)."""
+    v = contacts.velocities.chosen(block)
+    omega = operation.angular_velocity[:, None, None, None]
+    rolling = np.abs(v.rolling if model.rolling_frame == "fixed" else v.rolling_over_line)
     oil = model.oil_states(operation)
     by_temperature = {
-        name: np.asarray(getattr(oil, name))[:, None]
+        name: np.asarray(getattr(oil, name))[:, None, None]
         for name in ("viscosity", "pressure_viscosity", "temperature_viscosity")
     }
     return ContactConditions(
-        hertz_pressure=_column(contacts.hertz_pressure[block]),
-        equivalent_radius=_column(contacts.equivalent_radius[block]),
-        rolling_velocity=_column(rolling) * omega,
-        sliding_velocity=_column(v.sliding_speed[block]) * omega,
-        slide_to_roll=_column(np.abs(v.sliding_across[block]) / rolling),
-        temperature=operation.temperatures[:, None],
-        roughness_pinion=1e-6 * operation.roughnesses[:, 0],
-        roughness_gear=1e-6 * operation.roughnesses[:, 1],
+        hertz_pressure=contacts.hertz_pressure[block],
+        equivalent_radius=contacts.equivalent_radius[block],
+        rolling_velocity=rolling * omega,
+        sliding_velocity=v.sliding_speed * omega,
+        slide_to_roll=np.abs(v.sliding_across) / rolling,
+        temperature=operation.temperatures[:, None, None],
+        roughness_pinion=1e-6 * operation.roughnesses[:, :1],
+        roughness_gear=1e-6 * operation.roughnesses[:, 1:],
         thermal_conductivity=oil.thermal_conductivity,
         contact_modulus=contacts.contact_modulus,
         film_formula=model.film,
@@ -89,7 +86,7 @@ def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel)
     for start in range(0, contacts.force.size, step):
         block = slice(start, min(start + step, contacts.force.size))
         conditions = conditions_of(contacts, operation, model, block)
-        friction = np.broadcast_to(coefficient(conditions), (block.stop - start, *operation.shape))
-        sliding = _column(contacts.force[block]) * conditions.sliding_velocity * friction
-        traction = rolling_traction(conditions, model.thermal_factor) * _column(contacts.length[block])
+        friction = np.broadcast_to(coefficient(conditions), (*operation.shape, block.stop - start))
+        sliding = (contacts.force[block] * conditions.sliding_velocity) * friction
+        traction = rolling_traction(conditions, model.thermal_factor) * contacts.length[block]
         yield Losses(block, conditions, friction, sliding, traction * conditions.rolling_velocity)
