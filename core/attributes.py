@@ -120,7 +120,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
         "sliding of the pinion on the gear across the contact line, positive the way the line moves over the gear",
     ),
     "rolling_velocity": ("m s-1", "mean speed of both surfaces across the contact line"),
-    "slide_to_roll": ("1", "size of the sliding across the contact line over the rolling velocity"),
+    "slide_to_roll": (
+        "1",
+        "size of the sliding over the rolling velocity, both across the contact line unless chosen otherwise",
+    ),
     "film_thickness": ("um", "least thickness of the oil film between smooth flanks"),
     "lambda_ratio": ("1", "least film thickness over the composite roughness"),
     "friction_coefficient": ("1", "coefficient of sliding friction"),

@@ -142,14 +142,13 @@ def velocities_dataset(
     velocities: SurfaceVelocities, exists: NDArray[np.bool_], operation: Operation, model: FrictionModel
 ) -> xr.Dataset:
     """Sliding and rolling at all potential segments over (mesh_position, segment, speed), NaN where there is none."""
-    rolling = velocities.rolling if model.rolling_frame == "fixed" else velocities.rolling_over_line
     ratio = np.full(exists.shape, np.nan)
-    ratio[exists] = np.abs(velocities.sliding_across / rolling)
+    ratio[exists] = model.slide_to_roll(velocities)
     per_radian = {
         "sliding_velocity": velocities.sliding_speed,
         "sliding_along": velocities.sliding_along,
         "sliding_across": velocities.sliding_across,
-        "rolling_velocity": np.abs(rolling),
+        "rolling_velocity": np.abs(model.rolling(velocities)),
     }
     data: dict[str, Any] = {"slide_to_roll": (("mesh_position", "segment"), ratio)}
     for name, values in per_radian.items():
@@ -186,4 +185,5 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, str]:
         "film": model.film,
         "thermal_factor": model.thermal_factor,
         "rolling_frame": model.rolling_frame,
+        "sliding_of_ratio": model.sliding_of_ratio,
     }

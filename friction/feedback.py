@@ -30,7 +30,7 @@ from .operating import FrictionModel, Operation
 
 Array = NDArray[Any]
 ITERATIONS = 30
-TOLERANCE = 1e-11  # of the torque; an iteration gains a factor of about 50
+TOLERANCE = 1e-11  # of the torque; an iteration gains a factor of fifteen or more
 
 
 def friction_torques(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> tuple[Array, Array]:
@@ -49,9 +49,8 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
         How friction is computed.
     """
     v = contacts.velocities
-    rolling = v.rolling if model.rolling_frame == "fixed" else v.rolling_over_line
     # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.
-    share = 0.5 + 0.25 * v.sliding_across / rolling
+    share = 0.5 + 0.25 * v.sliding_across / model.rolling(v)
     pinion_arm, gear_arm = contacts.friction_arms
     torques = np.zeros((2, contacts.solved.size))
     group = contacts.group

@@ -52,7 +52,6 @@ def conditions_of(
     """Conditions of a block of contacts, over (speed, temperature, roughness, contact)."""
     v = contacts.velocities.chosen(block)
     omega = operation.angular_velocity[:, None, None, None]
-    rolling = np.abs(v.rolling if model.rolling_frame == "fixed" else v.rolling_over_line)
     oil = model.oil_states(operation)
     by_temperature = {
         name: np.asarray(getattr(oil, name))[:, None, None]
@@ -61,9 +60,9 @@ def conditions_of(
     return ContactConditions(
         hertz_pressure=contacts.hertz_pressure[block],
         equivalent_radius=contacts.equivalent_radius[block],
-        rolling_velocity=rolling * omega,
+        rolling_velocity=np.abs(model.rolling(v)) * omega,
         sliding_velocity=v.sliding_speed * omega,
-        slide_to_roll=np.abs(v.sliding_across) / rolling,
+        slide_to_roll=model.slide_to_roll(v),
         temperature=operation.temperatures[:, None, None],
         roughness_pinion=1e-6 * operation.roughnesses[:, :1],
         roughness_gear=1e-6 * operation.roughnesses[:, 1:],

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from .coefficient import COEFFICIENTS, CoefficientModel, coefficient_model
 from .film import film
+from .kinematics import SurfaceVelocities
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
 from .rolling import THERMAL_FACTORS
 
@@ -19,6 +20,7 @@ Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
 Roughness = float | tuple[float, float]
 FrameOfRolling = Literal["fixed", "contact_line"]
+SlidingOfRatio = Literal["across", "whole"]
 HIGHEST_SPEED = 1e6
 
 
@@ -118,6 +120,9 @@ class FrictionModel:
     rolling_frame
         Rolling velocity and slide-to-roll in the ``fixed`` frame, as the dissertation has it, or relative to the moving
         ``contact_line``.
+    sliding_of_ratio
+        Whether the sliding in slide-to-roll is that ``across`` the contact line, as the dissertation's figures have it,
+        or the ``whole`` sliding. The power loss is that of the whole sliding in either case.
     out_of_range
         Temperatures the oil has no data for: ``error``, or ``clamp`` and flag it.
 
@@ -131,6 +136,7 @@ class FrictionModel:
     film: str = "pan_hamrock"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: FrameOfRolling = "fixed"
+    sliding_of_ratio: SlidingOfRatio = "across"
     out_of_range: OutOfRange = "error"
 
     def __post_init__(self) -> None:
@@ -140,6 +146,19 @@ class FrictionModel:
             raise InputError(f"thermal_factor = {self.thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
         if self.rolling_frame not in ("fixed", "contact_line"):
             raise InputError(f"rolling_frame = {self.rolling_frame!r}: must be 'fixed' or 'contact_line'")
+
+        if self.sliding_of_ratio not in ("across", "whole"):
+            raise InputError(f"sliding_of_ratio = {self.sliding_of_ratio!r}: must be 'across' or 'whole'")
+
+    def rolling(self, velocities: SurfaceVelocities) -> Array:
+        """Rolling velocity (...), signed as ``SurfaceVelocities.across``, in the chosen frame."""
+        return velocities.rolling if self.rolling_frame == "fixed" else velocities.rolling_over_line
+
+    def slide_to_roll(self, velocities: SurfaceVelocities) -> Array:
+        """Slide-to-roll ratio (...), as chosen."""
+        across = self.sliding_of_ratio == "across"
+        sliding = velocities.sliding_across if across else velocities.sliding_speed
+        return np.asarray(np.abs(sliding / self.rolling(velocities)))
 
     @property
     def name(self) -> str:

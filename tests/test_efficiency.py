@@ -165,6 +165,18 @@ def test_every_model_gives_a_possible_efficiency(tree: xr.DataTree, name: str) -
     assert found.attrs["friction_coefficient"] == name
 
 
+def test_whole_sliding_raises_the_ratio_and_leaves_the_loss_to_the_coefficient(
+    tree: xr.DataTree, result: xr.Dataset
+) -> None:
+    other = friction(tree, OPERATION, FrictionModel(sliding_of_ratio="whole"))
+    expected = result["sliding_velocity"].isel(speed=0) / result["rolling_velocity"].isel(speed=0)
+    np.testing.assert_allclose(other["slide_to_roll"], expected, rtol=1e-12)
+    constant, again = (
+        friction(tree, OPERATION, FrictionModel(0.05, sliding_of_ratio=s))["efficiency"] for s in ("across", "whole")
+    )
+    xr.testing.assert_allclose(constant, again)
+
+
 def test_frames_of_rolling_differ_by_the_lines_motion_alone(tree: xr.DataTree, result: xr.Dataset) -> None:
     other = friction(tree, OPERATION, FrictionModel(rolling_frame="contact_line"))
     xr.testing.assert_identical(other["sliding_across"], result["sliding_across"])
@@ -341,6 +353,7 @@ def test_unknown_models_are_named() -> None:
         ({"film": "thick"}, "film = 'thick'"),
         ({"thermal_factor": "hot"}, "thermal_factor = 'hot'"),
         ({"rolling_frame": "moon"}, "rolling_frame = 'moon'"),
+        ({"sliding_of_ratio": "up"}, "sliding_of_ratio = 'up'"),
     ):
         with pytest.raises(InputError, match=message):
             FrictionModel(**options)  # type: ignore[arg-type]

@@ -15,6 +15,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from ...contact.curves import boundary_distance
+from ...friction import FrictionModel
 from ...friction.kinematics import action_fields, axes_of, surface_velocities
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
 from .tooth_view import ToothView, draw_flank, fine_grid
@@ -31,6 +32,7 @@ NAMES = {
     "lambda_ratio": "lambda ratio",
     "friction_coefficient": "friction coefficient",
 }
+CONVENTIONS = ("rolling_frame", "sliding_of_ratio")
 GRID = (121, 61)
 LEVELS = 7
 ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
@@ -55,17 +57,19 @@ class FlankMap:
     smooth: bool
 
 
-def velocity_maps(tree: xr.DataTree, view: ToothView, speed: float, frame: str = "fixed") -> dict[str, FlankMap]:
+def velocity_maps(
+    tree: xr.DataTree, view: ToothView, speed: float, model: FrictionModel | None = None
+) -> dict[str, FlankMap]:
     """Rolling and sliding velocity [m/s] at a speed of the pinion [1/min], and slide-to-roll, all over the flank."""
+    model = model or FrictionModel()
     ease_off = tree["ease_off"].to_dataset()
     grid = fine_grid(GRID).reshape(2, -1)
     found = surface_velocities(axes_of(ease_off), action_fields(ease_off), grid)
-    rolling = np.abs(found.rolling if frame == "fixed" else found.rolling_over_line)
     omega = speed * 2.0 * np.pi / 60.0
     fields = {
-        "rolling_velocity": rolling * omega,
+        "rolling_velocity": np.abs(model.rolling(found)) * omega,
         "sliding_velocity": found.sliding_speed * omega,
-        "slide_to_roll": np.abs(found.sliding_across) / rolling,
+        "slide_to_roll": model.slide_to_roll(found),
     }
     inside = boundary_distance(view.fields, grid) >= -0.05  # a little beyond: the outline cuts it off
     return {name: FlankMap(grid, np.where(inside, values, np.nan), True) for name, values in fields.items()}
@@ -138,7 +142,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     at = chosen_condition(friction)
     index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
     here, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
-    maps = velocity_maps(tree, view, at["speed"], str(friction.attrs.get("rolling_frame", "fixed")))
+    maps = velocity_maps(tree, view, at["speed"], FrictionModel(**{n: friction.attrs[n] for n in CONVENTIONS}))
     force = here["force"] if "force" in here else under_load["force"]
     touching = under_load.assign(force=force)
     maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
