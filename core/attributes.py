@@ -114,7 +114,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "pressure_viscosity": ("GPa-1", "pressure-viscosity coefficient of the oil"),
     "temperature_clamped": ("1", "1 where the oil's data end and their last value was taken, 0 elsewhere"),
     "sliding_velocity": ("m s-1", "speed of the flanks relative to each other"),
-    "sliding_along": ("m s-1", "sliding of the pinion on the gear along the contact line"),
+    "sliding_along": ("m s-1", "sliding of the pinion on the gear along the contact line, positive towards the heel"),
     "sliding_across": (
         "m s-1",
         "sliding of the pinion on the gear across the contact line, positive the way the line moves over the gear",

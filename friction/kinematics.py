@@ -62,8 +62,8 @@ class SurfaceVelocities:
     pinion, gear
         Velocities (3, ...) of the two surfaces in the global frame.
     normal, along, across
-        Unit vectors (3, ...): the pinion's outward normal, the contact line, and across it in the tangent plane, in the
-        direction in which the line moves over the gear's flank.
+        Unit vectors (3, ...): the pinion's outward normal, the contact line towards the heel, and across it in the
+        tangent plane, in the direction in which the line moves over the gear's flank.
     line_over_gear
         Speed (...) at which the contact line moves over the gear's flank, in the direction across.
     """
@@ -158,7 +158,7 @@ def surface_velocities(axes: Axes, fields: FlankFields, points: Array) -> Surfac
     rates = [s["roll_angle"] for s in slopes]
     # Along a level set of the roll angle the points of action are those of one moment: the contact line.
     line = rates[0] * slopes[1]["position"] - rates[1] * slopes[0]["position"]
-    line = line - normal * dot(line, normal)
+    line = (line - normal * dot(line, normal)) * np.where(rates[1] <= 0.0, 1.0, -1.0)
     along = line / np.sqrt(dot(line, line))
     # On the gear, turning with it, the same points make the flank. Its tangents are what is left of the derivatives.
     tangents = [s["position"] - rate * gear for s, rate in zip(slopes, rates, strict=True)]
@@ -169,6 +169,5 @@ def surface_velocities(axes: Axes, fields: FlankFields, points: Array) -> Surfac
         tangents[0] * (second * rates[0] - mixed * rates[1]) + tangents[1] * (first * rates[1] - mixed * rates[0])
     ) / determinant
     across = cross(normal, along)
-    sense = np.sign(dot(across, uphill))
-    # Turn the line, too, so that normal, line and across stay right-handed.
-    return SurfaceVelocities(pinion, gear, normal, along * sense, across * sense, 1.0 / np.sqrt(climb))
+    across = across * np.sign(dot(across, uphill))
+    return SurfaceVelocities(pinion, gear, normal, along, across, 1.0 / np.sqrt(climb))

@@ -110,7 +110,18 @@ def test_directions_are_an_orthonormal_frame_in_the_flank(dataset: xr.Dataset) -
         np.testing.assert_allclose(dot(first, first), 1.0, atol=1e-12)
     for pair in ((found.normal, found.along), (found.normal, found.across), (found.along, found.across)):
         assert np.max(np.abs(dot(*pair))) < 1e-12
-    np.testing.assert_allclose(np.cross(found.normal, found.along, axis=0), found.across, atol=1e-12)
+    # Along: towards the heel. Across: the way the line moves, with the roll angle.
+    fields = action_fields(dataset)
+    points = np.random.default_rng(4).uniform(0.3, 0.7, (2, 50))
+    here, step = surface_velocities(axes_of(dataset), fields, points), 1e-4
+    ahead = fields("position", on_level(fields, points, fields("roll_angle", points) + step)) - fields(
+        "position", points
+    )
+    on_gear = ahead - step * here.gear
+    assert np.all(dot(on_gear, here.across) > 0.0)
+    slope = np.stack([fields("roll_angle", points, d) for d in ((1, 0), (0, 1))])
+    along_level = points + step * np.array([[1.0], [0.0]]) - step * np.stack([0.0 * slope[0], slope[0] / slope[1]])
+    assert np.all(dot(fields("position", along_level) - fields("position", points), here.along) > 0.0)
 
 
 def on_level(fields: Any, points: Array, level: Array) -> Array:
