@@ -44,7 +44,7 @@ def pressures() -> Figure:
         axes.tick_params(bottom=False, left=False, labelleft=False)
         shading = draw_surface(axes, views[letter], surfaces[letter], levels)
         title(axes, LETTERS[letter], f"peak {surfaces[letter].peak:.0f} MPa")
-        assert shading is not None
+    assert shading is not None
     bar = figure.colorbar(shading, ax=list(panels), orientation="horizontal", aspect=60, ticks=MaxNLocator(8))
     plain_bar(bar, "greatest contact pressure [MPa]")
     return figure

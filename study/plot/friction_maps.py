@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
@@ -97,12 +98,14 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
     x, y = view.place(flank_map.points)
     finite = np.isfinite(flank_map.values)
     if np.sum(finite) < 4 or np.ptp(flank_map.values[finite]) == 0.0:
-        axes.text(*view.place(np.array([0.5, 0.5])), "the same everywhere" if np.any(finite) else "no values",
-                  ha="center", va="center", fontsize=SMALL_SIZE, color=GREY)  # fmt: skip
+        x, y = view.place(np.array([0.5, 0.5]))
+        text = "the same everywhere" if np.any(finite) else "no values"
+        axes.text(x, y, text, ha="center", va="center", fontsize=SMALL_SIZE, color=GREY)
         return
     values = flank_map.values
     if levels is None:
         levels = np.asarray(MaxNLocator(LEVELS).tick_values(*np.percentile(values[finite], ENDS[flank_map.smooth])))
+    lines: ContourSet
     if flank_map.smooth:
         shape = GRID
         known = np.ma.masked_invalid(values.reshape(shape))
