@@ -17,9 +17,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
+from solver_choice import BACKENDS, installed
 
 from easeoff.contact import ContactProblem, read_problems, write_problems
 from easeoff.contact.certificate import EXACT_TOLERANCE
+from easeoff.contact.solvers import SOLVERS as SOLVER_TABLE
 from easeoff.contact.solvers.problem_classes import problems
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
@@ -131,6 +133,17 @@ def test_answer_of_the_wrong_length_is_an_error() -> None:
     found = attempt(same_size(1)[0], "nonsense", fake_solvers.nonsense, "raw", 1.0)
     assert found.claim == "solved"
     assert not found.certificate.passes(1.0)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_every_solver_of_the_table_is_tried_as_it_is(name: str) -> None:
+    adapter = load_adapter(installed(name))
+    for settings in ("default", "unpolished"):
+        found = attempt(same_size(1)[0], name, adapter, settings, 10.0)
+        assert found.certificate.passes(SOLVER_TABLE[name].tolerance)
+        assert found.polished == (settings == "default")
+    if not SOLVER_TABLE[name].package:  # others need a process of their own: raw units can bring one down
+        assert attempt(same_size(1)[0], name, adapter, "raw", 10.0).certificate.passes(1e-9)
 
 
 def test_solver_that_denies_its_right_answer_is_certified(dataset: xr.Dataset) -> None:

@@ -224,14 +224,19 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
 
 
 def test_table_of_solvers_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): (row[1], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
+    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
     expected = {
-        name: (entry.kind, "easeoff" if not entry.package or entry.package in always else entry.requirement)
+        name: (entry.kind, entry.licence, "easeoff" if {entry.package} <= always | {""} else entry.requirement)
         for name, entry in SOLVERS.items()
     }
     assert listed == expected
+    for name, (_, licence, requirement) in expected.items():
+        assert ("GPL" in licence) == (requirement == "easeoff[copyleft-solvers]")
+        if requirement != "easeoff":
+            extra = project["optional-dependencies"][requirement[8:-1]]
+            assert SOLVERS[name].package.replace("_", "-") in {re.split(r"[^\w-]", wanted)[0] for wanted in extra}
 
 
 def spin(axis: str, angle: float) -> np.ndarray[Any, Any]:
