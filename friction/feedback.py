@@ -19,9 +19,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..contact.line_contact_solution import solve_line_contact
+from ..contact.line_contact_batch import LineContacts, solve_line_contacts
+from ..contact.line_contact_solution import solve_on_bending
 from ..contact.loaded_cases import LoadedCase
-from ..contact.solvers import Status
+from ..contact.solvers import Status, require_solver
 from ..core.attributes import labelled
 from .contacts import LoadedContacts, loaded_contacts
 from .efficiency import OPERATION, friction
@@ -70,24 +71,21 @@ def _solved_again(
     """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
     result = loaded.copy(deep=True)
     force, pressure, status = (result[name].values for name in ("force", "pressure", "status"))
-    for case in cases:
-        at = (case.torque, case.mesh_position)
-        if not due[at]:
-            continue
-        here, size = case.segments, case.segments.pair.size
-        solution, _ = solve_line_contact(
-            here.separation,
-            here.lever_arm,
-            1e3 * ratio * float(torque[at]),
-            here.bending,
-            here.line_contact,
-            solver,
-            initial_force=force[at][:size],
-        )
-        status[at] = solution.status
+    chosen = [case for case in cases if due[case.torque, case.mesh_position]]
+    at = [(case.torque, case.mesh_position) for case in chosen]
+    problems = [
+        c.segments.bending_problem.with_torque(1e3 * ratio * float(torque[i])) for c, i in zip(chosen, at, strict=True)
+    ]
+    starts = [force[i][: case.segments.pair.size].copy() for case, i in zip(chosen, at, strict=True)]
+    contacts = [case.segments.line_contact for case in chosen]
+    native = require_solver(solver) == "native"
+    known = solve_line_contacts(problems, LineContacts(contacts), starts) if native else [None] * len(chosen)
+    for i, problem, contact, start, found in zip(at, problems, contacts, starts, known, strict=True):
+        solution, _ = found or solve_on_bending(problem, contact, solver, initial_force=start)
+        status[i] = solution.status
+        force[i][: start.size] = solution.force
         certified = solution.status == Status.CERTIFIED
-        force[at][:size] = solution.force
-        pressure[at][:size] = here.line_contact.pressure(solution.force) if certified else np.nan
+        pressure[i][: start.size] = contact.pressure(solution.force) if certified else np.nan
     return result
 
 
