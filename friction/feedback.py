@@ -70,6 +70,8 @@ def _solved_again(
 ) -> xr.Dataset:
     """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
     result = loaded.copy(deep=True)
+    if not np.any(due):
+        return result
     force, pressure, status = (result[name].values for name in ("force", "pressure", "status"))
     chosen = [case for case in cases if due[case.torque, case.mesh_position]]
     at = [(case.torque, case.mesh_position) for case in chosen]
@@ -97,21 +99,19 @@ def _one_operation(
     ratio = float(tree["ease_off"].attrs["ratio"])
     contacts = loaded_contacts(tree)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
-    effective, moving = given, contacts.solved
-    current = tree
-    for _ in range(ITERATIONS):
+    effective, current = given, tree
+    for count in range(ITERATIONS + 1):
         taken, _ = friction_torques(contacts, operation, model)
         wanted = given - taken
-        moving = contacts.solved & (np.abs(wanted - effective) > TOLERANCE * given) & (wanted > 0.0)
+        moving = contacts.solved & (np.abs(wanted - effective) > TOLERANCE * given)
         if not np.any(moving):
             break
+        # Friction that takes the whole torque, or no end of the iteration: no result there.
+        failed = moving & ((wanted <= 0.0) | (count == ITERATIONS))
+        loaded = _solved_again(cases, wanted, moving & ~failed, loaded, ratio, solver)
+        loaded["status"].values[failed] = Status.NOT_CONVERGED
+        loaded["force"].values[failed] = np.nan
         effective = np.where(moving, wanted, effective)
-        loaded = _solved_again(cases, effective, moving, loaded, ratio, solver)
-        current = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
-        contacts = loaded_contacts(current)
-    if np.any(moving):  # not settled: no result there
-        loaded["status"].values[moving] = Status.NOT_CONVERGED
-        loaded["force"].values[moving] = np.nan
         current = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
         contacts = loaded_contacts(current)
     taken, passed = friction_torques(contacts, operation, model)
@@ -119,8 +119,7 @@ def _one_operation(
     carried = 1e-3 * (loaded["force"] * loaded["lever_arm"]).sum("segment").values / ratio
     output = np.where(contacts.solved, ratio * (carried + passed), np.nan)
     result = friction(current, operation, model, segment_fields=True)
-    expanded = dict(zip(OPERATION, range(3, 6), strict=True))
-    result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=list(expanded.values()))
+    result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=[3, 4, 5])
     mesh = ("torque", "mesh_position", *OPERATION)
     result["output_torque"] = (mesh, output[..., None, None, None])
     power_in = given * operation.angular_velocity[0]

@@ -92,23 +92,23 @@ def _transition(g: _Groups, log_ratio: Array) -> Array:
         + (B[7] + B[8] * log_pressure) * log_material
         + B[9] * log_pressure**2
     )
-    return np.asarray(still + B[10] * g.composite * log_ratio)
+    return np.asarray(still + (B[10] * g.composite) * log_ratio)
 
 
 def _full_film(g: _Groups, log_ratio: Array) -> Array:
     """Logarithm of the friction coefficient for lambda from 3 on (Eq. 5.11c)."""
     log_pressure, log_sliding = np.log(g.pressure), np.log(g.slide_to_roll)
-    still = (
+    # What varies with the speed and what varies with the roughness apart: their sum is large.
+    by_speed = (
         C[0]
         + C[1] * g.material
         + C[2] * g.slide_to_roll * g.speed
-        + (C[3] * np.log(g.material) + C[4] * log_pressure + C[5] * g.pressure + C[7] * np.log(g.composite))
-        * log_sliding
+        + (C[3] * np.log(g.material) + C[4] * log_pressure + C[5] * g.pressure) * log_sliding
         + (C[8] * g.material + C[9] * log_pressure) * np.log(g.speed)
         + C[10] * g.material * log_pressure
-        + C[11] * g.slide_to_roll * g.log_equivalent
     )
-    return np.asarray(still + C[6] * log_sliding * log_ratio)
+    by_roughness = C[7] * np.log(g.composite) * log_sliding + C[11] * g.slide_to_roll * g.log_equivalent
+    return np.asarray(by_speed + by_roughness + (C[6] * log_sliding) * log_ratio)
 
 
 def _step(log_ratio: Array, window: tuple[float, float]) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .coefficient import COEFFICIENTS, CoefficientModel, coefficient_model
+from .coefficient import CoefficientModel, coefficient_model
 from .film import film
 from .kinematics import SurfaceVelocities
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
@@ -146,7 +146,6 @@ class FrictionModel:
             raise InputError(f"thermal_factor = {self.thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
         if self.rolling_frame not in ("fixed", "contact_line"):
             raise InputError(f"rolling_frame = {self.rolling_frame!r}: must be 'fixed' or 'contact_line'")
-
         if self.sliding_of_ratio not in ("across", "whole"):
             raise InputError(f"sliding_of_ratio = {self.sliding_of_ratio!r}: must be 'across' or 'whole'")
 
@@ -170,10 +169,7 @@ class FrictionModel:
     @property
     def is_formula(self) -> bool:
         """Whether the coefficient is that of Eq. 5.11, with its ranges."""
-        return isinstance(self.coefficient, str) and COEFFICIENTS[self.coefficient] in (
-            COEFFICIENTS["kolivand"],
-            COEFFICIENTS["kolivand_blended"],
-        )
+        return isinstance(self.coefficient, str) and self.coefficient in ("kolivand", "kolivand_blended")
 
     def oil_states(self, operation: Operation) -> OilState:
         """The oil at all temperatures; raises InputError as ``Lubricant.at``."""

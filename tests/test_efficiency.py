@@ -324,6 +324,18 @@ def test_feedback_without_friction_is_the_frictionless_contact(analysis: Analysi
     assert np.max(taken - passed) < 1e-4
 
 
+def test_friction_that_takes_the_whole_torque_is_no_result(analysis: Analysis) -> None:
+    found = friction_feedback(analysis.tree, analysis.cases, Operation(1000.0, 90.0, 0.8), FrictionModel(5.0))
+    assert np.all(found["efficiency"].isnull())
+    assert np.all(found["mesh_power_loss"].isnull())
+
+
+def test_feedback_needs_no_particular_solver(analysis: Analysis, fed_back: xr.Dataset) -> None:
+    found = friction_feedback(analysis.tree, analysis.cases, Operation(1500.0, 90.0, 0.8), solver="daqp")
+    expected = fed_back.sel(speed=[1500.0], roughness=[0.8])
+    xr.testing.assert_allclose(found["efficiency"], expected["efficiency"], rtol=1e-9)
+
+
 # --- what a user can get wrong, and the command line
 
 
