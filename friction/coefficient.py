@@ -26,13 +26,15 @@ def xu_kahraman(conditions: ContactConditions) -> Array:
     """Full-film regression of Xu and others, ASME Journal of Mechanical Design 129, 2007 (...).
 
     In its own units: pressure in GPa, viscosity in mPa s, entrainment in m/s, radius in m, roughness in um. Quotations
-    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both.
+    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both. It is taken as 1 um
+    at most: the formula grows as exp(exp(roughness)).
     """
     b = (-8.916465, 1.03303, 1.036077, -0.354068, 2.812084, -0.100601, 0.752755, -0.390958, 0.620305)
     c = conditions
     pressure, viscosity, sliding = 1e-9 * c.hertz_pressure, 1e3 * c.viscosity, np.abs(c.slide_to_roll)
     group = sliding * pressure * np.log10(viscosity)
-    exponent = b[0] + b[3] * group + b[4] * np.exp(-group) + b[8] * np.exp(1e6 / np.sqrt(2.0) * c.composite_roughness)
+    roughness = np.minimum(1e6 / np.sqrt(2.0) * c.composite_roughness, 1.0)
+    exponent = b[0] + b[3] * group + b[4] * np.exp(-group) + b[8] * np.exp(roughness)
     powers = pressure ** b[1] * sliding ** b[2] * c.rolling_velocity ** b[5] * viscosity ** b[6]
     return np.asarray(np.exp(exponent) * powers * c.equivalent_radius ** b[7])
 

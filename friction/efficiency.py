@@ -86,7 +86,7 @@ def losses_dataset(
         fields = {name: np.full(whole, np.nan) for name in ("friction_coefficient", "lambda_ratio", "power_loss")}
         fields["film_thickness"] = np.full((*whole[:-1],), np.nan)
         if model.is_formula:
-            fields["formula_flags"] = np.zeros(whole, dtype=np.uint8)
+            fields["formula_flags"] = np.zeros(whole, dtype=np.uint16)
     for block in losses(contacts, operation, model):
         here = group[block.contacts]
         starts = np.flatnonzero(np.diff(here, prepend=-1))
@@ -133,7 +133,7 @@ def losses_dataset(
     if "formula_flags" in fields:
         data["formula_flags"] = (
             *data["formula_flags"],
-            {"flag_masks": np.array(list(FLAGS), dtype=np.uint8), "flag_meanings": " ".join(FLAGS.values())},
+            {"flag_masks": np.array(list(FLAGS), dtype=np.uint16), "flag_meanings": " ".join(FLAGS.values())},
         )
     return xr.Dataset(data, coords=_coordinates(operation, model))
 

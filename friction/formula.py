@@ -49,7 +49,9 @@ FLAGS = {
     32: "rolling_velocity_extrapolated",
     64: "roughness_extrapolated",
     128: "temperature_extrapolated",
+    256: "lambda_clamped",
 }
+LEAST_LAMBDA = 0.0266  # of the study: 2.5 GPa, 5 mm, 1 m/s, 100 degC, 1 um on both flanks
 BOUNDARIES = (1.0, 3.0)
 BLENDS = ((0.9, 1.1), (2.7, 3.3))
 
@@ -123,7 +125,7 @@ def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
     lowest = RANGES["roughness"][0]
     roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
     composite = np.hypot(*roughness)
-    log_ratio = np.log(conditions.film_thickness) - np.log(composite)
+    log_ratio = np.maximum(np.log(conditions.film_thickness) - np.log(composite), np.log(LEAST_LAMBDA))
     radius = conditions.equivalent_radius
     in_both = {
         "slide_to_roll": np.clip(conditions.slide_to_roll, *RANGES["slide_to_roll"]),
@@ -142,8 +144,8 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
     """Friction coefficient (...) by Eq. 5.11 in its three regimes.
 
     Slide-to-roll is kept within 0.025 and 1, the pressure at 2.5 GPa at most and, from lambda = 1 on, at 0.5 GPa at
-    least, each roughness at 0.1 um at least: beyond, the expressions diverge or vanish. Elsewhere they are
-    extrapolated; ``formula_flags`` says what was done where.
+    least, each roughness at 0.1 um and lambda at 0.0266 at least: beyond, the expressions diverge or vanish. Elsewhere
+    they are extrapolated; ``formula_flags`` says what was done where.
 
     Parameters
     ----------
@@ -181,7 +183,7 @@ def _joined(below: Array, above: Array, weight: Array) -> Array:
     return np.where(weight, above, below) if weight.dtype == bool else below + weight * (above - below)
 
 
-def formula_flags(conditions: ContactConditions) -> NDArray[np.uint8]:
+def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
     """Which inputs of ``formula_coefficient`` were clamped, and which lie outside the data of the regression (...).
 
     Returns
@@ -210,9 +212,10 @@ def formula_flags(conditions: ContactConditions) -> NDArray[np.uint8]:
         32: outside("rolling_velocity", conditions.rolling_velocity),
         64: outside("roughness", rough[0], below=False) | outside("roughness", rough[1], below=False),
         128: outside("temperature", conditions.temperature),
+        256: conditions.film_thickness < LEAST_LAMBDA * composite,
     }
     # One after the other, small arrays first: the sum is large.
-    total: Any = np.uint8(0)
+    total: Any = np.uint16(0)
     for bit, where in sorted(conditions_of.items(), key=lambda item: np.size(item[1])):
-        total = total + np.uint8(bit) * where
-    return np.asarray(total, dtype=np.uint8)
+        total = total + np.uint16(bit) * where
+    return np.asarray(total, dtype=np.uint16)

@@ -218,6 +218,20 @@ def test_clamped_inputs_count_as_the_limit_and_are_flagged(
     assert module.formula_coefficient(beyond) == pytest.approx(float(module.formula_coefficient(limit)), rel=1e-12)
 
 
+def test_a_crawl_counts_as_the_least_lambda_of_the_study() -> None:
+    """Without that the expression grows without limit as lambda goes to zero."""
+    crawl = conditions(rolling=np.array([1e-6, 1e-4, 1e-2]), pinion=1.0, gear=1.0)
+    found = module.formula_coefficient(crawl)
+    np.testing.assert_allclose(found, found[0], rtol=1e-13)
+    assert np.all(formula_flags(crawl) == 256 + 32)
+    # The film grows with the velocity to the power of 0.694.
+    fast = conditions(rolling=1.0, pinion=1.0, gear=1.0)
+    limit = (0.0266 / float(fast.lambda_ratio)) ** (1 / 0.694)
+    assert as_printed(conditions(rolling=limit, pinion=1.0, gear=1.0)) == pytest.approx(found[0], rel=1e-10)
+    corner = conditions(2.5, 5.0, 1.0, 0.3, 100.0, 1.0, 1.0)
+    assert corner.lambda_ratio == pytest.approx(0.0266, abs=0.51e-4)
+
+
 @pytest.mark.parametrize(
     ("changed", "flag"),
     [
