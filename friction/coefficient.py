@@ -26,8 +26,8 @@ def xu_kahraman(conditions: ContactConditions) -> Array:
     """Full-film regression of Xu and others, ASME Journal of Mechanical Design 129, 2007 (...).
 
     In its own units: pressure in GPa, viscosity in mPa s, entrainment in m/s, radius in m, roughness in um. Quotations
-    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both. It is taken as 1 um
-    at most: the formula grows as exp(exp(roughness)).
+    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both. It is taken as 1
+    um at most: the formula grows as exp(exp(roughness)).
     """
     b = (-8.916465, 1.03303, 1.036077, -0.354068, 2.812084, -0.100601, 0.752755, -0.390958, 0.620305)
     c = conditions

@@ -27,11 +27,13 @@ from easeoff.geometry.machine import IncrementSense
 from easeoff.geometry.machine_pose import machine_pose
 from easeoff.geometry.synthesis import FREE
 from easeoff.study.cli import main
+from easeoff.study.library import entries, reference_answers
+from easeoff.study.library.files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "friction")
+WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "problem_library", "friction")
 
 
 def text(name: str) -> str:
@@ -107,6 +109,18 @@ def test_links_lead_somewhere() -> None:
 def script(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.syspath_prepend(DOCS)
     return importlib.import_module(name)
+
+
+def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_problem_library.py."""
+    tables, page = script("make_problem_library", monkeypatch), text("problem_library")
+    assert page == tables.updated(page)
+    assert all(table() in page for table in tables.TABLES.values())
+
+
+def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
+    named = re.findall(r"`(\w+)`", " ".join(row[0] for row in rows(text("problem_library"), "## A file")))
+    assert named == list(labels([entries()[0]], reference_answers()))
 
 
 def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,7 +21,7 @@ from ...contact.problem import ContactProblem
 from ...contact.scaling import ScaledProblem
 from ...contact.solvers import SOLVERS, solve
 from ...contact.solvers.answer import ScaledAnswer
-from ...contact.solvers.backend import NoAnswerError
+from ...contact.solvers.backend import NoAnswerError, chosen_form
 from ...contact.solvers.polish import recover_answer
 from ...core.errors import InputError
 
@@ -137,6 +137,8 @@ def attempt(
     fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, compliance)
     if adapter is None:
         return _native(fresh, active)
+    if solver in SOLVERS and settings != "raw":
+        adapter = in_its_form(solver, adapter)
     keywords = backend_settings(solver, settings, time_limit)
     start = perf_counter()
     try:
@@ -150,6 +152,16 @@ def attempt(
     run_time = perf_counter() - start
     claim = SOLVED if answer.suspicion is None else answer.suspicion.name.lower()
     return Attempt(claim, plain(answer.message), run_time, certificate, rotation, int(answer.iterations), polished)
+
+
+def in_its_form(solver: str, adapter: Adapter) -> Adapter:
+    """Return an adapter that gets each problem in the form in which `easeoff.contact.solve` gives it to the solver."""
+
+    def solve_scaled(problem: ScaledProblem, keywords: Mapping[str, Any]) -> ScaledAnswer:
+        lifted = chosen_form(solver, problem, "auto") == "lifted"
+        return adapter(problem, {**keywords, "form": "lifted"} if lifted else keywords)
+
+    return solve_scaled
 
 
 def plain(text: str) -> str:

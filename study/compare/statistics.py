@@ -29,6 +29,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
     Columns
     -------
     size : int
+    kind : str
     claims : bool
         Every repetition says it solved the problem.
     certified, exact : bool
@@ -54,6 +55,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
     groups = frame.groupby([*METHOD, *_PROBLEM], sort=False)
     result = groups.agg(
         size=("size", "first"),
+        kind=("kind", "first"),
         claims=("claims", "all"),
         certified=("certified", "all"),
         exact=("exact", "all"),
