@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from test_friction_kinematics import spur
 
 import easeoff
 from easeoff.cases.model import ContactTable
@@ -212,6 +213,26 @@ def test_analyze_adds_the_group(result: xr.Dataset) -> None:
     expected = result["efficiency"].sel(speed=[1500.0], temperature=[90.0]).isel(roughness=[0, 2])
     xr.testing.assert_allclose(found["efficiency"], expected)
     assert "friction" not in easeoff.analyze(case, torques=[100.0]).children
+
+
+def test_spur_gears_lose_what_the_textbook_says() -> None:
+    """One tooth pair at a time, constant coefficient: loss over input = mu (1 + 1/R) mean|s| / base radius."""
+    radius, ratio, angle, torque, count = 0.05, 2.5, 0.35, 80.0, 40
+    ease_off, _ = spur(radius, ratio, angle)
+    profile = (np.arange(count) + 0.5) / count
+    distance = 12e-3 * (profile - 0.5)  # from the pitch point along the path of contact
+    force = torque / (radius * np.cos(angle))
+    cycle = ("torque", "mesh_position", "segment")
+    fields = {"force": force, "pressure": 800.0, "length": 20.0, "equivalent_radius": 12.0, "lengthwise": 0.5}
+    data: dict[str, Any] = {name: (cycle, np.full((1, count, 1), value)) for name, value in fields.items()}
+    data["profile"] = (cycle, profile.reshape(1, count, 1))
+    data["status"] = (cycle[:2], np.zeros((1, count), dtype=np.int8))
+    coords = {"torque": [torque], "mesh_position": np.arange(count) / count}
+    loaded = xr.Dataset(data, coords, {"contact_modulus_MPa": 2.27e5})
+    tree = xr.DataTree.from_dict({"ease_off": ease_off, "loaded": loaded})
+    found = friction(tree, Operation([500.0, 2000.0]), FrictionModel(0.06))
+    expected = 0.06 * (1.0 + 1.0 / ratio) * np.mean(np.abs(distance)) / (radius * np.cos(angle))
+    np.testing.assert_allclose(found["mean_sliding_loss"] / found["input_power"], expected, rtol=1e-10)
 
 
 # --- the dissertation's claims
