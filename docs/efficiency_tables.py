@@ -11,8 +11,7 @@ from dissertation_tables import statements, table
 from numpy.typing import NDArray
 
 import easeoff
-from easeoff.friction import FrictionModel, Operation, friction
-from easeoff.friction.feedback import friction_feedback
+from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
 from easeoff.study.analysis import Analysis, analyze_in_full
 from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view

@@ -3,6 +3,7 @@
 from .coefficient import COEFFICIENTS, coefficient_model, contact_conditions, friction_coefficient
 from .conditions import ContactConditions
 from .efficiency import friction
+from .feedback import friction_feedback
 from .film import FILMS
 from .formula import formula_flags
 from .lubricant import Lubricant, OilState, available_lubricants, lubricant
@@ -24,6 +25,7 @@ __all__ = [
     "formula_flags",
     "friction",
     "friction_coefficient",
+    "friction_feedback",
     "lubricant",
     "rolling_traction",
 ]

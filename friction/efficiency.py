@@ -29,7 +29,7 @@ def friction(
 ) -> xr.Dataset:
     """Friction, power loss and efficiency of a result at every combination of speed, temperature and roughness.
 
-    The load distribution is that of the result, without friction; see ``feedback.friction_feedback`` for more.
+    The load distribution is that of the result, without friction; see ``friction_feedback`` for more.
 
     Parameters
     ----------

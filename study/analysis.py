@@ -70,10 +70,12 @@ def analyze_in_full(
     require_solver(solver)
     if operation is not None:
         from ..friction import FrictionModel, friction
-        from ..friction.feedback import friction_feedback as with_feedback
+        from ..friction import friction_feedback as with_feedback
 
         friction_model = friction_model or FrictionModel()
         friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif friction_model is not None or friction_feedback:
+        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))

@@ -15,9 +15,9 @@ import easeoff
 from easeoff.cases.model import ContactTable
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
-from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, losses
+from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses
 from easeoff.friction.contacts import loaded_contacts
-from easeoff.friction.feedback import friction_feedback, friction_torques
+from easeoff.friction.feedback import friction_torques
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
 from easeoff.study.show import summary
@@ -396,6 +396,8 @@ def test_conditions_need_a_speed() -> None:
     assert operation_of(None, oil=None) is None
     with pytest.raises(InputError, match="oil and roughness without a speed"):
         operation_of(None, oil="75w90", roughness=0.4, temperature=None)
+    with pytest.raises(InputError, match="friction_feedback need the speed"):
+        analysed("fh-design-a", friction_feedback=True)
 
 
 def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.DataTree) -> None:
