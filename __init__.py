@@ -1,6 +1,7 @@
 """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
 
-The names a script needs are here and loaded on first use; the stages are the sub-packages ``geometry`` and ``contact``.
+The names a script needs are here and loaded on first use; the stages are the sub-packages ``geometry``, ``contact``
+and ``friction``.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def __getattr__(name: str) -> Any:
         from importlib import import_module
 
         return getattr(import_module(_HOMES[name], __name__), name)
-    if name in ("cases", "contact", "geometry", "study"):
+    if name in ("cases", "contact", "friction", "geometry", "study"):
         from importlib import import_module
 
         return import_module(f".{name}", __name__)

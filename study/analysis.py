@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -21,9 +21,14 @@ from ..contact.loaded_cases import LoadedCase
 from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
+from ..core.errors import InputError
 from ..geometry.assembly import Misalignment
 from ..geometry.modification import Modification, modified_ease_off
 from ..geometry.pair import FlankName, GearPair, pair_geometry
+
+if TYPE_CHECKING:
+    from ..friction import FrictionModel, Lubricant, Operation
+    from ..friction.operating import Array, Numbers, Roughness
 
 SCHEMA_VERSION = 1
 
@@ -58,11 +63,22 @@ def analyze_in_full(
     misalignment: Misalignment | None = None,
     modification: Modification | None = None,
     solver: str = "auto",
+    operation: Operation | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
-    """As ``analyze``, and keeps the contact problems."""
+    """As ``analyze``, with the operating conditions in one, and keeps the contact problems."""
     require_solver(solver)
+    if operation is not None:
+        from ..friction import FrictionModel, friction
+        from ..friction import friction_feedback as with_feedback
+
+        friction_model = friction_model or FrictionModel()
+        friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif friction_model is not None or friction_feedback:
+        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
@@ -91,7 +107,14 @@ def analyze_in_full(
         "/unloaded": unloaded,
         "/loaded": loaded,
     }
-    return Analysis(xr.DataTree.from_dict(groups), cases)
+    tree = xr.DataTree.from_dict(groups)
+    if operation is not None:
+        if friction_feedback:
+            losses = with_feedback(tree, cases, operation, friction_model, solver=solver)
+        else:
+            losses = friction(tree, operation, friction_model)
+        tree = xr.DataTree.from_dict({**groups, "/friction": losses})
+    return Analysis(tree, cases)
 
 
 def analyze(
@@ -102,6 +125,12 @@ def analyze(
     misalignment: Misalignment | None = None,
     modification: Modification | None = None,
     solver: str = "auto",
+    speed: Numbers | None = None,
+    temperature: Numbers | None = None,
+    roughness: Roughness | list[Roughness] | Array | None = None,
+    oil: str | Lubricant | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -121,6 +150,16 @@ def analyze(
         Added to the ease-off.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
+    speed
+        Speed of the pinion [1/min], one or several. With it the result has friction, power loss and efficiency, at
+        every combination of speeds, temperatures and roughnesses.
+    temperature, roughness, oil
+        Of the oil [degC], of the flanks (RMS, um), and which oil; 90, 0.8 and 75w90 if left out. See
+        ``friction.Operation``.
+    friction_model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    friction_feedback
+        Let friction take its part of the torque from the normal forces, see ``friction.feedback``.
     progress
         Called after every solved torque and mesh position.
     **options
@@ -129,7 +168,8 @@ def analyze(
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; where it came from in the attributes.
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``, and if a speed is given ``friction``;
+        where it came from in the attributes.
 
     Raises
     ------
@@ -148,9 +188,30 @@ def analyze(
         misalignment=misalignment,
         modification=modification,
         solver=solver,
+        operation=operation_of(speed, temperature=temperature, roughness=roughness, oil=oil),
+        friction_model=friction_model,
+        friction_feedback=friction_feedback,
         progress=progress,
         **options,
     ).tree
+
+
+def operation_of(speed: Numbers | None, **others: Any) -> Operation | None:
+    """Operating conditions from what was given of them; ``None`` without a speed.
+
+    Raises
+    ------
+    InputError
+        If other conditions are given and no speed, or a value is not possible.
+    """
+    given = {name: value for name, value in others.items() if value is not None}
+    if speed is None:
+        if given:
+            raise InputError(f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min")
+        return None
+    from ..friction import Operation
+
+    return Operation(speed, **given)
 
 
 def _provenance(

@@ -114,14 +114,14 @@ def optimize(
         known = [part for part in parts if part is not None]
         return stacked(known) if len(known) == len(parts) else None
 
-    start = solved(np.zeros(len(names)))
+    none = np.zeros(len(names))
+    start = solved(none)
     if start is None:
         raise GeometryError(
             "the case as it is has mesh positions without a certified solution: see 'easeoff run', and choose other "
             "torques or misalignments"
         )
     goal = _goal(start, chosen, torque.size, names, transmission_error, end_load, largest)
-    none = np.zeros(len(names))
     held = stacked([contact.held(none, i * torque.size) for i, contact in enumerate(contacts)])
     found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
     best = contacts[0].modification(found.coefficients)

@@ -412,6 +412,18 @@ def test_report_of_failures_that_are_none(dataset: xr.Dataset) -> None:
     assert "every attempt is certified" in report(decent)
 
 
+def test_profile_counts_the_problems_of_files_of_different_length(dataset: xr.Dataset) -> None:
+    """Three problems in one file and one in another are four, not six."""
+    native = dataset.isel(attempt=(dataset["solver"].values == "native") & (dataset["start"].values == "cold"))
+    one = native.isel(attempt=native["problem"].values == 0)
+    more = native.assign(problem_file=native["problem_file"].copy(data=np.full(native.sizes["attempt"], "other.nc")))
+    both = xr.concat([one, more], "attempt")
+    (axes,) = draw_profiles(both, by_problem(both)).axes
+    count = len(np.unique(native["problem"].values))
+    assert count > 1
+    assert axes.get_title("right") == f"{count + 1} problems"
+
+
 def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> None:
     assert [path.name for path in written] == [
         "report.md", "results.nc", "results.csv", "performance_profile.png", "run_time.png",

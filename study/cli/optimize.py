@@ -19,7 +19,13 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 @click.command()
 @click.argument("case")
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
-@click.option("--flank", type=click.Choice(["drive", "coast"]), default="drive", show_default=True)
+@click.option(
+    "--flank",
+    type=click.Choice(["drive", "coast"]),
+    default="drive",
+    show_default=True,
+    help="Which flanks mesh: drive is pinion concave with gear convex.",
+)
 @click.option(
     "--torque",
     "torques",

@@ -20,7 +20,7 @@ FEWEST_SIZES, LEAST_RATIO = 3, 1.5
 
 #: What is compared: a solver with settings and a start.
 METHOD = ["solver", "settings", "start"]
-_PROBLEM = ["problem_file", "problem"]
+PROBLEM = ["problem_file", "problem"]
 
 
 def by_problem(dataset: xr.Dataset) -> Any:
@@ -52,7 +52,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
         false_claim=solved & ~certified,
         denied=certified & ~solved,
     )
-    groups = frame.groupby([*METHOD, *_PROBLEM], sort=False)
+    groups = frame.groupby([*METHOD, *PROBLEM], sort=False)
     result = groups.agg(
         size=("size", "first"),
         kind=("kind", "first"),
