@@ -127,7 +127,7 @@ class Lubricant:
         if np.any(np.isnan(asked)) or (out_of_range == "error" and np.any(clamped)):
             raise InputError(
                 f"temperature = {asked[clamped].flat[0]:g} degC: the data of lubricant {self.name} go from {low:g} to "
-                f"{high:g} degC; stay within, or clamp to the end with out_of_range='clamp'"
+                f"{high:g} degC; stay within, or clamp to the end with out_of_range='clamp' (--clamp-temperature)"
             )
         here = np.clip(asked, low, high)
         density = None if self.density is None else np.interp(here, self.temperature, self.density)
