@@ -27,11 +27,24 @@ from easeoff.geometry.machine import IncrementSense
 from easeoff.geometry.machine_pose import machine_pose
 from easeoff.geometry.synthesis import FREE
 from easeoff.study.cli import main
+from easeoff.study.library import entries, reference_answers
+from easeoff.study.library.files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "mixed_ehl")
+WITH_CODE = (
+    "index",
+    "results",
+    "contact_problems",
+    "python",
+    "cad",
+    "compare",
+    "problem_library",
+    "friction",
+    "optimal_modification",
+    "mixed_ehl",
+)
 
 
 def text(name: str) -> str:
@@ -109,6 +122,18 @@ def script(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     return importlib.import_module(name)
 
 
+def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_problem_library.py."""
+    tables, page = script("make_problem_library", monkeypatch), text("problem_library")
+    assert page == tables.updated(page)
+    assert all(table() in page for table in tables.TABLES.values())
+
+
+def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
+    named = re.findall(r"`(\w+)`", " ".join(row[0] for row in rows(text("problem_library"), "## A file")))
+    assert named == list(labels([entries()[0]], reference_answers()))
+
+
 def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
     """If not: run docs/make_case_reference.py."""
     reference = script("make_case_reference", monkeypatch)
@@ -180,6 +205,22 @@ def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: p
             assert float(printed[quantity]) == pytest.approx(float(value), rel=0.02, abs=0.15), quantity
 
 
+def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_efficiency_figures.py."""
+    tables = script("efficiency_tables", monkeypatch)
+    page = text("efficiency")
+    printed = [row for _, heading in ((0, "## Figures 5.4 to 5.10: the flank"),) for row in rows(page, heading)]
+    fresh = rows(f"here\n\n{tables.ranges()}", "here")
+    assert [row[0] for row in printed] == [row[0] for row in fresh]
+    for one, other in zip(printed, fresh, strict=True):
+        for column in (1, 3):
+            found, expected = ([float(n) for n in re.findall(r"[\d.]+", row[column])] for row in (one, other))
+            assert found == pytest.approx(expected, rel=0.05, abs=0.011)
+    for said, _, agrees in (*tables.claims_on_maps(), *tables.claims_on_efficiency()):
+        row = next(line for line in page.splitlines() if line.startswith(f"| {said} "))
+        assert row.rstrip().endswith("yes      |" if agrees else "no       |"), said
+
+
 def test_example_case_is_a_case() -> None:
     whole, formate, basic = (code for _, code in blocks(text("case_file"), "toml"))
     case = parse_case(whole)
@@ -208,14 +249,19 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
 
 
 def test_table_of_solvers_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): (row[1], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
+    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
     expected = {
-        name: (entry.kind, "easeoff" if not entry.package or entry.package in always else entry.requirement)
+        name: (entry.kind, entry.licence, "easeoff" if {entry.package} <= always | {""} else entry.requirement)
         for name, entry in SOLVERS.items()
     }
     assert listed == expected
+    for name, (_, licence, requirement) in expected.items():
+        assert ("GPL" in licence) == (requirement == "easeoff[copyleft-solvers]")
+        if requirement != "easeoff":
+            extra = project["optional-dependencies"][requirement[8:-1]]
+            assert SOLVERS[name].package.replace("_", "-") in {re.split(r"[^\w-]", wanted)[0] for wanted in extra}
 
 
 def spin(axis: str, angle: float) -> np.ndarray[Any, Any]:

@@ -12,6 +12,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.optimize import brentq
 
 from easeoff.core.errors import InputError
+from easeoff.friction import lubricant
 from easeoff.friction.ehl import Film, LineContact, Oil, State, Status, smooth_film
 from easeoff.friction.ehl.certificate import certify
 from easeoff.friction.ehl.complementarity import evaluate
@@ -281,11 +282,7 @@ def test_bad_input_is_refused_by_name(make: object, word: str) -> None:
 
 
 def test_oil_from_the_numbers_of_a_lubricant() -> None:
-    class Numbers:
-        viscosity = np.array(0.0208)
-        pressure_viscosity = np.array(11.4e-9)
-        temperature_viscosity = np.array(0.031)
-        thermal_conductivity = 0.14
-
-    oil = Oil.of(Numbers(), eyring_stress=4e6)
-    assert oil == Oil(0.0208, 11.4e-9, eyring_stress=4e6, temperature_viscosity=0.031, conductivity=0.14)
+    oil = Oil.of(lubricant("75w90").at(75.0), eyring_stress=4e6)
+    assert (oil.viscosity, oil.pressure_viscosity) == pytest.approx((0.0208, 11.4e-9), rel=1e-12)
+    assert oil.eyring_stress == 4e6
+    assert oil.temperature_viscosity == pytest.approx(math.log(0.0499 / 0.0106) / 50.0)

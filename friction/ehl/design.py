@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,39 +14,23 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from ...core.errors import InputError
+from ..lubricant import lubricant
 from .conditions import STEEL, LineContact
 from .oil import Oil
 
-#: 75W90 by temperature [deg C]: viscosity [Pa s], pressure-viscosity coefficient [1/Pa] (dissertation, table 5.2).
-_OIL = MappingProxyType(
-    {25.0: (0.1626, 18.0e-9), 50.0: (0.0499, 13.9e-9), 75.0: (0.0208, 11.4e-9), 100.0: (0.0106, 9.7e-9)}
-)
-#: Not in the dissertation: Eyring stress [Pa] and conductivity [W/(m K)] of a usual gear oil.
-_EYRING_STRESS, _CONDUCTIVITY = 5e6, 0.14
+#: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
+_EYRING_STRESS = 5e6
 
 
 def oil_75w90(temperature: float) -> Oil:
-    """Return the oil of the dissertation at one of the temperatures of its table 5.2: 25, 50, 75 or 100 deg C.
-
-    The fall of the viscosity with the temperature is that between the neighbouring entries of the table.
+    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 deg C.
 
     Raises
     ------
     InputError
-        Another temperature; the tables between are for the caller to interpolate.
+        The temperature is beyond the table.
     """
-    if temperature not in _OIL:
-        raise InputError(f"temperature {temperature!r} is not in the table: 25, 50, 75 or 100 deg C")
-    temperatures = np.array(list(_OIL))
-    fall = -np.gradient(np.log([viscosity for viscosity, _ in _OIL.values()]), temperatures)
-    viscosity, coefficient = _OIL[temperature]
-    return Oil(
-        viscosity,
-        coefficient,
-        eyring_stress=_EYRING_STRESS,
-        temperature_viscosity=float(fall[temperatures == temperature][0]),
-        conductivity=_CONDUCTIVITY,
-    )
+    return Oil.of(lubricant("75w90").at(temperature), eyring_stress=_EYRING_STRESS)
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,16 @@
-"""What the film model needs to know of an oil at its inlet temperature: a handful of numbers."""
+"""What the film model needs to know of an oil at its inlet temperature: a handful of state."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
+from ..lubricant import OilState
 
 Array = NDArray[np.float64]
 
@@ -21,26 +22,6 @@ _TWO_SLOPE = (70e6, 380e6, 1400e6)
 _DENSITY_RISE, _DENSITY_FALL = 2.266e-9, 1.683e-9
 
 ViscosityLaw = Literal["roelands", "two_slope"]
-
-
-class OilNumbers(Protocol):
-    """An oil at one temperature, as the table of a lubricant gives it."""
-
-    @property
-    def viscosity(self) -> Any:
-        """[Pa s]."""
-
-    @property
-    def pressure_viscosity(self) -> Any:
-        """[1/Pa]."""
-
-    @property
-    def temperature_viscosity(self) -> Any:
-        """[1/K]."""
-
-    @property
-    def thermal_conductivity(self) -> Any:
-        """[W/(m K)]."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +87,13 @@ class Oil:
             )
 
     @classmethod
-    def of(cls, numbers: OilNumbers, **rheology: Any) -> Oil:
-        """Oil from the numbers of a lubricant at one temperature; `rheology` are further attributes."""
+    def of(cls, state: OilState, **rheology: Any) -> Oil:
+        """Oil from a lubricant at one temperature; `rheology` are further attributes."""
         return cls(
-            float(numbers.viscosity),
-            float(numbers.pressure_viscosity),
-            temperature_viscosity=float(numbers.temperature_viscosity),
-            conductivity=float(numbers.thermal_conductivity),
+            float(state.viscosity),
+            float(state.pressure_viscosity),
+            temperature_viscosity=float(state.temperature_viscosity),
+            conductivity=float(state.thermal_conductivity),
             **rheology,
         )
 

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
+from ..conditions import ContactConditions
 from .certificate import Status
 from .conditions import STEEL
 from .design import oil_75w90
@@ -36,27 +36,6 @@ _WORTHWHILE = 0.99
 
 #: A space-filling subset of the design of the dissertation, run with the defaults.
 SHIPPED = Path(__file__).with_name("study.nc")
-
-
-class Conditions(Protocol):
-    """Conditions of line contacts as the models of the friction coefficient get them, in SI; arrays that broadcast."""
-
-    @property
-    def hertz_pressure(self) -> Any: ...  # noqa: D102
-    @property
-    def equivalent_radius(self) -> Any: ...  # noqa: D102
-    @property
-    def rolling_velocity(self) -> Any: ...  # noqa: D102
-    @property
-    def slide_to_roll(self) -> Any: ...  # noqa: D102
-    @property
-    def viscosity(self) -> Any: ...  # noqa: D102
-    @property
-    def pressure_viscosity(self) -> Any: ...  # noqa: D102
-    @property
-    def composite_roughness(self) -> Any: ...  # noqa: D102
-    @property
-    def contact_modulus(self) -> float: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +118,8 @@ class FrictionFormula:
         normal = (np.clip(groups, self.lowest, self.highest) - self.centre) / self.scale
         return np.exp(_columns(normal, self.terms) @ self.coefficients), np.asarray(inside)
 
-    def coefficient(self, conditions: Conditions) -> Array:
-        """Friction coefficient under conditions of another stage; the formula as a model for a gear analysis."""
+    def coefficient(self, conditions: ContactConditions) -> Array:
+        """Friction coefficient of the segments of a gear analysis: a model that `easeoff.friction` takes."""
         friction, _ = self(
             conditions.hertz_pressure,
             conditions.equivalent_radius,

@@ -219,7 +219,7 @@ def run_study(
 
 
 def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
-    """Return rows as a labelled dataset over the dimension `case`, failed ones included.
+    """Return rows as a labelled dataset over the dimension `combination`, failed ones included.
 
     Variables: the condition, `status`, `friction_coefficient` and its parts by film and asperities, `asperity_share`,
     `mean_film`, `smooth_film` (smallest of the smooth surfaces), `lambda_ratio`, `certified_share`, and the cost.
@@ -228,15 +228,16 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     names = list(asdict(design.condition(0)))
     renamed = {"hertz_pressure": "contact_pressure", "radius": "contact_radius"}
     data: dict[str, Any] = {
-        renamed.get(name, name): ("case", np.array([case[name] for case in cases], dtype=float)) for name in names
+        renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
+        for name in names
     }
     for name in _NUMBERS:
-        data[name] = ("case", np.array([row[name] for row in rows.values()], dtype=float))
+        data[name] = ("combination", np.array([row[name] for row in rows.values()], dtype=float))
     friction = data["film_friction"][1] + data["asperity_friction"][1]
-    data["friction_coefficient"] = ("case", friction)
+    data["friction_coefficient"] = ("combination", friction)
     status = np.array([row["status"] for row in rows.values()]).astype(np.int8)
-    data["status"] = ("case", status, Status.flag_attributes())
-    return labelled(xr.Dataset(data, coords={"case": np.array(list(rows), dtype=int)}))
+    data["status"] = ("combination", status, Status.flag_attributes())
+    return labelled(xr.Dataset(data, coords={"combination": np.array(list(rows), dtype=int)}))
 
 
 def _one_by_one(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:

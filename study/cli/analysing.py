@@ -1,0 +1,82 @@
+"""What the commands that analyse a case have in common: their options, and the analysis with a progress bar."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .options import misalignment, torques
+
+# Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
+if TYPE_CHECKING:
+    from ...friction import FrictionModel, Operation
+    from ..analysis import Analysis
+
+_OPTIONS = (
+    click.argument("case"),
+    click.option(
+        "--flank",
+        type=click.Choice(["drive", "coast"]),
+        default="drive",
+        show_default=True,
+        help="Which flanks mesh: drive is pinion concave with gear convex.",
+    ),
+    click.option(
+        "--torque",
+        "torques",
+        callback=torques,
+        metavar="T1,T2,...",
+        help="Torques at the pinion in N m; the case's own if left out.",
+    ),
+    click.option(
+        "--misalignment",
+        callback=misalignment,
+        metavar="E=..,P=..,G=..,Sigma=..",
+        help="Assembly errors in mm (Sigma in degrees); the case's own if left out.",
+    ),
+    click.option("--solver", default="auto", show_default=True, help="Contact solver."),
+)
+
+
+def analysis_options(command: Any) -> Any:
+    """Add the argument CASE and the options of an analysis to a command."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def analysed(
+    case: str,
+    flank: Any,
+    torques: Any,
+    misalignment: Any,
+    solver: str,
+    operation: Operation | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
+) -> Analysis:
+    """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal."""
+    from tqdm import tqdm
+
+    from ...cases import read_case
+    from ..analysis import analyze_in_full
+
+    checked = read_case(case)
+    total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
+    with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
+        return analyze_in_full(
+            checked,
+            flank=flank,
+            torques=torques,
+            misalignment=misalignment,
+            solver=solver,
+            operation=operation,
+            friction_model=friction_model,
+            friction_feedback=friction_feedback,
+            progress=lambda: _step(bar),
+        )
+
+
+def _step(bar: Any) -> None:
+    bar.update(1)
