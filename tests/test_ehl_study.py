@@ -10,11 +10,12 @@ import pytest
 import xarray as xr
 
 from easeoff.core.errors import InputError, MissingPackageError
+from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl import Status
 from easeoff.friction.ehl import study as study_module
 from easeoff.friction.ehl.conditions import STEEL
 from easeoff.friction.ehl.design import Condition, Design, oil_75w90
-from easeoff.friction.ehl.regression import FrictionFormula, fit_friction, study_groups
+from easeoff.friction.ehl.regression import SHIPPED, FrictionFormula, fit_friction, shipped_formula, study_groups
 from easeoff.friction.ehl.study import Resolution, Row, run_case, run_study, study_dataset
 
 
@@ -188,3 +189,31 @@ def test_formula_is_held_at_the_ends_of_its_range() -> None:
 def test_too_few_cases_for_a_formula_are_refused() -> None:
     with pytest.raises(InputError, match="too few"):
         fit_friction(invented(0.0).isel(combination=slice(0, 12)))
+
+
+def test_shipped_study_is_certified_and_its_formula_a_model_for_gears() -> None:
+    formula = shipped_formula()
+    with xr.open_dataset(SHIPPED, engine="netcdf4") as dataset:
+        dataset.load()
+        assert dataset.sizes["combination"] >= formula.cases >= 60
+        assert {float(v) for v in np.unique(dataset["status"])} <= {Status.CERTIFIED, Status.NOT_CONVERGED}
+        assert float(dataset["asperity_share"].max()) > 0.02
+        # Full films carry all of the load.
+        full = dataset["asperity_share"].where(dataset["lambda_ratio"] > 3.0)
+        assert float(full.max()) < 1e-3
+    assert SHIPPED.stat().st_size < 300_000
+    slides = np.array([0.1, 0.5])
+    by_gear = friction_coefficient(
+        formula.coefficient,
+        hertz_pressure=1e9,
+        equivalent_radius=0.02,
+        rolling_velocity=5.0,
+        slide_to_roll=slides,
+        roughness=0.4e-6,
+        temperature=75.0,
+    )
+    expected, inside = formula(1e9, 0.02, 5.0, slides, 0.0208, 11.4e-9, 0.4e-6 * np.sqrt(2.0))
+    assert inside.all()
+    np.testing.assert_allclose(by_gear, expected, rtol=1e-9)
+    assert (expected > 1e-3).all()
+    assert (expected < 0.1).all()

@@ -250,8 +250,8 @@ class _March:
         slide = 0.5 * contact.slide_to_roll
         heights = first(contact.half_width * (self.x - (1.0 + slide) * moved))
         heights = heights + second(contact.half_width * (self.x - (1.0 - slide) * moved))
-        # The first step has no step before the one before; from a steady state that makes no difference.
-        # Along the path of the mean flow: the node upstream a step ago, and the next two steps ago.
+        # Along the path of the mean flow: the node upstream a step ago, and the next two steps ago. (The first step has
+        # only one before; from a steady state that makes no difference.)
         last = np.concatenate([self.mass[:1], self.mass[:-1]])
         before = np.concatenate([self.mass_before[:1], self.mass_before[:1], self.mass_before[:-2]])
         history = History(2.0 * last - 0.5 * before, 1.5) if self.order == 2 else History(last, 1.0)
