@@ -60,7 +60,7 @@ def pan_hamrock(c: LineContact) -> float:
     return float(1.714 * c.radius * c.speed_group**0.694 * c.material_group**0.568 * c.load_group**-0.128)
 
 
-#: Pressure, radius, velocity, viscosity, pressure-viscosity coefficient: W from 2e-5 to 5e-4, U from 8e-13 to 1e-10.
+#: Pressure, radius, velocity, viscosity, pressure-viscosity coefficient: W 2e-5 to 5e-4, U 1e-12 to 2e-10, G to 5000.
 WITHIN_THREE_PERCENT = [
     (0.5e9, 0.02, 2.0, 0.0499, 13.9e-9),
     (0.7e9, 0.02, 5.0, 0.0208, 11.4e-9),
