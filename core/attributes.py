@@ -49,6 +49,12 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
         "distance from the end of the edge radius along the blade that cuts here, the smaller of both members",
     ),
     "status": ("", "why a node or a solution can or cannot be used"),
+    # deviations
+    "deviation": ("um", "deviation from the designed flank along its outward normal, positive where there is more metal"),
+    "extrapolated": ("1", "1 where a deviation is taken beyond its outermost nodes, 0 elsewhere"),
+    "pinion_deviation": ("um", "deviation of the pinion flank at the conjugate point, positive where there is more metal"),
+    "gear_deviation": ("um", "deviation of the gear flank, positive where there is more metal"),
+    "ease_off_change": ("um", "change of the ease-off by the deviations, along the normal"),
     # teeth
     "shell_height": ("mm", "height above the root line where the line of the contact force meets the tooth's middle"),
     "shell_arc": ("mm", "distance from the toe along the tooth trace where the force meets the tooth's middle"),
