@@ -50,9 +50,16 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     ),
     "status": ("", "why a node or a solution can or cannot be used"),
     # deviations
-    "deviation": ("um", "deviation from the designed flank along its outward normal, positive where there is more metal"),
+    "deviation": (
+        "um",
+        "deviation from the designed flank along its outward normal, positive where there is more metal",
+    ),
+    "measured_position": ("mm", "measured point of the flank in the member's frame"),
     "extrapolated": ("1", "1 where a deviation is taken beyond its outermost nodes, 0 elsewhere"),
-    "pinion_deviation": ("um", "deviation of the pinion flank at the conjugate point, positive where there is more metal"),
+    "pinion_deviation": (
+        "um",
+        "deviation of the pinion flank at the conjugate point, positive where there is more metal",
+    ),
     "gear_deviation": ("um", "deviation of the gear flank, positive where there is more metal"),
     "ease_off_change": ("um", "change of the ease-off by the deviations, along the normal"),
     # teeth

@@ -53,7 +53,9 @@ class DeviatedSurface(GeneratingSurface):
             shift[index] = step
             ahead, behind = (super(DeviatedSurface, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
             tangent, turned = ((a - b) / (2.0 * step) for a, b in zip(ahead[:2], behind[:2], strict=True))
-            radial = (position[0] * tangent[0] + position[1] * tangent[1]) / np.sqrt(position[0] ** 2 + position[1] ** 2)
+            radial = (position[0] * tangent[0] + position[1] * tangent[1]) / np.sqrt(
+                position[0] ** 2 + position[1] ** 2
+            )
             tangents.append(tangent)
             stretched.append(tangent + deviation * turned)
             climbs.append(slope[0] * tangent[2] + slope[1] * radial)

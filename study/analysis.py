@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -21,7 +21,9 @@ from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
 from ..geometry.assembly import Misalignment
-from ..geometry.pair import FlankName, GearPair, pair_geometry
+from ..geometry.pair import FlankName, GearPair
+from ..geometry.tooth_flanks import MemberName
+from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations
 
 SCHEMA_VERSION = 1
 
@@ -54,6 +56,8 @@ def analyze_in_full(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -62,7 +66,8 @@ def analyze_in_full(
     require_solver(solver)
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
-    geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
+    departures = flank_deviations(pair, deviations or {})
+    geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
     unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
@@ -79,7 +84,9 @@ def analyze_in_full(
         **options,
     )
     groups = {
-        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver)),
+        "/": xr.Dataset(
+            attrs=_provenance(case, pair, flank, solver) | deviation_attributes(departures, deviated),
+        ),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
         "/teeth": geometry.teeth,
@@ -95,6 +102,8 @@ def analyze(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -111,6 +120,11 @@ def analyze(
         Torques at the pinion [N m]; the case's own if left out.
     misalignment
         Assembly errors; the case's own if left out.
+    deviations
+        What the flanks depart from the designed ones: for ``pinion``, ``gear`` or both a ``Deviation``, a dataset, or
+        the file of a measured grid.
+    deviated
+        How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     progress
@@ -134,7 +148,15 @@ def analyze(
     """
     checked = case if isinstance(case, Case) else read_case(case)
     return analyze_in_full(
-        checked, flank=flank, torques=torques, misalignment=misalignment, solver=solver, progress=progress, **options
+        checked,
+        flank=flank,
+        torques=torques,
+        misalignment=misalignment,
+        deviations=deviations,
+        deviated=deviated,
+        solver=solver,
+        progress=progress,
+        **options,
     ).tree
 
 

@@ -16,7 +16,7 @@ from .exit_codes import EXIT_UNCERTIFIED
 @analysis_options
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
 @click.option("--plots", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures.")
-def run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path, plots: Path | None) -> None:
+def run(case: str, output: Path, plots: Path | None, **options: Any) -> None:
     """Analyse CASE, a shipped name or a file, and write the result."""
     from ...core.files import check_writable
     from ..result import write_result
@@ -25,7 +25,7 @@ def run(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, out
     check_writable(output)
     if plots is not None:
         check_writable(plots / "picture.png")
-    analysis = analysed(case, flank, torques, misalignment, solver)
+    analysis = analysed(case, **options)
     write_result(analysis.tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:
