@@ -16,7 +16,9 @@ from scipy.interpolate import NdBSpline, make_interp_spline
 
 Array = NDArray[Any]
 DEGREE = 3
-FADING = 0.25  # of the grid's size: over which a deviation ceases to change beyond the edge of its flank
+# Of the grid's size, over which these cease to change, smoothly:
+TREND_FADING = 0.25  # the surface of second order, beyond the edge of the flank
+REST_FADING = 0.02  # what the nodes have besides, beyond the grid
 SMALLEST = 1e-12  # [mm^2]; added to squared distances, so that a node is no division by zero
 LOCATING_STEPS = 30
 
@@ -63,9 +65,11 @@ class WeightedAverage:
 class GridSpline:
     """A bicubic spline through the nodes, in the grid's own coordinates.
 
-    Exact at the nodes and for every polynomial of third order in the grid's coordinates (of second, where a direction
-    has three nodes). Grid coordinates run from 0 to 1 over the columns (u) and rows (v). Beyond the grid the second
-    order is continued, and beyond the edge of the flank the deviation ceases to change, smoothly.
+    Exact at the nodes and between them for every polynomial of third order in the grid's coordinates (of second, where
+    a direction has three nodes). Grid coordinates run from 0 to 1 over the columns (u) and rows (v). Beyond the grid
+    the surface of second order in the axial plane that fits all nodes best is continued, up to the edge of the flank;
+    what the nodes have besides soon ceases to change. So a global error is extrapolated as such, and the scatter of
+    the outermost nodes is not magnified.
 
     Parameters
     ----------
@@ -84,8 +88,12 @@ class GridSpline:
 
     @cached_property
     def _spline(self) -> NdBSpline:
-        """Tensor spline with the components axial, radial and deviation."""
-        nodes = np.stack([self.axial, self.radial, self.value], axis=-1)
+        """Tensor spline with the components axial, radial, surface of second order, and the rest."""
+        x, y = (values - values.mean() for values in (self.axial, self.radial))
+        terms = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=-1).reshape(-1, 6)
+        size = np.max(np.abs(terms), axis=0)
+        trend = (terms / size @ np.linalg.lstsq(terms / size, self.value.ravel(), rcond=None)[0]).reshape(x.shape)
+        nodes = np.stack([self.axial, self.radial, trend, self.value - trend], axis=-1)
         knots, degrees, coefficients = [], [], nodes
         for axis in (0, 1):
             steps = np.linalg.norm(np.diff(nodes[..., :2], axis=axis), axis=-1).mean(axis=1 - axis)
@@ -105,14 +113,14 @@ class GridSpline:
         return np.stack([np.minimum(corners.min(axis=1), 0.0), np.maximum(corners.max(axis=1), 1.0)], axis=1)
 
     def _derivatives(self, place: Array, order: int) -> Array:
-        """Values and derivatives (order + 1, order + 1, 3, n) of the components by both grid coordinates (2, n).
+        """Values and derivatives (order + 1, order + 1, 4, n) of the components by both grid coordinates (2, n).
 
         Beyond the grid, the polynomials of that order from its edge.
         """
         inside = np.clip(place, 0.0, 1.0)
         beyond = place - inside
         degrees = self._spline.k
-        table = np.zeros((order + 1, order + 1, 3, place.shape[1]))
+        table = np.zeros((order + 1, order + 1, 4, place.shape[1]))
         for a in range(min(order, degrees[0]) + 1):
             for b in range(min(order, degrees[1]) + 1):
                 table[a, b] = self._spline(inside.T, nu=(a, b)).T
@@ -148,7 +156,8 @@ class GridSpline:
         along, up = chart[1, 0, :2], chart[0, 1, :2]
         # A last Newton step in the given numbers carries an imaginary part over to the grid coordinates.
         shift = _solved(along, up, target - chart[0, 0, :2])
-        value = self._faded(place)
+        grid = np.array([[0.0, 1.0], [0.0, 1.0]])
+        value = self._settled(place, 2, self._bounds, TREND_FADING) + self._settled(place, 3, grid, REST_FADING)
         deviation = value[0, 0] + shift[0] * value[1, 0] + shift[1] * value[0, 1]
         slope = np.stack([value[1, 0], value[0, 1]]) + shift[0] * np.stack([value[2, 0], value[1, 1]])
         slope = slope + shift[1] * np.stack([value[1, 1], value[0, 2]])
@@ -161,17 +170,17 @@ class GridSpline:
         by_radial = (slope[1] * along[0] - slope[0] * up[0]) / determinant
         return deviation.reshape(shape), np.stack([by_axial, by_radial]).reshape(2, *shape)
 
-    def _faded(self, place: Array) -> Array:
-        """Deviation and its derivatives (3, 3, n) by grid coordinates (2, n), settling beyond the flank's edge."""
+    def _settled(self, place: Array, component: int, bounds: Array, fading: float) -> Array:
+        """A component and its derivatives (3, 3, n) by grid coordinates (2, n), settling beyond bounds (2, 2)."""
         held, first, second = place.copy(), np.ones_like(place), np.zeros_like(place)
-        for axis, (lower, upper) in enumerate(self._bounds):
+        for axis, (lower, upper) in enumerate(bounds):
             for bound, sign in ((lower, -1.0), (upper, 1.0)):
-                beyond = np.maximum(sign * (place[axis] - bound), 0.0) / FADING
+                beyond = np.maximum(sign * (place[axis] - bound), 0.0) / fading
                 settled, out = np.tanh(beyond), beyond > 0.0
-                held[axis, out] = bound + sign * FADING * settled[out]
+                held[axis, out] = bound + sign * fading * settled[out]
                 first[axis, out] = 1.0 - settled[out] ** 2
-                second[axis, out] = -2.0 * sign / FADING * settled[out] * first[axis, out]
-        table = self._derivatives(held, 2)[:, :, 2]
+                second[axis, out] = -2.0 * sign / fading * settled[out] * first[axis, out]
+        table = self._derivatives(held, 2)[:, :, component]
         for axis in (0, 1):
             terms = np.moveaxis(table, axis, 0)
             terms[2] = terms[2] * first[axis] ** 2 + terms[1] * second[axis]
