@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from .deviation import Deviation
+from .flank_surface import solve_flank
 from .generating_surface import GeneratingSurface
 from .section import BlankSection
 
@@ -118,8 +119,6 @@ def angle_errors(errors: FlankErrors, section: BlankSection, surface: Generating
     """
     t = np.array([0.5, 0.5, 0.5, 0.0, 1.0])
     h = np.array([0.5, 0.0, 1.0, 0.5, 0.5])
-    from .flank_surface import solve_flank
-
     flank = solve_flank(surface.designed, section, *section.points(t, h))
     length = float(np.linalg.norm(flank.position[:, 4] - flank.position[:, 3]))
     height = float(np.linalg.norm(flank.position[:, 2] - flank.position[:, 1]))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
-from .flank_surface import nearest_seeds, seed_lattice
+from .deviation import Deviation
+from .flank_surface import nearest_seeds, seed_lattice, solve_flank
 from .generating_surface import GeneratingSurface
 from .newton import complex_steps, solve
 from .section import BlankSection
@@ -54,3 +56,25 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
         f"the normal of a nominal point misses the flank: {float(np.nanmax(np.abs(error))):.3g} mm are left between "
         "them. Do the points belong to this flank, in this position?"
     )
+
+
+def zeroed(deviation: Deviation, surface: GeneratingSurface) -> Deviation:
+    """The deviation of a tooth turned about its axis until it has none in the middle of the flank.
+
+    That is how bevel gears are measured: the machine turns them to the reference point. A constant would not do: the
+    lever arm, and with it what a rotation moves, changes along the flank.
+
+    Parameters
+    ----------
+    deviation
+        What was measured in any position of the tooth.
+    surface
+        The designed flank.
+    """
+    section, shape = deviation.section, deviation.value.shape
+    middle = section.points(np.array([0.5]), np.array([0.5]))
+    nodes = np.stack([deviation.axial.ravel(), deviation.radial.ravel()])
+    flank = solve_flank(surface.designed, section, *np.concatenate([nodes, middle], axis=1))
+    lever = flank.position[0] * flank.normal[1] - flank.position[1] * flank.normal[0]
+    turn = float(deviation.at(np.array([0.5]), np.array([0.5]))[0]) / lever[-1]
+    return replace(deviation, value=deviation.value - turn * lever[:-1].reshape(shape))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -123,7 +124,7 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
 def test_the_update_errs_in_the_second_order_where_flanks_are_conjugate() -> None:
     pair = conjugate_pair()
     errors = [errors_of_the_update(pair, PINION_ERRORS, GEAR_ERRORS, factor) for factor in (1.0, 0.5, 0.25)]
-    for large, small in zip(errors, errors[1:], strict=False):
+    for large, small in pairwise(errors):
         assert 3.6 < large[0] / small[0] < 4.4
         assert 3.6 < large[1] / small[1] < 4.4
     assert errors[0][0] < 0.1  # um, of 40 um
@@ -241,7 +242,7 @@ def test_what_drifts_past_a_place_of_the_gear_is_the_sliding_pinion() -> None:
 
 
 def test_sliding_is_the_difference_of_the_speeds_across_the_line_and_along_it() -> None:
-    """The line's speeds over both flanks differ by the sliding across it: less than the sliding, and equal somewhere."""
+    """The line's speeds over both flanks differ by the sliding across it: by less than all of it."""
     found, use = rolling(computed()), computed().inside
     difference = np.abs(found.pinion_speed - found.gear_speed)[use]
     assert np.all(difference < found.sliding[use] * (1.0 + 1e-9))

@@ -53,7 +53,7 @@ def test_a_quadratic_surface_is_kept_everywhere_up_to_the_edges() -> None:
 
 
 def test_the_spline_is_a_better_interpolant_than_the_average() -> None:
-    """Between the nodes of a 5 x 9 grid, of a smooth deviation: by more than ten times, and with the order of a cubic."""
+    """Between the nodes of a 5 x 9 grid, of a smooth deviation: ten times, and of the order of a cubic."""
 
     def form(t: Array, h: Array) -> Array:
         return np.asarray(10.0 * np.sin(2.5 * t + 1.5 * h))

@@ -244,10 +244,8 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
         If there is no such file, or it holds no such points; for a text file with the number of the line.
     """
     source = Path(path)
-    if _suffix(path) == ".csv":
-        dataset = labelled(cmm_csv.parsed(content(source), str(source)))
-    else:
-        dataset = opened(source)
+    text = _suffix(path) == ".csv"
+    dataset = labelled(cmm_csv.parsed(content(source), str(source))) if text else opened(source)
     check_points(dataset, source, FORMAT)
     return dataset
 

@@ -160,12 +160,6 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
     position = grid["position"].sel(flank=name).transpose("xyz", "column", "row").values
     axial, radial = position[2], np.hypot(position[0], position[1])
     lengthwise, profile = member.section.fractions(axial, radial)
-    order = [np.sign(np.diff(lengthwise, axis=0).mean()), np.sign(np.diff(profile, axis=1).mean())]
-    if abs(np.diff(lengthwise, axis=1).mean()) > abs(np.diff(lengthwise, axis=0).mean()):
-        raise InputError("rows and columns of the measured grid are exchanged: columns run from toe to heel")
-    for name_of, ends, sign in (("columns", "toe to heel", order[0]), ("rows", "root to tip", order[1])):
-        if not sign > 0.0:
-            raise InputError(f"the {name_of} of the measured grid run the wrong way: they are counted from {ends}")
     designed = solve_flank(member.loaded.designed, member.section, axial.ravel(), radial.ravel())
     turned = np.arctan2(*position[1::-1]).ravel() - np.arctan2(designed.position[1], designed.position[0])
     turned = np.mod(turned - turned[0] + np.pi, 2.0 * np.pi) - np.pi
@@ -177,6 +171,12 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
             + (f" (up to {np.max(off):.3g} mm off)" if np.all(np.isfinite(off)) else "")
             + ": is it the grid of this member and design, and in mm?"
         )
+    order = [np.sign(np.diff(lengthwise, axis=0).mean()), np.sign(np.diff(profile, axis=1).mean())]
+    if abs(np.diff(lengthwise, axis=1).mean()) > abs(np.diff(lengthwise, axis=0).mean()):
+        raise InputError("rows and columns of the measured grid are exchanged: columns run from toe to heel")
+    for name_of, ends, sign in (("columns", "toe to heel", order[0]), ("rows", "root to tip", order[1])):
+        if not sign > 0.0:
+            raise InputError(f"the {name_of} of the measured grid run the wrong way: they are counted from {ends}")
     values = grid["deviation"].sel(flank=name).transpose("column", "row").values
     return Deviation(member.section, axial, radial, 1e-3 * values, method)
 
