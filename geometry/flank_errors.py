@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from .deviation import Deviation
 from .flank_surface import solve_flank
-from .generating_surface import GeneratingSurface
-from .section import BlankSection
+from .mean_point import angles_of_normal
+from .pair import Member
 
 Array = NDArray[Any]
+HALF = 0.01  # fraction of the flank over which its tangents are taken
 
 
 @dataclass(frozen=True)
@@ -102,25 +103,31 @@ def fit_flank_errors(deviation: Deviation) -> FlankErrorFit:
     )
 
 
-def angle_errors(errors: FlankErrors, section: BlankSection, surface: GeneratingSurface) -> tuple[float, float]:
+def angle_errors(errors: FlankErrors, member: Member) -> tuple[float, float]:
     """Changes of spiral angle and pressure angle in the middle of the flank [rad] that stand for these errors.
 
-    More metal at the heel makes the spiral angle of a concave flank larger and that of a convex flank smaller; more
-    metal at the tip makes the pressure angle smaller, on either.
+    From the normal of the flank, which leans against the slope of the deviation; rows and columns of a measuring grid
+    are not at right angles on the flank, so that either error changes both angles.
 
     Parameters
     ----------
     errors
         The errors.
-    section
-        Blank of the member.
-    surface
-        The designed flank.
+    member
+        The member, seen from the flank with the errors.
     """
-    t = np.array([0.5, 0.5, 0.5, 0.0, 1.0])
-    h = np.array([0.5, 0.0, 1.0, 0.5, 0.5])
-    flank = solve_flank(surface.designed, section, *section.points(t, h))
-    length = float(np.linalg.norm(flank.position[:, 4] - flank.position[:, 3]))
-    height = float(np.linalg.norm(flank.position[:, 2] - flank.position[:, 1]))
-    concave = 1.0 if surface.blade.side == "outside" else -1.0
-    return concave * 2e-3 * errors.spiral_angle / length, -2e-3 * errors.pressure_angle / height
+    surface, section = member.loaded.designed, member.section
+    t, h = 0.5 + HALF * np.array([0, -1, 1, 0, 0]), 0.5 + HALF * np.array([0, 0, 0, -1, 1])
+    flank = solve_flank(surface, section, *section.points(t, h))
+    position, normal = flank.position, flank.normal[:, 0]
+    tangents = np.stack([position[:, 2] - position[:, 1], position[:, 4] - position[:, 3]]) / (2.0 * HALF)
+    slopes = 2e-3 * np.array([errors.spiral_angle, errors.pressure_angle])  # t and h run over twice their fractions
+    leaning = normal - np.linalg.solve(np.stack([*tangents, normal]), [*slopes, 0.0])
+    angles = [
+        angles_of_normal(position[:, 0], n / np.linalg.norm(n), section.pitch_angle, surface.hand)
+        for n in (normal, leaning)
+    ]
+    return (
+        angles[1].spiral_angle - angles[0].spiral_angle,
+        angles[1].pressure_angle - angles[0].pressure_angle,
+    )

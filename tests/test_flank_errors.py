@@ -96,7 +96,7 @@ def test_angles_are_those_of_the_normal(flank: str, name: str, change: dict[str,
     designed = getattr(gear_pair(easeoff.read_case("fm-11x41"), flank), name)  # type: ignore[arg-type]
     real = changed(designed.loaded, change)
     found = fit_flank_errors(measured(designed, real))
-    angles = angle_errors(found.errors, designed.section, designed.loaded)
+    angles = angle_errors(found.errors, designed)
     wanted = np.subtract(angles_at_the_middle(designed, real), angles_at_the_middle(designed, designed.loaded))
     assert np.max(np.abs(wanted)) > 5e-4
     np.testing.assert_allclose(angles, wanted, rtol=0, atol=0.1 * np.max(np.abs(wanted)))

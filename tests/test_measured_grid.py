@@ -129,7 +129,7 @@ def test_nanometres_are_noticed(tmp_path: Path) -> None:
 
 def test_a_hole_in_the_grid_is_refused(tmp_path: Path) -> None:
     path = rewritten(tmp_path, lambda cells: [*cells[:9], "nan" if cells[:3] == ["convex", "2", "4"] else cells[9]])
-    with pytest.raises(InputError, match="line .*no finite number"):
+    with pytest.raises(InputError, match=r"line .*no finite number"):
         read_measured_grid(path)
     holed = grid()["deviation"].values.copy()
     holed[1, 1, 3] = np.nan
@@ -142,7 +142,7 @@ def test_a_hole_in_the_grid_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_grid_of_another_size_is_refused() -> None:
-    with pytest.raises(InputError, match="5 rows x 9 columns.*rows and columns seem to be exchanged"):
+    with pytest.raises(InputError, match=r"5 rows x 9 columns.*rows and columns seem to be exchanged"):
         measured_grid(points(), grid()["deviation"].values.transpose(0, 2, 1))
     with pytest.raises(InputError, match="5 rows x 9 columns"):
         measured_grid(points(), np.ones((2, 4, 9)))
@@ -153,10 +153,10 @@ def test_exchanged_or_reversed_rows_and_columns_are_noticed(tmp_path: Path) -> N
     with pytest.raises(InputError, match="rows and columns of the measured grid are exchanged"):
         flank_deviation(read_measured_grid(exchanged), pair().gear)
     reversed_columns = rewritten(tmp_path, lambda cells: [*cells[:2], str(10 - int(cells[2])), *cells[3:]])
-    with pytest.raises(InputError, match="columns.*wrong way.*toe to heel"):
+    with pytest.raises(InputError, match=r"columns.*wrong way.*toe to heel"):
         flank_deviation(read_measured_grid(reversed_columns), pair().gear)
     reversed_rows = rewritten(tmp_path, lambda cells: [cells[0], str(6 - int(cells[1])), *cells[2:]])
-    with pytest.raises(InputError, match="rows.*wrong way.*root to tip"):
+    with pytest.raises(InputError, match=r"rows.*wrong way.*root to tip"):
         flank_deviation(read_measured_grid(reversed_rows), pair().gear)
 
 
