@@ -114,6 +114,13 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # wear
+    "step": ("1", "step of the wear, 0 at the start"),
+    "wear_depth": ("um", "metal worn off along the normal, on the member's own flank"),
+    "revolutions": ("1", "revolutions of the pinion"),
+    "largest_depth": ("um", "largest depth of wear on the flank"),
+    "removed_volume": ("mm3", "volume worn off one tooth, from force and sliding"),
+    "depth_integral": ("mm3", "volume worn off one tooth, as the integral of the depth over the flank"),
     # comparison of solvers
     "problem_file": ("", "file the problem is from"),
     "problem": ("1", "number of the problem in its file, from 0"),
