@@ -157,6 +157,7 @@ class _Run:
         self.volume = dict.fromkeys(MEMBERS, 0.0)
         self.revolutions = 0.0
         self.stop: str | None = None
+        self.touched: dict[str, NDArray[np.bool_]] = {}
         self._solve()
 
     def _deviation(self, name: str) -> Deviation:
@@ -185,7 +186,8 @@ class _Run:
             solver=self.solver,
         )
         once = engagement(self.loaded, self.motion, pitch, settings.segments_per_line)
-        self.touched = {name: touched(once, name, self.t, self.h) for name in MEMBERS}
+        if not self.touched:
+            self.touched = {name: touched(once, name, self.t, self.h) for name in MEMBERS}
         # A tooth of the gear meets the pinion once in a revolution of the gear.
         per_revolution = {
             "pinion": self.law.pinion_coefficient,
