@@ -27,7 +27,7 @@ Array = NDArray[Any]
 
 # Formate: no roll. The cradle angle and tilt would only stand in for others.
 FREE_FORMATE = ("point_radius", "pressure_angle", "radial_distance", "machine_root_angle", "sliding_base")
-RELUCTANCE = 0.01  # [um] that a setting's usual step counts: of settings that do the same, none runs away
+RELUCTANCE = 1.0  # [um] at one node that a usual step of a setting counts: of settings that do the same, none runs away
 FAR = 1e6
 
 

@@ -31,7 +31,7 @@ from easeoff.study.cli import main
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare")
+WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "real_flanks")
 
 
 def text(name: str) -> str:

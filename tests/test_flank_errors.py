@@ -16,7 +16,7 @@ from easeoff.geometry import Member
 from easeoff.geometry.corrective_settings import corrective_settings
 from easeoff.geometry.deviation import Deviation, deviation_from_formula
 from easeoff.geometry.flank_errors import FlankErrors, angle_errors, fit_flank_errors
-from easeoff.geometry.formats import cmm_points, flank_deviation, measured_grid
+from easeoff.geometry.formats import cmm_points
 from easeoff.geometry.free_settings import get_setting, with_settings
 from easeoff.geometry.generating_surface import GeneratingSurface
 from easeoff.geometry.measuring import distance_along_normals, zeroed
@@ -31,11 +31,11 @@ def member(case: str, name: str) -> Member:
 def measured(designed: Member, real: GeneratingSurface) -> Deviation:
     """What a measuring machine finds on a flank, turned to its middle."""
     points = cmm_points(designed)
-    place, normal = (points[name].values[0].reshape(-1, 3).T for name in ("position", "normal"))
-    distance = distance_along_normals(real, designed.section, place, normal)
-    rows, columns = points.sizes["row"], points.sizes["column"]
-    grid = measured_grid(points, 1e3 * distance.reshape(rows, columns))
-    return zeroed(flank_deviation(grid, designed), designed.loaded)
+    place, normal = (points[name].values[0].transpose(2, 1, 0) for name in ("position", "normal"))
+    flat = (v.reshape(3, -1) for v in (place, normal))
+    distance = distance_along_normals(real, designed.section, *flat).reshape(place.shape[1:])
+    found = Deviation(designed.section, place[2], np.hypot(place[0], place[1]), distance)
+    return zeroed(found, designed.loaded)
 
 
 def changed(surface: GeneratingSurface, changes: dict[str, float]) -> GeneratingSurface:
