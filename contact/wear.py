@@ -1,7 +1,7 @@
 """Wear by Archard's law: what one engagement takes off both flanks, from line loads and sliding.
 
-A point of a flank loses h = k * integral of p v_s dt while the contact line passes over it. The line crosses the flank at
-right angles to itself with the speed u, so that dt = dx / u with x across the line; and the integral of p dx is the
+A point of a flank loses h = k * integral of p v_s dt while the contact line passes over it. The line crosses the flank
+at right angles to itself with the speed u, so that dt = dx / u with x across the line; and the integral of p dx is the
 load per length F'. Hence, for either member,
 
     h = k F' v_s / u
@@ -157,7 +157,7 @@ def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array
     evenness = np.kron(steps[0].T @ steps[0], np.eye(sizes[1])) + np.kron(np.eye(sizes[0]), steps[1].T @ steps[1])
     matrix += EVENNESS * float(np.sum(area)) / matrix.shape[0] * evenness
     coefficients = np.linalg.solve(matrix, both.T @ (area * value)).reshape(sizes)
-    return np.maximum(basis(lengthwise, 0) @ coefficients @ basis(profile, 1).T, 0.0)
+    return np.asarray(np.maximum(basis(lengthwise, 0) @ coefficients @ basis(profile, 1).T, 0.0))
 
 
 def touched(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:

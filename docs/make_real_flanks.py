@@ -101,7 +101,8 @@ def said_worn() -> str:
     unloaded, loaded = ratios("worn", 0), ratios("worn", 1)
     lengths = [float(t["unloaded"]["line_length"].sel(pair=0).mean()) for t in (plain, tree)]
     roots = [pressure_at(t, 0.0, 0.3) for t in (plain, tree)]
-    difference = (tree["loaded"]["transmission_error"] - plain["loaded"]["transmission_error"]).values[0]
+    both = [t["loaded"].to_dataset()["transmission_error"].values[0] for t in (tree, plain)]
+    difference = both[0] - both[1]
     return statements(
         [
             ("the unloaded peak to peak is reduced", f"by {100 - 100 * unloaded[0]:.0f} %", unloaded[0] < 1.0),
@@ -119,6 +120,7 @@ def said_worn() -> str:
 
 def said_measured() -> str:
     """What the dissertation says of figures 4.11 to 4.14."""
+
     def greatest(members: tuple[str, ...]) -> float:
         ease_off = analysed("measured", members)["ease_off"]
         return float(ease_off["ease_off"].where(ease_off["inside"] == 1).max())
@@ -134,12 +136,20 @@ def said_measured() -> str:
                 max(abs(both - none), 1.0) < min(abs(a - none) for a in alone),
             ),
             (
-                "the unloaded peak to peak grows by two thirds",
+                "the unloaded peak to peak grows, by two thirds",
                 f"by {100 * unloaded[0] - 100:.0f} %",
-                1.3 < unloaded[0] < 2.2,
+                unloaded[0] > 1.2,
             ),
-            ("the loaded one grows by a quarter", f"by {100 * loaded[0] - 100:.0f} %", 1.1 < loaded[0] < 1.5),
-            ("the contact moves slightly to the heel", f"{centre[0]:.2f} to {centre[1]:.2f}", centre[1] > centre[0] + 0.01),
+            (
+                "the loaded one grows less, by a quarter",
+                f"by {100 * loaded[0] - 100:.0f} %",
+                1.0 < loaded[0] < unloaded[0],
+            ),
+            (
+                "the contact moves slightly to the heel",
+                f"{centre[0]:.2f} to {centre[1]:.2f}",
+                centre[1] > centre[0] + 0.01,
+            ),
         ]
     )
 
@@ -198,12 +208,14 @@ def errors(example: str) -> Figure:
         for members, name, colour in (((), "designed", BLUE), (MEMBERS, "deviating", VERMILION)):
             tree = analysed(example, members)
             variable = "transmission_error_envelope" if group == "unloaded" else "transmission_error"
-            values = np.atleast_2d(tree[group][variable].values)[0]
+            values = np.atleast_2d(tree[group].to_dataset()[variable].values)[0]
             axes.plot(*two_cycles(values - (values.min() if group == "unloaded" else 0.0)), color=colour, label=name)
         plain_axes(axes)
         axes.set_xlim(0.0, 2.0)
         axes.xaxis.set_major_locator(MultipleLocator(0.5))
-        axes.set_title("unloaded [µrad]" if group == "unloaded" else "200 N m [µrad]", fontsize=SMALL_SIZE + 1, loc="left")
+        axes.set_title(
+            "unloaded [µrad]" if group == "unloaded" else "200 N m [µrad]", fontsize=SMALL_SIZE + 1, loc="left"
+        )
         axes.set_xlabel("mesh cycles", fontsize=SMALL_SIZE, color=INK)
     axes.legend(fontsize=SMALL_SIZE, frameon=False)
     return figure
@@ -243,24 +255,23 @@ def draw() -> None:
 
 def scaled(deviations: dict[str, Deviation], factor: float) -> dict[str, Deviation]:
     """Deviations times a factor."""
-    return {
-        name: Deviation(d.section, d.axial, d.radial, factor * d.value, d.method) for name, d in deviations.items()
-    }
+    return {name: Deviation(d.section, d.axial, d.radial, factor * d.value, d.method) for name, d in deviations.items()}
 
 
-def judged(pair: GearPair, deviations: dict[str, Deviation], form: Form) -> tuple[float, float, float]:
-    """Largest change of the ease-off, error of its update [um], and of the roll angle [mrad]."""
+def judged(pair: GearPair, deviations: dict[str, Deviation], form: Form) -> tuple[float, float, float, float]:
+    """Largest change of the ease-off, error of its update [um], of the roll angle, and without one [mrad]."""
     from easeoff.study.deviations import deviated_geometry
 
     designed = pair_geometry(pair).ease_off
-    update = deviated_ease_off(pair, designed, form=form, **deviations)
+    update = deviated_ease_off(pair, designed, form=form, pinion=deviations["pinion"], gear=deviations["gear"])
     exact = deviated_geometry(pair, (31, 21), deviations, "surface").ease_off
     inside = (update["inside"].values & exact["inside"].values).astype(bool)
     angle = [e["ease_off_angle"].values + e.attrs["first_contact_rad"] for e in (update, exact)]
     error = 1e3 * np.abs(angle[0] - angle[1]) * update["lever_arm"].values
     roll = 1e3 * np.abs((update["roll_angle"] - exact["roll_angle"]).values)
     change = np.abs(update["ease_off_change"].values)
-    return tuple(float(np.max(v[inside])) for v in (change, error, roll))  # type: ignore[return-value]
+    still = 1e3 * np.abs((designed["roll_angle"] - exact["roll_angle"]).values)
+    return tuple(float(np.max(v[inside])) for v in (change, error, roll, still))  # type: ignore[return-value]
 
 
 def shortcut() -> str:
@@ -271,8 +282,8 @@ def shortcut() -> str:
         whole = flank_deviations(pair, files(example))  # type: ignore[arg-type]
         for factor in (2.0, 1.0, 0.5, 0.25):
             deviations = scaled(whole, factor)
-            change, error, roll = judged(pair, deviations, "correct")
-            _, printed, printed_roll = judged(pair, deviations, "printed")
+            change, error, roll, still = judged(pair, deviations, "correct")
+            _, printed, printed_roll, _ = judged(pair, deviations, "printed")
             swings = []
             for way in ("ease_off", "surface"):
                 tree = easeoff.analyze(name, torques=[TORQUE], deviations=deviations, deviated=way)  # type: ignore[arg-type]
@@ -280,13 +291,14 @@ def shortcut() -> str:
             rows.append(
                 (
                     f"{example}, × {factor:g}", f"{change:.1f}", f"{error:.3f}", f"{printed:.1f}", f"{roll:.2f}",
-                    f"{printed_roll:.2f}", f"{swings[1]:.1f}", f"{swings[0] - swings[1]:+.2f}",
+                    f"{printed_roll:.2f}",
+                    f"{still:.2f}", f"{swings[1]:.1f}", f"{swings[0] - swings[1]:+.2f}",
                 )
             )  # fmt: skip
     return table(
         rows,
-        ["deviations", "change [µm]", "error [µm]", "error as printed [µm]", "error of roll angle [mrad]", "as printed [mrad]",
-         "unloaded peak to peak [µrad]", "error [µrad]"],
+        ["deviations", "change [µm]", "error [µm]", "as printed", "error of roll angle [mrad]", "as printed", "not updated",
+         "unloaded peak to peak [µrad]", "error"],
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from easeoff.geometry.tooth_flanks import named_member
 
 Array = NDArray[Any]
 FOLDER = Path(easeoff.__file__).parent / "cases" / "deviations"
+NARROW = EdgeMargins(1.0, 1.0, 0.3, 0.3)
 MADE = "made to resemble Kolivand 2009, {}, of which greatest deviations and places are known; not measured"
 
 
@@ -43,8 +44,8 @@ def global_error(*coefficients: float) -> Callable[[Array, Array], Array]:
 # (case, member, rows, columns, margins, form, where in the dissertation)
 EXAMPLES: dict[str, tuple[str, str, tuple[int, int], EdgeMargins | None, Callable[[Array, Array], Array], str]] = {
     # Worn at the pinion's tip, and so at the gear's root; the gear worn elsewhere.
-    "fm-11x41-worn-pinion": ("fm-11x41", "pinion", (15, 25), EdgeMargins(1, 1, 0.3, 0.3), dent(0.3, 0.9, 10), "Fig. 4.5"),
-    "fm-11x41-worn-gear": ("fm-11x41", "gear", (15, 25), EdgeMargins(1, 1, 0.3, 0.3), dent(0.6, 0.45, 5), "Fig. 4.5"),
+    "fm-11x41-worn-pinion": ("fm-11x41", "pinion", (15, 25), NARROW, dent(0.3, 0.9, 10), "Fig. 4.5"),
+    "fm-11x41-worn-gear": ("fm-11x41", "gear", (15, 25), NARROW, dent(0.6, 0.45, 5), "Fig. 4.5"),
     # Greatest at heel and top of the pinion, at toe and root of the gear.
     "fh-12x41-45-measured-pinion": (
         "fh-12x41-45", "pinion", (5, 9), None, global_error(22, 18, 6, 8, -4), "Fig. 4.10",

@@ -99,11 +99,14 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         error = error - lever * float(lever @ error) / float(lever @ lever)
         return np.where(found.converged, error, FAR)
 
+    def residual(steps: Array) -> Array:
+        return np.concatenate([1e3 * left(steps), RELUCTANCE * steps])
+
     found = least_squares(
-        lambda steps: np.concatenate([1e3 * left(steps), RELUCTANCE * steps]),
+        residual,
         np.zeros(len(names)),
         x_scale=1.0,
-        diff_step=1e-4,
+        diff_step=np.full(len(names), 1e-4),
         xtol=1e-10,
         ftol=1e-12,
         max_nfev=40,

@@ -119,7 +119,7 @@ class GridSpline:
         """
         inside = np.clip(place, 0.0, 1.0)
         beyond = place - inside
-        degrees = self._spline.k
+        degrees = [int(degree) for degree in np.asarray(self._spline.k)]
         table = np.zeros((order + 1, order + 1, 4, place.shape[1]))
         for a in range(min(order, degrees[0]) + 1):
             for b in range(min(order, degrees[1]) + 1):
@@ -191,6 +191,5 @@ class GridSpline:
 def _solved(first: Array, second: Array, right: Array) -> Array:
     """Solution (2, n) of first x + second y = right, columns (2, n)."""
     determinant = first[0] * second[1] - first[1] * second[0]
-    return (
-        np.stack([right[0] * second[1] - right[1] * second[0], first[0] * right[1] - first[1] * right[0]]) / determinant
-    )
+    found = np.stack([right[0] * second[1] - right[1] * second[0], first[0] * right[1] - first[1] * right[0]])
+    return np.asarray(found / determinant)

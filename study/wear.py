@@ -1,4 +1,4 @@
-"""Wear over many revolutions: the contact computed anew as the flanks change. Lapping is wear, with its own coefficient.
+"""Wear over many revolutions, the contact computed anew as the flanks change; lapping is wear with its own coefficient.
 
 Archard's law alone is not more than a law of proportion: the coefficient is the user's. It gathers lubrication,
 materials and, in lapping, the compound.

@@ -60,8 +60,9 @@ def uniform(t: Array, h: Array) -> Array:
 def errors_of_the_update(pair: GearPair, pinion: Formula, gear: Formula, factor: float) -> tuple[float, float]:
     """Largest errors of the updated normal ease-off [um] and roll angle [rad], against the deviating flanks."""
     deviations = {"pinion": of(pair.pinion, pinion, factor), "gear": of(pair.gear, gear, factor)}
-    updated = deviated_ease_off(pair, designed(pair), **deviations)
-    exact = pair_geometry(deviated_pair(pair, **deviations), NODES).ease_off
+    updated = deviated_ease_off(pair, designed(pair), pinion=deviations["pinion"], gear=deviations["gear"])
+    surfaces = deviated_pair(pair, pinion=deviations["pinion"], gear=deviations["gear"])
+    exact = pair_geometry(surfaces, NODES).ease_off
     both = (updated["inside"].values & exact["inside"].values).astype(bool)
     gap = 1e3 * (absolute(updated) - absolute(exact)) * updated["lever_arm"].values
     roll = (updated["roll_angle"] - exact["roll_angle"]).values
@@ -76,8 +77,10 @@ def test_no_deviation_changes_nothing_in_the_last_bit() -> None:
     for way in ("ease_off", "surface"):
         again = easeoff.analyze(case, torques=[200.0], deviations=nothing, deviated=way)  # type: ignore[arg-type]
         for group in ("ease_off", "unloaded", "loaded"):
-            for name, values in plain[group].data_vars.items():
-                np.testing.assert_array_equal(again[group][name].values, values.values, err_msg=f"{way} {group} {name}")
+            for name, values in plain[group].to_dataset().items():
+                np.testing.assert_array_equal(
+                    again[group].to_dataset()[name].values, values.values, err_msg=f"{way} {group} {name}"
+                )
             assert repr(again[group].attrs["rms"]) == repr(plain[group].attrs["rms"]) if group == "unloaded" else True
 
 
@@ -109,7 +112,8 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
     """Kolivand 2009, Eq. 4.5a: (u . n) d / L for d / (L (u . n))."""
     pair = case_pair()
     gear = of(pair.gear, GEAR_ERRORS)
-    correct, printed = (deviated_ease_off(pair, designed(pair), gear=gear, form=f) for f in ("correct", "printed"))  # type: ignore[arg-type]
+    correct = deviated_ease_off(pair, designed(pair), gear=gear)
+    printed = deviated_ease_off(pair, designed(pair), gear=gear, form="printed")
     flank = pair.gear.flank(*grid(NODES))
     radius = np.hypot(flank.position[0], flank.position[1])
     around = np.stack([-flank.position[1], flank.position[0], 0.0 * radius]) / radius

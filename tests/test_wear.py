@@ -26,8 +26,9 @@ NODES = (21, 15)
 @cache
 def small_case(mesh_positions: int = 8) -> Case:
     case = easeoff.read_case("fm-11x41")
-    coarse = {"lengthwise_nodes": 21, "profile_nodes": 15, "mesh_positions": mesh_positions}
-    return case.model_copy(update={"contact": case.contact.model_copy(update={**coarse, "segments_per_line": SEGMENTS})})
+    coarse = {"lengthwise_nodes": 21, "profile_nodes": 15, "segments_per_line": SEGMENTS}
+    contact = case.contact.model_copy(update={**coarse, "mesh_positions": mesh_positions})
+    return case.model_copy(update={"contact": contact})
 
 
 @cache

@@ -144,7 +144,10 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
         )
     values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, -1)
     grid = ("flank", "row", "column", "xyz")
-    more = {1: {DEVIATION: (grid[:3], values[..., -1])}, 3: {"measured_position": (grid, values[..., 6:])}}
+    more: dict[int, dict[str, Any]] = {
+        1: {DEVIATION: (grid[:3], values[..., -1])},
+        3: {"measured_position": (grid, values[..., 6:])},
+    }
     return xr.Dataset(
         {
             "position": (grid, values[..., :3]),
