@@ -297,8 +297,8 @@ def shortcut() -> str:
             )  # fmt: skip
     return table(
         rows,
-        ["deviations", "change [µm]", "error [µm]", "as printed", "error of roll angle [mrad]", "as printed", "not updated",
-         "unloaded peak to peak [µrad]", "error"],
+        ["deviations", "change [µm]", "error [µm]", "as printed", "error of roll angle [mrad]", "as printed",
+         "not updated", "unloaded peak to peak [µrad]", "error"],
     )  # fmt: skip
 
 

@@ -107,8 +107,8 @@ def wear(
     Returns
     -------
     xr.Dataset
-        ``wear_depth`` (step, member, lengthwise, profile) on either member's own flank, and over ``step`` the
-        revolutions, largest depths, removed volume by Archard's law and by integral of the depth, and peak to peak and
+        ``wear_depth`` and the flank's whole ``deviation`` (step, member, lengthwise, profile) on either member's own
+        flank, the latter continued where nothing touches, to go on from; and over ``step`` the revolutions, largest depths, removed volume by Archard's law and by integral of the depth, and peak to peak and
         greatest pressure of the loaded contact; step 0 is the start. Attribute ``stop`` says why it ended.
 
     Raises
@@ -231,6 +231,7 @@ class _Run:
         return xr.Dataset(
             {
                 "wear_depth": (own, 1e3 * np.stack([depth[n] for n in MEMBERS])),
+                "deviation": (own, 1e3 * np.stack([self._deviation(n).value for n in MEMBERS])),
                 "revolutions": ((), self.revolutions),
                 "largest_depth": ("member", [1e3 * float(depth[n].max()) for n in MEMBERS]),
                 "removed_volume": ("member", [self.volume[n] for n in MEMBERS]),

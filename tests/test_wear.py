@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,6 +110,19 @@ def test_wear_begins_in_proportion_to_the_coefficient() -> None:
     still = wear(small_case(), WearLaw(0.0, 0.0, 1e6), torque=200.0)
     assert still.attrs["stop"] == "nothing wears"
     assert np.all(still["wear_depth"].values == 0.0)
+
+
+def test_a_run_goes_on_from_where_another_ended() -> None:
+    """As lapping does from one position to the next: the deviations left are those to start from."""
+    law = WearLaw(1e-12, 1e-12, 4e6, 10.0)
+    first = wear(small_case(), law, torque=200.0)
+    step = float(first["largest_depth"].max())
+    whole = wear(small_case(), WearLaw(1e-12, 1e-12, 8e6, step), torque=200.0)
+    left: Any = {m: first[["deviation"]].isel(step=-1).sel(member=m) for m in ("pinion", "gear")}
+    second = wear(small_case(), law, torque=200.0, deviations=left)
+    both = first["removed_volume"].values[-1] + second["removed_volume"].values[-1]
+    np.testing.assert_allclose(both, whole["removed_volume"].values[-1], rtol=1e-3)
+    np.testing.assert_allclose(second["deviation"].values[-1], whole["deviation"].values[-1], rtol=0, atol=0.03)
 
 
 def test_it_stops_at_the_largest_depth() -> None:
