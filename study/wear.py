@@ -108,8 +108,9 @@ def wear(
     -------
     xr.Dataset
         ``wear_depth`` and the flank's whole ``deviation`` (step, member, lengthwise, profile) on either member's own
-        flank, the latter continued where nothing touches, to go on from; and over ``step`` the revolutions, largest depths, removed volume by Archard's law and by integral of the depth, and peak to peak and
-        greatest pressure of the loaded contact; step 0 is the start. Attribute ``stop`` says why it ended.
+        flank, the latter continued where nothing touches, to go on from. Over ``step``, 0 at the start: revolutions,
+        largest depths, removed volume by Archard's law and by integral of the depth, peak to peak and greatest pressure
+        of the loaded contact. Attribute ``stop`` says why it ended.
 
     Raises
     ------
