@@ -16,7 +16,7 @@ import time
 
 import numpy as np
 from easeoff.contact import ContactProblem, available_solvers, solve
-from easeoff.contact.lifted_form import compressed_factor
+from easeoff.contact.modal_basis import modal_basis
 from easeoff.contact.solvers import SOLVERS
 from tabulate import tabulate
 
@@ -58,7 +58,7 @@ def main() -> None:
     for size in sizes:
         problem = structured_problem(size, np.random.default_rng(1))
         assert solve(problem).certified
-        kept = compressed_factor(problem.compliance[1]).shape[1]
+        kept = modal_basis(problem.compliance[1]).factor.shape[1]
         cells = [
             " -> ".join(f"{milliseconds(problem, name, form):.1f}" for form in ("dense", "lifted")) for name in names
         ]

@@ -107,5 +107,5 @@ def whitened_loads(
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, shell.dimensions.trace_length)
         vectors = shell.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
-        stacked.append(shell.whiten(vectors))
+        stacked.append(shell.whiten(vectors)[shell.idle_size :])
     return np.concatenate(stacked, axis=0)

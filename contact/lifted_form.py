@@ -10,7 +10,7 @@ those of the bounds of F are minus the gaps: with the multipliers y of the other
 y = z, and stationarity in F then reads C F + S - theta r = Y.
 
 V often has far fewer directions than columns: along a line of contact, a sum of smooth modes is a polynomial of low
-degree. `compressed_factor` keeps those that matter.
+degree. The compressed form has those that matter, see `modal_basis`.
 """
 
 from __future__ import annotations
@@ -28,9 +28,6 @@ from .scaling import ScaledProblem
 
 if TYPE_CHECKING:
     import qpsolvers
-
-#: Singular values of V below this, relative to the largest of their block, are left out: 1e-16 in C.
-COMPRESSION_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -96,7 +93,7 @@ def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Pro
             "this one is a single dense matrix"
         )
     structure = problem.pair
-    factor = compressed_factor(structure.factor) if compress else structure.factor
+    factor = structure.compressed_factor if compress else structure.factor
     size, modes = factor.shape
     # Filled as one array and converted once: joining sparse blocks costs more than solving a small problem.
     equalities = np.zeros((1 + modes, size + modes))
@@ -119,32 +116,3 @@ def diagonal_matrix(diagonal: NDArray[np.float64]) -> Any:
 
     size = diagonal.size
     return csc_matrix((diagonal, np.arange(size), np.arange(size + 1)), shape=(size, size))
-
-
-def compressed_factor(factor: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return U with U U^T = V V^T up to rounding and as few columns as that takes.
-
-    Parameters
-    ----------
-    factor : (n, k) array
-        V.
-
-    Returns
-    -------
-    (n, m) array
-        Each group of segments that share no mode with the others, such as those of one tooth pair, has columns of its
-        own, from its singular value decomposition.
-    """
-    from .modal_basis import factor_blocks  # the rest of this module needs no scipy when it is imported
-
-    size = factor.shape[0]
-    columns = []
-    for rows, own in factor_blocks(factor):
-        if not own.size:
-            continue  # segments without modes
-        left, singular, _ = np.linalg.svd(factor[np.ix_(rows, own)], full_matrices=False)
-        kept = singular > COMPRESSION_TOLERANCE * singular[0]
-        block = np.zeros((size, int(np.count_nonzero(kept))))
-        block[rows] = left[:, kept] * singular[kept]
-        columns.append(block)
-    return np.hstack(columns) if columns else np.zeros((size, 0))

@@ -7,7 +7,9 @@ eighty modes make up V V^T to all digits. The blocks U with U U^T = V V^T are wh
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,20 +21,32 @@ Array = NDArray[np.float64]
 DROP_TOLERANCE = 1e-15
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ModalBasis:
     """Blocks of a compressed factor, padded to the size of the largest.
 
     Attributes
     ----------
+    size : int
+        Number of segments n.
     index : (p, m) int array
-        Segments of each block; n, the number of segments, where padded. Every segment is in one block.
+        Segments of each block; n where padded. Every segment is in one block.
     modes : (p, m, k) array
         U of each block [(mm/N)^0.5], zero where padded.
     """
 
+    size: int
     index: NDArray[np.intp]
     modes: Array
+
+    @cached_property
+    def factor(self) -> Array:
+        """U as one array (n, r), read-only; every block has columns of its own."""
+        block, mode = np.nonzero(self.modes.any(axis=1))
+        factor = np.zeros((self.size + 1, block.size))
+        factor[self.index[block], np.arange(block.size)[:, None]] = self.modes[block, :, mode]
+        factor.setflags(write=False)
+        return factor[:-1]
 
 
 def modal_basis(factor: Array) -> ModalBasis:
@@ -48,15 +62,34 @@ def modal_basis(factor: Array) -> ModalBasis:
     ModalBasis
     """
     blocks = factor_blocks(factor)
-    compressed = [_compressed(factor[np.ix_(rows, columns)]) for rows, columns in blocks]
-    longest = max(rows.size for rows, _ in blocks)
+    return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], [factor[np.ix_(*both)] for both in blocks])
+
+
+def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], factors: Sequence[Array]) -> ModalBasis:
+    """Compress blocks that are known.
+
+    Parameters
+    ----------
+    size : int
+        Number of segments n.
+    rows : sequence of (m) int arrays
+        Segments of each block; together each of the n segments once.
+    factors : sequence of (m, k) arrays
+        V of each block [(mm/N)^0.5].
+
+    Returns
+    -------
+    ModalBasis
+    """
+    compressed = [_compressed(factor) for factor in factors]
+    longest = max(own.size for own in rows)
     rank = max(block.shape[1] for block in compressed)
-    index = np.full((len(blocks), longest), factor.shape[0], dtype=np.intp)
-    modes = np.zeros((len(blocks), longest, rank))
-    for place, ((rows, _), block) in enumerate(zip(blocks, compressed, strict=True)):
-        index[place, : rows.size] = rows
-        modes[place, : rows.size, : block.shape[1]] = block
-    return ModalBasis(index, modes)
+    index = np.full((len(compressed), longest), size, dtype=np.intp)
+    modes = np.zeros((len(compressed), longest, rank))
+    for place, (own, block) in enumerate(zip(rows, compressed, strict=True)):
+        index[place, : own.size] = own
+        modes[place, : own.size, : block.shape[1]] = block
+    return ModalBasis(size, index, modes)
 
 
 def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:

@@ -76,6 +76,11 @@ class ScaledPair:
         return self.problem.compliance[1] * (1.0 / self._root)
 
     @property
+    def compressed_factor(self) -> NDArray[np.float64]:
+        """V in as few columns as it has directions, (n, r)."""
+        return self.modal_basis.factor * (1.0 / self._root)
+
+    @property
     def weight(self) -> float:
         """Weight w of the factor, one or one half: the root of a power of two may be none, and no bit shall be lost."""
         return self._root * (self._root / self.unit)

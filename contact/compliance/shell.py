@@ -3,17 +3,21 @@
 The stiffness matrix is scaled to a unit diagonal and factored, K = D^1/2 L L^T D^1/2. Loads become load vectors Phi
 (one row each), whitened loads Y = L^-1 D^-1/2 Phi^T, and the compliance between loads i and j is column i times column
 j of Y: symmetric and positive semidefinite by construction.
+
+Loads on the mid-surface do no work on the rotations. These come first in the factor, so that only its last block is
+needed: forward substitution keeps the zeros in front.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf
+from scipy.linalg.lapack import dpotrf, dtrtri
 
 from ...core.errors import InputError
 from .foundation import ElasticFoundation
@@ -71,6 +75,7 @@ class Shell:
     family: PolynomialFamily = "legendre"
     functions: TrialFunctions = field(init=False, repr=False, compare=False)
     _factor: FloatArray = field(init=False, repr=False, compare=False)
+    _order: NDArray[np.intp] = field(init=False, repr=False, compare=False)
     _scale: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -93,15 +98,17 @@ class Shell:
         object.__setattr__(self, "modes", (functions.height_count, functions.length_count))
         object.__setattr__(self, "functions", functions)
         scaled, scale = self._scaled_stiffness()
-        factor, failed = dpotrf(scaled, lower=1, clean=1)
+        order = np.argsort(self._feels_mid_surface_loads, kind="stable")
+        factor, failed = dpotrf(scaled[np.ix_(order, order)], lower=1, clean=1)
         if failed:
             raise InputError(
                 f"the stiffness matrix of the shell is not positive definite to working precision with modes "
                 f"{self.modes} and {self.family} polynomials; use fewer modes or Legendre polynomials"
             )
-        factor.setflags(write=False)
-        scale.setflags(write=False)
+        for array in (factor, order, scale):
+            array.setflags(write=False)
         object.__setattr__(self, "_factor", factor)
+        object.__setattr__(self, "_order", order)
         object.__setattr__(self, "_scale", scale)
 
     @property
@@ -113,6 +120,25 @@ class Shell:
     def size(self) -> int:
         """Number of degrees of freedom."""
         return self.functions.size
+
+    @property
+    def idle_size(self) -> int:
+        """Number of degrees of freedom on which loads on the mid-surface do no work."""
+        return int(np.count_nonzero(~self._feels_mid_surface_loads))
+
+    @cached_property
+    def _mid_surface_whitening(self) -> FloatArray:
+        """L^-1 D^-1/2 of the last block: a product with it takes half the time of a substitution."""
+        idle = self.idle_size
+        inverse, _info = dtrtri(self._factor[idle:, idle:], lower=1)
+        return np.ascontiguousarray(np.tril(inverse) * self._scale[self._order[idle:]])
+
+    @property
+    def _feels_mid_surface_loads(self) -> NDArray[np.bool_]:
+        """Which degrees of freedom a load on the mid-surface does work on, (n_dof)."""
+        fields = {term.field for term in self.kinematics.displacement_terms if term.coefficient != "offset"}
+        felt = np.isin(np.arange(len(self.functions.root_powers)), list(fields))
+        return np.repeat(felt, self.size // felt.size)
 
     def stiffness(self) -> FloatArray:
         """Ritz stiffness matrix, shape (n_dof, n_dof) [N/mm]; assembled anew, for inspection and checks."""
@@ -215,15 +241,21 @@ class Shell:
         Returns
         -------
         numpy.ndarray
-            Y of shape (n_dof, n); Y^T Y is the compliance between the loads [mm/N].
+            Y of shape (n_dof, n); Y^T Y is the compliance between the loads [mm/N]. Its first `idle_size` rows are
+            zero if all loads are on the mid-surface.
         """
         vectors = np.asarray(load_vectors, dtype=np.float64)
         if vectors.ndim != 2 or vectors.shape[1] != self.size:
             raise InputError(f"load_vectors must have shape (n, {self.size}); got {vectors.shape}")
         if vectors.shape[0] == 0:
             return np.zeros((self.size, 0))
-        scaled = vectors * self._scale
-        return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
+        idle = self.idle_size
+        if vectors[:, self._order[:idle]].any():
+            scaled = vectors[:, self._order] * self._scale[self._order]
+            return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
+        whitened = np.zeros((self.size, vectors.shape[0]))
+        np.matmul(self._mid_surface_whitening, vectors[:, self._order[idle:]].T, out=whitened[idle:])
+        return whitened
 
     def compliance(self, load_vectors: ArrayLike) -> FloatArray:
         """Compliance matrix between loads (Kolivand 2009, Eq. 3.11).
