@@ -1,8 +1,8 @@
 """Wear by Archard's law: what one engagement takes off both flanks, from line loads and sliding.
 
-A point of a flank loses h = k * integral of p v_s dt while the contact line passes over it. The line crosses the flank
-at right angles to itself with the speed u, so that dt = dx / u with x across the line; and the integral of p dx is the
-load per length F'. Hence, for either member,
+By that law (1953, doi:10.1063/1.1721448) a point of a flank loses h = k * integral of p v_s dt while the contact line
+passes over it. The line crosses the flank at right angles to itself with the speed u, so that dt = dx / u with x across
+the line; and the integral of p dx is the load per length F'. Hence, for either member,
 
     h = k F' v_s / u
 

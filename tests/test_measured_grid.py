@@ -82,6 +82,20 @@ def rewritten(tmp_path: Path, change: Callable[[list[str]], list[str]]) -> Path:
     return path
 
 
+def test_a_file_of_nominal_points_can_be_filled_in(tmp_path: Path) -> None:
+    """The way of the workshop: `easeoff export`, measure, add a column."""
+    path = tmp_path / "gear.csv"
+    write_cmm_points(points(), path)
+    values = iter(grid()["deviation"].values.ravel())
+    lines = path.read_text().splitlines()
+    filled = [
+        line if line.startswith("#") else f"{line},{'deviation' if line.startswith('flank') else float(next(values))!r}"
+        for line in lines
+    ]
+    path.write_text("\n".join(filled).replace(",'deviation'", ",deviation"))
+    np.testing.assert_array_equal(read_measured_grid(path)["deviation"].values, grid()["deviation"].values)
+
+
 def test_measured_coordinates_stand_for_the_deviations(tmp_path: Path) -> None:
     path = csv(tmp_path)
     lines = path.read_text().splitlines()
