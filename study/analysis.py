@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import datetime
+import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -20,10 +21,16 @@ from ..contact.loaded_cases import LoadedCase
 from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
+from ..core.errors import InputError
 from ..geometry.assembly import Misalignment
+from ..geometry.modification import Modification, modified_ease_off
 from ..geometry.pair import FlankName, GearPair
 from ..geometry.tooth_flanks import MemberName
 from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations
+
+if TYPE_CHECKING:
+    from ..friction import FrictionModel, Lubricant, Operation
+    from ..friction.operating import Array, Numbers, Roughness
 
 SCHEMA_VERSION = 1
 
@@ -58,16 +65,30 @@ def analyze_in_full(
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
+    modification: Modification | None = None,
     solver: str = "auto",
+    operation: Operation | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
-    """As ``analyze``, and keeps the contact problems."""
+    """As ``analyze``, with the operating conditions in one, and keeps the contact problems."""
     require_solver(solver)
+    if operation is not None:
+        from ..friction import FrictionModel, friction
+        from ..friction import friction_feedback as with_feedback
+
+        friction_model = friction_model or FrictionModel()
+        friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif friction_model is not None or friction_feedback:
+        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     departures = flank_deviations(pair, deviations or {})
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
+    if modification is not None:
+        geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
     unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
@@ -85,7 +106,7 @@ def analyze_in_full(
     )
     groups = {
         "/": xr.Dataset(
-            attrs=_provenance(case, pair, flank, solver) | deviation_attributes(departures, deviated),
+            attrs=_provenance(case, pair, flank, solver, modification) | deviation_attributes(departures, deviated),
         ),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
@@ -93,7 +114,14 @@ def analyze_in_full(
         "/unloaded": unloaded,
         "/loaded": loaded,
     }
-    return Analysis(xr.DataTree.from_dict(groups), cases)
+    tree = xr.DataTree.from_dict(groups)
+    if operation is not None:
+        if friction_feedback:
+            losses = with_feedback(tree, cases, operation, friction_model, solver=solver)
+        else:
+            losses = friction(tree, operation, friction_model)
+        tree = xr.DataTree.from_dict({**groups, "/friction": losses})
+    return Analysis(tree, cases)
 
 
 def analyze(
@@ -104,7 +132,14 @@ def analyze(
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
+    modification: Modification | None = None,
     solver: str = "auto",
+    speed: Numbers | None = None,
+    temperature: Numbers | None = None,
+    roughness: Roughness | list[Roughness] | Array | None = None,
+    oil: str | Lubricant | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -125,8 +160,20 @@ def analyze(
         the file of a measured grid.
     deviated
         How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
+    modification
+        Added to the ease-off.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
+    speed
+        Speed of the pinion [1/min], one or several. With it the result has friction, power loss and efficiency, at
+        every combination of speeds, temperatures and roughnesses.
+    temperature, roughness, oil
+        Of the oil [degC], of the flanks (RMS, um), and which oil; 90, 0.8 and 75w90 if left out. See
+        ``friction.Operation``.
+    friction_model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    friction_feedback
+        Let friction take its part of the torque from the normal forces, see ``friction.feedback``.
     progress
         Called after every solved torque and mesh position.
     **options
@@ -135,7 +182,8 @@ def analyze(
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; where it came from in the attributes.
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``, and if a speed is given ``friction``;
+        where it came from in the attributes.
 
     Raises
     ------
@@ -154,17 +202,42 @@ def analyze(
         misalignment=misalignment,
         deviations=deviations,
         deviated=deviated,
+        modification=modification,
         solver=solver,
+        operation=operation_of(speed, temperature=temperature, roughness=roughness, oil=oil),
+        friction_model=friction_model,
+        friction_feedback=friction_feedback,
         progress=progress,
         **options,
     ).tree
 
 
-def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str, Any]:
+def operation_of(speed: Numbers | None, **others: Any) -> Operation | None:
+    """Operating conditions from what was given of them; ``None`` without a speed.
+
+    Raises
+    ------
+    InputError
+        If other conditions are given and no speed, or a value is not possible.
+    """
+    given = {name: value for name, value in others.items() if value is not None}
+    if speed is None:
+        if given:
+            raise InputError(f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min")
+        return None
+    from ..friction import Operation
+
+    return Operation(speed, **given)
+
+
+def _provenance(
+    case: Case, pair: GearPair, flank: str, solver: str, modification: Modification | None
+) -> dict[str, Any]:
     """Where a result came from, as netCDF attributes."""
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     own = version("easeoff")
     errors = pair.assembly.misalignment
+    added = {} if modification is None else {"modification_um": json.dumps(dict(modification.coefficients))}
     return {
         "Conventions": "CF-1.11",
         "title": case.title,
@@ -182,4 +255,5 @@ def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str
         "misalignment_gear_axial_mm": errors.gear_axial,
         "misalignment_shaft_angle_rad": errors.shaft_angle,
         "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
+        **added,
     }

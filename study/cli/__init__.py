@@ -18,6 +18,7 @@ from .design import design
 from .exit_codes import EXIT_MISTAKE
 from .export import export
 from .library import library
+from .optimize import optimize
 from .plot import plot
 from .problems import problems
 from .run import run
@@ -46,5 +47,5 @@ def main() -> None:
     """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
 
 
-for _command in (run, show, plot, design, cases, problems, library, compare, export, convert, correct):
+for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct):
     main.add_command(_command)

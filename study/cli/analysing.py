@@ -70,7 +70,7 @@ def analysed(case: str, *, torques: Any, **options: Any) -> Analysis:
     torques
         Torques at the pinion [N m]; the case's own if ``None``.
     **options
-        The other options of ``analysis_options``.
+        The other arguments of ``analyze_in_full``.
     """
     from tqdm import tqdm
 
