@@ -11,6 +11,7 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import Case
+from easeoff.contact.fields import FlankFields
 from easeoff.contact.wear import Engagement, engagement, on_flank, rolling_fields, touched
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import pair_geometry
@@ -33,20 +34,37 @@ def small_case(mesh_positions: int = 8) -> Case:
 
 
 @cache
+def moving_fields() -> FlankFields:
+    pair = prepared_pair(small_case(), "drive", None)
+    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
+    return rolling_fields(pair_geometry(pair, NODES).ease_off, motion)
+
+
+@cache
 def one_engagement(mesh_positions: int) -> tuple[Engagement, xr.Dataset]:
     case = small_case(mesh_positions)
     pair = prepared_pair(case, "drive", None)
     tree = easeoff.analyze(case, torques=[200.0])
-    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
-    fields = rolling_fields(pair_geometry(pair, NODES).ease_off, motion)
     loaded = tree["loaded"].to_dataset()
-    return engagement(loaded, fields, pair.assembly.pinion_pitch, SEGMENTS), loaded
+    return engagement(loaded, moving_fields(), pair.assembly.pinion_pitch, SEGMENTS), loaded
 
 
 @cache
 def worn(largest_step: float, pinion: float = 1e-12, gear: float = 1e-12) -> xr.Dataset:
     return wear(small_case(), WearLaw(pinion, gear, 3e7, largest_step), torque=200.0)
+
+
+def test_sliding_is_that_of_the_friction() -> None:
+    """Two computations of their own: here from the conjugate motion, there from velocities at the segments."""
+    case, speed = small_case(), 1000.0
+    tree = easeoff.analyze(case, torques=[200.0], speed=speed)
+    found = tree["friction"].to_dataset()["sliding_velocity"].isel(speed=0).values
+    loaded = tree["loaded"].to_dataset().isel(torque=0)
+    use = np.isfinite(loaded["length"].values)
+    place = np.stack([loaded[name].values[use] for name in ("lengthwise", "profile")])
+    sliding = moving_fields().evaluate(["sliding"], place)["sliding"]
+    np.testing.assert_allclose(1e-3 * sliding * speed * np.pi / 30.0, found[use], rtol=1e-3)
 
 
 @pytest.mark.parametrize("member", ["pinion", "gear"])
@@ -157,8 +175,5 @@ def test_bad_input_is_refused() -> None:
     unsolved = loaded.copy(deep=True)
     unsolved["force"].values[0, 3] = np.nan
     pair = prepared_pair(small_case(), "drive", None)
-    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
-    fields = rolling_fields(pair_geometry(pair, NODES).ease_off, motion)
     with pytest.raises(GeometryError, match="not solved at every mesh position"):
-        engagement(unsolved, fields, pair.assembly.pinion_pitch, SEGMENTS)
+        engagement(unsolved, moving_fields(), pair.assembly.pinion_pitch, SEGMENTS)
