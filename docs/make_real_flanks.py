@@ -27,6 +27,7 @@ from easeoff.study.plot.pressure import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import pressure_map
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 from easeoff.study.plot.transmission_error import two_cycles
+from easeoff.study.wear import WearLaw, wear
 
 HERE = Path(__file__).parent
 IMAGES = HERE / "images" / "real_flanks"
@@ -302,6 +303,28 @@ def shortcut() -> str:
     )  # fmt: skip
 
 
+def own_wear() -> str:
+    """The pair worn by our own law at 200 N m until the pinion is as deep as the dissertation's."""
+    law = WearLaw(1e-12, 1e-12, revolutions=1e12, largest_step=0.5, largest_depth=10.0)
+    history = wear(CASES["worn"], law, torque=TORQUE)
+    last = history.isel(step=-1)
+    left: Any = {member: last[["deviation"]].sel(member=member) for member in MEMBERS}
+    tree = easeoff.analyze(CASES["worn"], torques=[TORQUE], deviations=left)
+    before, after = ours(analysed("worn", ())), ours(tree)
+    theirs = PRINTED["worn"]
+    rows: list[tuple[object, ...]] = [
+        ("greatest depth, pinion [µm]", f"{float(last['largest_depth'].sel(member='pinion')):.1f}", "10"),
+        ("greatest depth, gear [µm]", f"{float(last['largest_depth'].sel(member='gear')):.1f}", "5"),
+        ("revolutions of the pinion, k = 10⁻¹² mm²/N", f"{float(last['revolutions']):.1e}", "not said"),
+    ]
+    for part, load in enumerate(("unloaded", "200 N m")):
+        for index, name in ((0, "peak to peak"), (2, "rms")):
+            own = f"{before[part][index]:.1f} to {after[part][index]:.1f}"
+            printed = f"{theirs['designed'][part][index]:.1f} to {theirs['deviating'][part][index]:.1f}"
+            rows.append((f"{name}, {load} [µrad]", own, printed))
+    return table(rows, HEADS[:3])
+
+
 def main() -> None:
     """Write everything."""
     write_examples()
@@ -313,6 +336,7 @@ def main() -> None:
         "said_worn": said_worn(),
         "said_measured": said_measured(),
         "shortcut": shortcut(),
+        "own_wear": own_wear(),
     }
     for name, text in parts.items():
         page = page.replace(f"{{{name}}}", text)
