@@ -1,4 +1,4 @@
-"""Bending compliance of a tooth pair: both teeth as shells on elastic roots, loaded along the contact normals."""
+"""Bending compliance of a tooth pair loaded along the contact normals: shells on elastic roots, or finite elements."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from .compliance import ElasticFoundation, Material, Shell, ToothDimensions
+from .compliance.finite_elements.condensed import FlankCompliance
 from .compliance.kinematics import ShellForm
 from .fields import FlankFields
 
 Array = NDArray[Any]
+ElasticTooth = Shell | FlankCompliance
 MEMBERS = ("pinion", "gear")
 STEEL = Material(206000.0, 0.3)
 DEFAULT_FOUNDATION = ElasticFoundation()
@@ -31,6 +33,8 @@ class ElasticModel:
         See ``compliance.Shell``.
     foundation
         Springs along the root; ``None`` clamps it.
+    condensed
+        Pinion and gear by finite elements, instead of the shells.
     """
 
     pinion: Material = STEEL
@@ -39,6 +43,7 @@ class ElasticModel:
     modes: tuple[int, int] = (5, 15)
     shear_factor: float = 1.0
     foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
+    condensed: tuple[FlankCompliance, FlankCompliance] | None = None
 
 
 def tooth_dimensions(teeth: xr.Dataset, member: str) -> ToothDimensions:
@@ -67,6 +72,11 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
     return pinion, gear
 
 
+def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth, ElasticTooth]:
+    """Pinion and gear as the model wants them: by finite elements if it has them, else as shells."""
+    return shells(teeth, model) if model.condensed is None else model.condensed
+
+
 def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``whitened_loads`` needs, by name."""
     fields = {}
@@ -79,15 +89,25 @@ def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     return fields
 
 
+def member_points(fields: FlankFields, member: str, points: Array) -> Array:
+    """Lengthwise and profile fractions (2, ...) on one member of points (2, ...) on the gear."""
+    if member == "gear":
+        return points
+    return np.stack(list(fields.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
+
+
 def whitened_loads(
-    pair_of_shells: tuple[Shell, Shell], fields: FlankFields, points: Array, weights: Array
+    elastic: tuple[ElasticTooth, ElasticTooth],
+    fields: FlankFields,
+    points: Array,
+    weights: Array,
 ) -> NDArray[np.float64]:
     """Both members' whitened unit loads on segments; their inner products are bending compliances.
 
     Parameters
     ----------
-    pair_of_shells
-        Shells of pinion and gear.
+    elastic
+        Pinion and gear from ``elastic_teeth``.
     fields
         Splines that include ``tooth_fields``.
     points
@@ -101,11 +121,14 @@ def whitened_loads(
         Y (k, n) such that the compliance of segments on one tooth pair is Y^T Y [mm/N] (Kolivand 2009, Eq. 3.11).
     """
     stacked = []
-    for member, shell in zip(MEMBERS, pair_of_shells, strict=True):
+    for member, tooth in zip(MEMBERS, elastic, strict=True):
+        if isinstance(tooth, FlankCompliance):
+            stacked.append(tooth.whitened(member_points(fields, member, points), weights))
+            continue
         names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
         height, arc, direction = fields.evaluate(names, points).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
-        arc = np.clip(arc, 0.0, shell.dimensions.trace_length)
-        vectors = shell.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
-        stacked.append(shell.whiten(vectors)[shell.idle_size :])
+        arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
+        vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
+        stacked.append(tooth.whiten(vectors)[tooth.idle_size :])
     return np.concatenate(stacked, axis=0)

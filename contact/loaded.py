@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .bending import ElasticModel, shells, tooth_fields, whitened_loads
+from .bending import ElasticModel, elastic_teeth, tooth_fields, whitened_loads
 from .compliance import WeberLineContact
 from .curves import contact_fields
 from .fields import FlankFields
@@ -57,7 +57,7 @@ def all_segments(
     means = [np.reshape(v, shape) @ weights for v in averaged]
     place = np.reshape(points, (2, *shape)) @ weights
     per_segment = np.reshape(points, (2, -1, weights.size))
-    whitened = whitened_loads(shells(teeth, model), fields, per_segment, weights)
+    whitened = whitened_loads(elastic_teeth(teeth, model), fields, per_segment, weights)
     length = np.repeat(lines.length / count, count).reshape(shape[:2])
     result: list[Segments | None] = []
     for k in range(mesh.rotations.size):

@@ -33,7 +33,9 @@ from .tooth_surface import ToothSide, tooth_surface
 Array = NDArray[Any]
 
 SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the lattice's nodes are taken
-CORNER = 0.6  # place of the lattice's corner in the fillet, 0 at the root land: the surface is at about 45 degrees there
+CORNER = (
+    0.6  # place of the lattice's corner in the fillet, 0 at the root land: the surface is at about 45 degrees there
+)
 COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
 DEEPEST = 0.65  # of the way from the root to the member's axis
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
@@ -129,7 +131,7 @@ class ToothLattice:
 
 
 def graded(count: int, ratio: float, steady: int = 3) -> Array:
-    """Places (2 count + 1) from 0 to 1 of vertices and middles; the first intervals grow by ``ratio``, the rest do not."""
+    """Places (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
     sizes = ratio ** np.minimum(np.arange(count), steady)
     ends = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
     places = np.empty(2 * count + 1)
@@ -140,7 +142,7 @@ def graded(count: int, ratio: float, steady: int = 3) -> Array:
 
 @dataclass(frozen=True)
 class _Sections:
-    """Plane coordinates (across, up) [mm] in the sections (nt), the tooth's middle at zero, the loaded side negative."""
+    """Plane coordinates (across, up) [mm] in the sections (nt), zero in mid tooth, negative on the loaded side."""
 
     blank: BlankSection
     lengthwise: Array
@@ -276,9 +278,7 @@ def _along(values: Array, curve: Array, places: Array) -> Array:
     return result
 
 
-def _side_curves(
-    sections: _Sections, side: ToothSide, land: Array, slot: int, up: Array
-) -> tuple[Array, Array]:
+def _side_curves(sections: _Sections, side: ToothSide, land: Array, slot: int, up: Array) -> tuple[Array, Array]:
     """Slot floor (2, nt, 2 slot + 1) towards the corner, and side (2, nt, up) from there to the tip."""
     points, corner = _upward(side, side.fillet, side.flank)
     upward, floor = sections.plane(points), sections.plane(land)
@@ -331,7 +331,9 @@ def _numbered(
     layers = 2 * np.arange(size.lengthwise)[:, None, None, None, None] + np.arange(3)[:, None, None]
     cells = (layers * nodes.shape[1] + section_cells[None, :, None]).reshape(-1, 3, 3, 3)
     held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
-    floors = np.stack([in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]])
+    floors = np.stack(
+        [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
+    )
     flat = nodes.reshape(-1, 3)
     # Left-handed or right-handed, as the tooth's hand has it: all bricks are to have positive volume.
     axes = [flat[cells[0][index]] - flat[cells[0][0, 0, 0]] for index in ((2, 0, 0), (0, 2, 0), (0, 0, 2))]

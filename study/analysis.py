@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..cases.conversion import elastic_model, gear_pair
+from ..cases.conversion import elastic_model, finite_elements, gear_pair
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
@@ -62,6 +62,10 @@ def analyze_in_full(
     require_solver(solver)
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
+    teeth = finite_elements(case, pair)
+    model = elastic_model(case)
+    if teeth is not None:
+        model = replace(model, condensed=(teeth[0].flank, teeth[1].flank))
     geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
@@ -72,7 +76,7 @@ def analyze_in_full(
         mesh,
         ratio=pair.assembly.ratio,
         torques=np.array(settings.torques if torques is None else torques, dtype=float),
-        model=elastic_model(case),
+        model=model,
         segments_per_line=settings.segments_per_line,
         solver=solver,
         progress=progress,

@@ -17,9 +17,7 @@ from .factor import Factoriser, solve_in_parts, solver_of
 Array = NDArray[Any]
 
 
-def functionals(
-    count: int, nodes: NDArray[np.int64], weights: Array, direction: Array
-) -> csc_array:
+def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
     """Displacements in given directions as columns (3 count, m); as loads, unit forces in these directions.
 
     Parameters

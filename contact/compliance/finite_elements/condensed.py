@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ....geometry.tooth_lattice import ToothLattice
-from .body import ElasticBody, functionals
+from .body import functionals
 from .bricks import quadratic
 
 Array = NDArray[Any]
@@ -62,9 +62,7 @@ class FlankCompliance:
         nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
         shares = shares * np.tile(weights, points.shape[1])[:, None]
         segments = np.repeat(np.arange(points.shape[1]), weights.size * shares.shape[1])
-        loads = csc_array(
-            (shares.ravel(), (nodes.ravel(), segments)), shape=(self.profile.size, points.shape[1])
-        )
+        loads = csc_array((shares.ravel(), (nodes.ravel(), segments)), shape=(self.profile.size, points.shape[1]))
         return np.asarray(self.factor @ loads)
 
 
@@ -123,11 +121,11 @@ def feet_of_normals(lattice: ToothLattice) -> Feet:
     limits = np.array([[count - 1.0], [rows - 1.0]])
 
     def shares(place: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        (i, along, d_along), (j, up, d_up) = (
-            share_of_three(p, n) for p, n in zip(place, (count, rows), strict=True)
-        )
+        (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(place, (count, rows), strict=True))
         nodes = middle[i[:, :, None], j[:, None, :]].reshape(-1, 9)
-        products = [(a[:, :, None] * b[:, None, :]).reshape(-1, 9) for a, b in ((along, up), (d_along, up), (along, d_up))]
+        products = [
+            (a[:, :, None] * b[:, None, :]).reshape(-1, 9) for a, b in ((along, up), (d_along, up), (along, d_up))
+        ]
         return nodes, products[0], products[1], products[2]
 
     for _ in range(FOOT_STEPS):
@@ -149,22 +147,14 @@ def flank_loads(lattice: ToothLattice) -> csc_array:
     return functionals(len(lattice.nodes), flank, np.ones(flank.shape), -lattice.flank_normal.reshape(-1, 3))
 
 
-def smooth_compliance(body: ElasticBody, lattice: ToothLattice) -> Array:
-    """Displacement at the foot of each normal (rows) by unit forces at the nodes of the flank (k, k) [mm/N]."""
+def foot_displacements(lattice: ToothLattice) -> csc_array:
+    """Displacement at the foot of the normal of each node of the loaded side, along it into the tooth (3 n, k)."""
     feet = feet_of_normals(lattice)
-    wanted = functionals(len(lattice.nodes), feet.nodes, feet.shares, -lattice.flank_normal.reshape(-1, 3))
-    return body.response(flank_loads(lattice), wanted)
+    return functionals(len(lattice.nodes), feet.nodes, feet.shares, -lattice.flank_normal.reshape(-1, 3))
 
 
 def square_root(compliance: Array) -> Array:
-    """Z with Z^T Z the nearest positive semidefinite matrix to the symmetric part."""
+    """Z with Z^T Z the positive semidefinite matrix nearest to the symmetric part of a compliance (k, k)."""
     values, vectors = np.linalg.eigh(0.5 * (compliance + compliance.T))
     kept = values > SMALLEST_EIGENVALUE * values[-1]
     return np.ascontiguousarray((vectors[:, kept] * np.sqrt(values[kept])).T)
-
-
-def flank_compliance(body: ElasticBody, lattice: ToothLattice) -> FlankCompliance:
-    """Condense a tooth to its loaded flank."""
-    return FlankCompliance(
-        lattice.lengthwise, lattice.profile, square_root(smooth_compliance(body, lattice))
-    )

@@ -15,9 +15,7 @@ from scipy.sparse import csc_array
 
 from ....geometry.tooth_lattice import ToothLattice
 from ..material import Material
-from .body import ElasticBody
 from .bricks import brick_gradients, gauss_rule, shape_functions
-from .condensed import flank_loads
 
 Array = NDArray[Any]
 ROOT_SHARE = 0.35  # of the bricks from the fillet's middle to the tip are looked at; the stress falls off above
@@ -50,15 +48,15 @@ class RootStress:
 
 
 def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:
-    """Surface bricks around the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and which end it is."""
+    """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and at which end it is."""
     rows = 2 * max(round(ROOT_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
     on_flank = np.isin(lattice.cells[:, :, 0, :], lattice.flank[:, :rows]).all(axis=(1, 2))
     on_floor = np.isin(lattice.cells[:, :, :, 2], lattice.slot[0]).all(axis=(1, 2))
     return [(lattice.cells[on_flank], 1, -1), (lattice.cells[on_floor], 2, 1)]
 
 
-def root_stress(body: ElasticBody, lattice: ToothLattice, material: Material) -> RootStress:
-    """Condense the stress in the root of the loaded side."""
+def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_array, Array]:
+    """Stress components around the loaded side's fillet as functionals (3 n, 6 q), and the q lengthwise fractions."""
     nu = material.poisson_ratio
     shear = material.shear_modulus
     first = 2.0 * shear * nu / (1.0 - 2.0 * nu)
@@ -92,10 +90,12 @@ def root_stress(body: ElasticBody, lattice: ToothLattice, material: Material) ->
             work[:, component] += first * slope
     rows = np.broadcast_to((3 * nodes[:, None, :, None] + np.arange(3)), work.shape)
     column = np.broadcast_to(np.arange(6 * len(nodes)).reshape(-1, 6, 1, 1), work.shape)
-    wanted = csc_array(
-        (work.ravel(), (rows.ravel(), column.ravel())), shape=(3 * len(lattice.nodes), 6 * len(nodes))
-    )
-    stress = body.response(flank_loads(lattice), wanted).reshape(len(nodes), 6, -1)
+    wanted = csc_array((work.ravel(), (rows.ravel(), column.ravel())), shape=(3 * len(lattice.nodes), 6 * len(nodes)))
+    return wanted, station
+
+
+def by_station(stress: Array, station: Array) -> RootStress:
+    """Stresses (6 q, k) by unit forces, put in the order of their lengthwise fractions (q)."""
     levels, which = np.unique(np.round(station, 9), return_inverse=True)
     order = np.argsort(which, kind="stable")
-    return RootStress(levels, stress[order].reshape(levels.size, -1, *stress.shape[1:]))
+    return RootStress(levels, stress.reshape(station.size, 6, -1)[order].reshape(levels.size, -1, 6, stress.shape[1]))
