@@ -14,7 +14,7 @@ from .loaded import loaded_contact, loaded_fields
 from .problem import ContactProblem
 from .programme_file import read_npz, write_npz
 from .segments import lines_in_mesh
-from .solvers import ContactSolution, Status, available_solvers, solve
+from .solvers import ContactSolution, Status, available_solvers, solve, solve_many
 from .unloaded import unloaded_contact
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "read_problems",
     "solve",
     "solve_line_contact",
+    "solve_many",
     "unloaded_contact",
     "write_npz",
     "write_problems",

@@ -77,8 +77,21 @@ def solve_line_contact(
     InputError, MissingSolverError
         As `ContactProblem` and `solve`.
     """
-    name = require_solver(solver)
     bending = ContactProblem(separation, lever_arm, torque, bending_compliance)
+    return solve_on_bending(bending, line_contact, solver, initial_force=initial_force, polish=polish, **settings)
+
+
+def solve_on_bending(
+    bending: ContactProblem,
+    line_contact: LineContact,
+    solver: str = "auto",
+    *,
+    initial_force: Array | None = None,
+    polish: bool = True,
+    **settings: Any,
+) -> tuple[ContactSolution, ContactProblem]:
+    """As `solve_line_contact`, for a contact problem whose compliance is that of bending alone."""
+    name = require_solver(solver)
     uniform = np.full(bending.size, bending.torque / float(np.maximum(bending.lever_arm, 0.0).sum()))
     start = _warm_start(initial_force, bending.size)
     warm = start is not None
@@ -96,26 +109,45 @@ def solve_line_contact(
     status = iteration.run(start if warm else None, linear)
     if status is not None:
         return _failed(bending, status, name, iteration.message, iteration.count), linear
-    return _finish(bending, line_contact, iteration, name)
-
-
-def _finish(
-    bending: ContactProblem, line_contact: LineContact, iteration: NewtonIteration, name: str
-) -> tuple[ContactSolution, ContactProblem]:
-    """Certify the end point on the linear problem with its secant compliance."""
-    try:
-        problem = bending.with_added_compliance(line_contact.secant(iteration.force))
-    except InputError as error:
-        return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iteration.count), bending
-    solution = judge(
-        problem,
-        name,
+    return certified_on_secant(
+        bending,
+        line_contact,
         iteration.force,
         iteration.rotation,
+        name,
         tolerance=iteration.step.tolerance,
         iterations=iteration.count,
         polished=iteration.step.polished,
         message=f"{iteration.count} linear problems",
+    )
+
+
+def certified_on_secant(
+    bending: ContactProblem,
+    line_contact: LineContact,
+    force: Array,
+    elastic_rotation: float,
+    name: str,
+    *,
+    tolerance: float,
+    iterations: int,
+    polished: bool,
+    message: str,
+) -> tuple[ContactSolution, ContactProblem]:
+    """Certify an answer of the nonlinear problem on the linear one with its secant compliance; see `judge`."""
+    try:
+        problem = bending.with_added_compliance(line_contact.secant(force))
+    except InputError as error:
+        return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iterations), bending
+    solution = judge(
+        problem,
+        name,
+        force,
+        elastic_rotation,
+        tolerance=tolerance,
+        iterations=iterations,
+        polished=polished,
+        message=message,
         suspicion=Status.NOT_CONVERGED,
     )
     return solution, problem

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,12 @@ from .bending import ElasticModel, elastic_teeth, tooth_fields, whitened_loads
 from .compliance import WeberLineContact
 from .curves import contact_fields
 from .fields import FlankFields
-from .line_contact_solution import solve_line_contact
+from .line_contact_batch import LineContacts, solve_line_contacts
+from .line_contact_solution import solve_on_bending
 from .loaded_cases import LoadedCase, Segments, loaded_dataset
+from .modal_basis import basis_of_blocks
 from .segments import MeshLines, closest_approach, gauss_points
-from .solvers import Status
+from .solvers import Status, require_solver
 
 Array = NDArray[Any]
 SMALLEST_DEPTH = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
@@ -57,7 +59,7 @@ def all_segments(
     means = [np.reshape(v, shape) @ weights for v in averaged]
     place = np.reshape(points, (2, *shape)) @ weights
     per_segment = np.reshape(points, (2, -1, weights.size))
-    whitened = whitened_loads(elastic_teeth(teeth, model), fields, per_segment, weights)
+    whitened = whitened_loads(elastic_teeth(teeth, model), fields, per_segment, weights).T
     length = np.repeat(lines.length / count, count).reshape(shape[:2])
     result: list[Segments | None] = []
     for k in range(mesh.rotations.size):
@@ -68,9 +70,9 @@ def all_segments(
         angles, arms, curvature, pinion_depth, gear_depth = (m[chosen].ravel() for m in means)
         columns = (chosen[:, None] * count + np.arange(count)).ravel()
         pairs = np.repeat(mesh.pair[chosen], count)
-        factor = whitened[:, columns]
         # Segments on different teeth are coupled through the blanks alone, which are taken as rigid.
-        bending = np.where(pairs[:, None] == pairs[None, :], factor.T @ factor, 0.0)
+        rows = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
+        bending = basis_of_blocks(pairs.size, rows, [whitened[columns[own]] for own in rows])
         lengths = length[chosen].ravel()
         radii = 1.0 / np.maximum(curvature, SMALLEST_CURVATURE)
         depth_p, depth_g = (np.maximum(depth, SMALLEST_DEPTH) for depth in (pinion_depth, gear_depth))
@@ -80,34 +82,47 @@ def all_segments(
 
 
 def solve_all(
-    segments: list[Segments | None], torques: Array, ratio: float, solver: str, options: dict[str, Any]
-) -> Iterator[LoadedCase | tuple[int, int]]:
-    """Solve every torque at every mesh position, each torque starting from the one before.
+    segments: list[Segments | None],
+    torques: Array,
+    ratio: float,
+    solver: str,
+    options: dict[str, Any],
+    progress: Callable[[], None] | None = None,
+) -> list[LoadedCase]:
+    """Solve every torque at every mesh position where a tooth pair can touch, each torque starting from the one before.
 
-    Yields
-    ------
-    LoadedCase or tuple
-        The case, or (torque, mesh position) where no tooth pair can touch.
+    Parameters
+    ----------
+    segments
+        From ``all_segments``.
+    torques
+        Torques at the pinion (t) [N m].
+    ratio
+        Gear teeth over pinion teeth.
+    solver
+        Name of the solver; the native one takes all mesh positions at once.
+    options
+        Passed to the solver.
+    progress
+        Called for every torque and mesh position.
     """
-    order = np.argsort(torques)
-    for k, here in enumerate(segments):
-        start: Array | None = None
-        for index in order:
-            if here is None:
-                yield int(index), k
-                continue
-            solution, problem = solve_line_contact(
-                here.separation,
-                here.lever_arm,
-                1e3 * ratio * float(torques[index]),
-                here.bending,
-                here.line_contact,
-                solver,
-                initial_force=start,
-                **options,
+    present = [(k, here) for k, here in enumerate(segments) if here is not None]
+    together = require_solver(solver) == "native" and not options
+    contacts = LineContacts([here.line_contact for _, here in present]) if together else None
+    starts: list[Array | None] = [None] * len(present)
+    cases = []
+    for index in np.argsort(torques, kind="stable"):
+        problems = [here.bending_problem.with_torque(1e3 * ratio * float(torques[index])) for _, here in present]
+        known = [None] * len(present) if contacts is None else solve_line_contacts(problems, contacts, starts)
+        for i, ((k, here), problem, found) in enumerate(zip(present, problems, known, strict=True)):
+            solution, secant = found or solve_on_bending(
+                problem, here.line_contact, solver, initial_force=starts[i], **options
             )
-            start = solution.force if solution.status == Status.CERTIFIED else None
-            yield LoadedCase(int(index), k, here, solution, problem)
+            starts[i] = solution.force if solution.status == Status.CERTIFIED else None
+            cases.append(LoadedCase(int(index), k, here, solution, secant))
+            if progress is not None:
+                progress()
+    return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))
 
 
 def loaded_fields(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) -> FlankFields:
@@ -149,7 +164,7 @@ def loaded_contact(
     solver
         Name of the solver, see ``solvers.available_solvers``.
     progress
-        Called after every solved case.
+        Called for every torque and mesh position where a tooth pair can touch.
     **options
         Passed to the solver.
 
@@ -167,10 +182,5 @@ def loaded_contact(
     if torques.size == 0 or not np.all(np.isfinite(torques) & (torques > 0.0)):
         raise InputError(f"torques = {torques.tolist()}: every torque must be a positive number in N m")
     segments = all_segments(fields, teeth, model or ElasticModel(), mesh, segments_per_line)
-    cases = []
-    for case in solve_all(segments, torques, ratio, solver, options):
-        if isinstance(case, LoadedCase):
-            cases.append(case)
-        if progress is not None:
-            progress()
+    cases = solve_all(segments, torques, ratio, solver, options, progress)
     return loaded_dataset(segments, cases, torques, mesh.rotations), cases

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..core.attributes import labelled
 from .certificate import Certificate
 from .compliance import WeberLineContact
 from .harmonics import harmonics, peak_to_peak, rms
+from .modal_basis import ModalBasis
 from .problem import ContactProblem
 from .solvers import ContactSolution, Status
 
@@ -37,7 +39,7 @@ class Segments:
     lever_arm, length, equivalent_radius
         [mm].
     bending
-        Compliance (n, n) of teeth and roots [mm/N].
+        Compliance of teeth and roots in modes, a block for every tooth pair.
     line_contact
         Local compliance.
     """
@@ -48,13 +50,19 @@ class Segments:
     lever_arm: Array
     length: Array
     equivalent_radius: Array
-    bending: Array
+    bending: ModalBasis
     line_contact: WeberLineContact
 
     @property
     def separation(self) -> Array:
         """Normal gap (n) [mm]."""
         return np.asarray(self.separation_angle * self.lever_arm)
+
+    @cached_property
+    def bending_problem(self) -> ContactProblem:
+        """The contact problem without local compliance and without torque."""
+        nothing = np.zeros(self.pair.size)
+        return ContactProblem.of_modes(self.separation, self.lever_arm, 0.0, nothing, self.bending)
 
 
 @dataclass(frozen=True)

@@ -42,8 +42,7 @@ class ModalBasis:
     @cached_property
     def factor(self) -> Array:
         """U as one array (n, r), read-only; every block has columns of its own."""
-        used = self.modes.any(axis=1)
-        block, mode = used.nonzero()
+        block, mode = np.nonzero(self.modes.any(axis=1))
         factor = np.zeros((self.size + 1, block.size))
         factor[self.index[block], np.arange(block.size)[:, None]] = self.modes[block, :, mode]
         factor.setflags(write=False)

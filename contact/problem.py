@@ -99,6 +99,30 @@ class ContactProblem:
         object.__setattr__(self, "torque", nonnegative_torque(self.torque))
         object.__setattr__(self, "compliance", check(given, separation.size))
 
+    @classmethod
+    def of_modes(
+        cls,
+        separation: NDArray[np.float64],
+        lever_arm: NDArray[np.float64],
+        torque: float,
+        local: NDArray[np.float64],
+        basis: ModalBasis,
+    ) -> ContactProblem:
+        """Return the problem with C = diag(local) + U U^T, the factor U being compressed already.
+
+        Parameters
+        ----------
+        separation, lever_arm, torque
+            As of the class.
+        local : (n) array
+            Compliance of each segment by itself [mm/N], not negative.
+        basis : ModalBasis
+            Blocks of U.
+        """
+        problem = cls(separation, lever_arm, torque, (local, basis.factor))
+        vars(problem)["modal_basis"] = basis  # what the cached property would find anew
+        return problem
+
     @property
     def size(self) -> int:
         """Number of segments n."""

@@ -171,18 +171,19 @@ def test_uncertified_results_are_reported_with_exit_code_1(
 ) -> None:
     """A solver that fails at one mesh position leaves NaN there, a status, and everything else."""
     import easeoff.contact.loaded as loaded
-    from easeoff.contact import solve_line_contact as honest
+    from easeoff.contact.line_contact_batch import solve_line_contacts as honest
     from easeoff.contact.solvers.status import Status, no_solution
 
     calls = iter(range(10**6))
 
-    def sometimes(separation, *arguments, **keywords):  # type: ignore[no-untyped-def]
-        solution, problem = honest(separation, *arguments, **keywords)
-        if next(calls) == 5:
-            solution = no_solution(len(separation), Status.SOLVER_FAILED, "native", message="on purpose")
-        return solution, problem
+    def sometimes(problems, *arguments):  # type: ignore[no-untyped-def]
+        found = honest(problems, *arguments)
+        if next(calls) == 0:
+            nothing = no_solution(problems[1].size, Status.SOLVER_FAILED, "native", message="on purpose")
+            found[1] = (nothing, problems[1])
+        return found
 
-    monkeypatch.setattr(loaded, "solve_line_contact", sometimes)
+    monkeypatch.setattr(loaded, "solve_line_contacts", sometimes)
     out = tmp_path / "x.nc"
     said = call("run", str(case), "-o", str(out))
     assert said.exit_code == 1

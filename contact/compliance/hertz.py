@@ -22,6 +22,7 @@ it is linear.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -151,6 +152,21 @@ class WeberLineContact:
         object.__setattr__(self, "_start", 2.0 * secant - tangent)
         object.__setattr__(self, "_bend", (tangent - secant) / floor)
         object.__setattr__(self, "_floor_energy", self._quadratic_energy(floor) - bodies.energy(floor))
+
+    @classmethod
+    def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
+        """Return line contacts that differ in their arrays (n) alone as one, with the arrays one behind the other."""
+        first = contacts[0]
+        return cls(
+            np.concatenate([contact.length for contact in contacts]),
+            np.concatenate([contact.equivalent_radius for contact in contacts]),
+            np.concatenate([contact.depth_pinion for contact in contacts]),
+            np.concatenate([contact.depth_gear for contact in contacts]),
+            first.material_pinion,
+            first.material_gear,
+            first.foot_correction,
+            first.floor_ratio,
+        )
 
     @property
     def flexibility(self) -> float:

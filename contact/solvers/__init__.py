@@ -1,5 +1,6 @@
 """Solvers of the contact problem behind one interface, one adapter a file."""
 
+from .many import solve_many
 from .registry import available_solvers, require_solver, solve
 from .settings import SOLVERS, SolverSettings
 from .status import ContactSolution, Status
@@ -12,4 +13,5 @@ __all__ = [
     "available_solvers",
     "require_solver",
     "solve",
+    "solve_many",
 ]

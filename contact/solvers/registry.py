@@ -107,7 +107,7 @@ def solve(
     name = require_solver(solver)
     if form not in FORMS:
         raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
-    active = None if initial_active is None else _as_mask(initial_active, problem.size)
+    active = None if initial_active is None else as_mask(initial_active, problem.size)
     if not problem.is_positive_semidefinite:
         return no_solution(
             problem.size,
@@ -139,7 +139,7 @@ def _solve_native(
     start = problem.scaling.estimated_active if active is None else active
     best: ContactSolution | None = None
     for answer in native.answers(scaled, start, settings):
-        solution = _judge_scaled(problem, "native", answer, EXACT_TOLERANCE)
+        solution = judge_scaled(problem, "native", answer, EXACT_TOLERANCE)
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
         if best.certificate.worst <= ROUNDING_LEVEL:
@@ -184,13 +184,13 @@ def _solve_backend(
         if exact is not None:
             # The iterations and the message stay those of the backend, whose work this is.
             exact = replace(answer, force=exact.force, rotation=exact.rotation)
-            solution = _judge_scaled(problem, name, exact, EXACT_TOLERANCE, polished=True)
+            solution = judge_scaled(problem, name, exact, EXACT_TOLERANCE, polished=True)
             if solution.certified:
                 return solution
-    return _judge_scaled(problem, name, answer, entry.tolerance)
+    return judge_scaled(problem, name, answer, entry.tolerance)
 
 
-def _judge_scaled(
+def judge_scaled(
     problem: ContactProblem, name: str, answer: ScaledAnswer, tolerance: float, *, polished: bool = False
 ) -> ContactSolution:
     """Unscale an answer and certify it on the original problem."""
@@ -227,7 +227,8 @@ def _is_installed(name: str) -> bool:
     return importlib.util.find_spec(package) is not None
 
 
-def _as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
+def as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
+    """Return a warm start as a mask of the segments (n); raises as `solve`."""
     array = np.asarray(active)
     if array.dtype == np.bool_:
         if array.shape != (size,):
