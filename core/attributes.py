@@ -101,6 +101,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # root stress
+    "root_stress": ("MPa", "largest tensile stress around the loaded side's fillet over the mesh cycle"),
+    "root_stress_history": ("MPa", "largest tensile stress around the loaded side's fillet, anywhere along the face"),
+    "max_root_stress": ("MPa", "largest tensile stress in the root over face and mesh cycle"),
     # comparison of solvers
     "problem_file": ("", "file the problem is from"),
     "problem": ("1", "number of the problem in its file, from 0"),

@@ -17,6 +17,7 @@ from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.loaded_cases import LoadedCase
+from ..contact.root_stress import root_stress
 from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
@@ -90,6 +91,8 @@ def analyze_in_full(
         "/unloaded": unloaded,
         "/loaded": loaded,
     }
+    if teeth is not None:
+        groups["/root_stress"] = root_stress(fields, teeth, cases, loaded)
     return Analysis(xr.DataTree.from_dict(groups), cases)
 
 
@@ -125,7 +128,8 @@ def analyze(
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; where it came from in the attributes.
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``, with finite elements ``root_stress``;
+        where it came from in the attributes.
 
     Raises
     ------
