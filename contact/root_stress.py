@@ -54,35 +54,32 @@ def root_stress(
     pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, STATIONS)
     shape = (loaded.sizes["torque"], loaded.sizes["mesh_position"], pairs.size)
     known = np.zeros(shape[:2], dtype=bool)
+    places, force, column = [np.empty((2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
     for case in certified:
         known[case.torque, case.mesh_position] = True
+        places.append(case.segments.place)
+        force.append(case.solution.force)
+        tooth_pair = np.searchsorted(pairs, case.segments.pair)
+        column.append(np.ravel_multi_index((case.torque, case.mesh_position, tooth_pair), shape))
+    place, forces, columns = np.concatenate(places, axis=1), np.concatenate(force), np.concatenate(column)
     history = np.full((shape[0], 2, *shape[1:]), np.nan)
+    greatest = np.full((shape[0], 2), np.nan)
     along = np.full((shape[0], 2, STATIONS), np.nan)
     for member, tooth in enumerate(teeth):
         places = np.concatenate([case.segments.place for case in certified] or [np.empty((2, 0))], axis=1)
-        nodes, shares = flank_shares(
-            tooth.flank.lengthwise, tooth.flank.profile, member_points(fields, MEMBERS[member], places)
-        )
-        force = np.concatenate([case.solution.force for case in certified] or [np.empty(0)])
-        column = np.concatenate(
-            [
-                np.ravel_multi_index(
-                    (case.torque, case.mesh_position, np.searchsorted(pairs, case.segments.pair)), shape
-                )
-                for case in certified
-            ]
-            or [np.empty(0, dtype=int)]
-        )
-        forces = csc_array(
-            ((shares * force[:, None]).ravel(), (nodes.ravel(), np.repeat(column, nodes.shape[1]))),
+        on_member = member_points(fields, MEMBERS[member], place)
+        nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
+        on_nodes = csc_array(
+            ((shares * forces[:, None]).ravel(), (nodes.ravel(), np.repeat(columns, nodes.shape[1]))),
             shape=(tooth.flank.profile.size, int(np.prod(shape))),
         )
-        stress = tooth.root.largest(forces.toarray()).reshape(-1, *shape)
+        stress = tooth.root.largest(on_nodes.toarray()).reshape(-1, *shape)
         stress[:, ~known] = np.nan
         history[:, member] = stress.max(axis=0)
         whole = np.where(known[None, :, :, None], stress, -np.inf).max(axis=(2, 3)).T
         for index in range(shape[0]):
             if known[index].any():
+                greatest[index, member] = whole[index].max()
                 along[index, member] = np.interp(lengthwise, tooth.root.lengthwise, whole[index])
     dims = ("torque", "member", "mesh_position", "pair")
     return labelled(
@@ -90,7 +87,7 @@ def root_stress(
             {
                 "root_stress": (("torque", "member", "lengthwise"), along),
                 "root_stress_history": (dims, history),
-                "max_root_stress": (("torque", "member"), along.max(axis=2)),
+                "max_root_stress": (("torque", "member"), greatest),
             },
             coords={
                 "torque": loaded["torque"].values,

@@ -20,7 +20,7 @@ from .root_stress import RootStress, by_station, stress_functionals
 from .store import kept, key_of
 
 Array = NDArray[Any]
-BRICKS_PER_HEIGHT = 3.6  # along the face, per usual depth of the body
+BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 BRICKS_ALONG = (8, 32)
 FORMAT = 1  # of what is kept; raise it when the same input gives other arrays
 
