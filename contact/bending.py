@@ -35,6 +35,8 @@ class ElasticModel:
         Springs along the root; ``None`` clamps it.
     condensed
         Pinion and gear by finite elements, instead of the shells.
+    foot_correction
+        Added to the line contact, see ``compliance.WeberLineContact``.
     """
 
     pinion: Material = STEEL
@@ -44,6 +46,7 @@ class ElasticModel:
     shear_factor: float = 1.0
     foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
     condensed: tuple[FlankCompliance, FlankCompliance] | None = None
+    foot_correction: float = 0.0
 
 
 def tooth_dimensions(teeth: xr.Dataset, member: str) -> ToothDimensions:

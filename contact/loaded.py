@@ -76,7 +76,7 @@ def all_segments(
         lengths = length[chosen].ravel()
         radii = 1.0 / np.maximum(curvature, SMALLEST_CURVATURE)
         depth_p, depth_g = (np.maximum(depth, SMALLEST_DEPTH) for depth in (pinion_depth, gear_depth))
-        contact = WeberLineContact(lengths, radii, depth_p, depth_g, model.pinion, model.gear)
+        contact = WeberLineContact(lengths, radii, depth_p, depth_g, model.pinion, model.gear, model.foot_correction)
         result.append(Segments(pairs, place[:, chosen].reshape(2, -1), angles, arms, lengths, radii, bending, contact))
     return result
 

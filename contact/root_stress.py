@@ -54,19 +54,18 @@ def root_stress(
     pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, STATIONS)
     shape = (loaded.sizes["torque"], loaded.sizes["mesh_position"], pairs.size)
     known = np.zeros(shape[:2], dtype=bool)
-    places, force, column = [np.empty((2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
+    where, force, column = [np.empty((2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
     for case in certified:
         known[case.torque, case.mesh_position] = True
-        places.append(case.segments.place)
+        where.append(case.segments.place)
         force.append(case.solution.force)
         tooth_pair = np.searchsorted(pairs, case.segments.pair)
         column.append(np.ravel_multi_index((case.torque, case.mesh_position, tooth_pair), shape))
-    place, forces, columns = np.concatenate(places, axis=1), np.concatenate(force), np.concatenate(column)
+    place, forces, columns = np.concatenate(where, axis=1), np.concatenate(force), np.concatenate(column)
     history = np.full((shape[0], 2, *shape[1:]), np.nan)
     greatest = np.full((shape[0], 2), np.nan)
     along = np.full((shape[0], 2, STATIONS), np.nan)
     for member, tooth in enumerate(teeth):
-        places = np.concatenate([case.segments.place for case in certified] or [np.empty((2, 0))], axis=1)
         on_member = member_points(fields, MEMBERS[member], place)
         nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(

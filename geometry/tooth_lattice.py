@@ -257,7 +257,7 @@ def _both_ends(count: int) -> Array:
     sizes = np.minimum(np.arange(count), np.arange(count)[::-1])
     ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, 0.5, 1.0))])
     ends /= ends[-1]
-    return np.interp(np.arange(2 * count + 1), np.arange(0, 2 * count + 1, 2), ends)
+    return np.asarray(np.interp(np.arange(2 * count + 1), np.arange(0, 2 * count + 1, 2), ends))
 
 
 def _upward(side: ToothSide, fillet: Array, flank: Array) -> tuple[Array, int]:
@@ -312,7 +312,7 @@ def _body(sections: _Sections, top: Array, corner: int, through: Array, depth: f
         lower[:, ends] = angle[:, [edge]] + share * (new - angle[:, edge])[:, None]
     radius = sections.radial(bottom)[1]
     base = np.stack([radius[:, None] * lower, np.broadcast_to(bottom[:, None], lower.shape)])
-    return (1.0 - rise) * top[..., None] + rise * base[..., None]
+    return np.asarray((1.0 - rise) * top[..., None] + rise * base[..., None])
 
 
 def _numbered(

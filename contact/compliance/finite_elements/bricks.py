@@ -42,7 +42,7 @@ def shape_functions(points: Array, nodes: int = 27) -> tuple[Array, Array]:
     (a, da), (b, db), (c, dc) = (quadratic(points[:, k]) for k in range(3))
 
     def product(x: Array, y: Array, z: Array) -> Array:
-        return np.einsum("ni,nj,nk->nijk", x, y, z).reshape(len(points), 27)
+        return np.asarray(np.einsum("ni,nj,nk->nijk", x, y, z).reshape(len(points), 27))
 
     values = product(a, b, c)
     gradients = np.stack([product(da, b, c), product(a, db, c), product(a, b, dc)], axis=2)

@@ -66,7 +66,7 @@ def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     arrays = dict(make())
     try:
         with whole_file(path) as temporary, open(temporary, "wb") as stream:
-            np.savez(stream, **arrays)
+            np.savez(stream, allow_pickle=False, **arrays)
     except InputError as error:
         warnings.warn(f"the tooth's compliance is not kept: {error}; set {FOLDER_VARIABLE}", stacklevel=2)
     return arrays
