@@ -11,7 +11,8 @@ between the root and a line at an even depth below it:
     |   |   | |   |    | |   |   |
     |___|___|_|___|____|_|___|___|   body: straight columns, one pitch to either side of the tooth's slots
 
-The neighbouring teeth are left out: they change the deflections by less than 1 %. Every brick has 27 nodes.
+Beyond toe and heel the body runs on a little, as blanks do: one that ended flush with the tooth would be much too soft
+there. The neighbouring teeth are left out: they change the deflections by less than 1 %. Every brick has 27 nodes.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ CORNER = (
     0.6  # place of the lattice's corner in the fillet, 0 at the root land: the surface is at about 45 degrees there
 )
 COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
+OVERHANG = 0.75  # of the body's depth, that it runs on beyond toe and heel
 DEEPEST = 0.65  # of the way from the root to the member's axis
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
 
@@ -59,6 +61,8 @@ class LatticeSize:
         In the pitch beyond the slot, on either side.
     deep
         From the root to the bottom of the body.
+    overhang
+        Of the body beyond either end of the tooth; zero to let it end there.
     """
 
     lengthwise: int = 14
@@ -67,16 +71,17 @@ class LatticeSize:
     slot: int = 2
     beside: int = 2
     deep: int = 3
+    overhang: int = 2
 
     def __post_init__(self) -> None:
-        if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1:
+        if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1 or self.overhang < 0:
             raise InputError(f"{self}: every number of bricks must be at least 1")
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""
         return LatticeSize(
             *(max(round(factor * n), 1) for n in (self.lengthwise, self.upward, self.through, self.slot)),
-            *(max(round(factor * n), 1) for n in (self.beside, self.deep)),
+            *(max(round(factor * n), 1) for n in (self.beside, self.deep, self.overhang)),
         )
 
 
@@ -228,10 +233,11 @@ def tooth_lattice(
     body = _body(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, 1.7)[::-1])
     plane = np.concatenate([body.reshape(2, t.size, -1), inside[:, :, 1:].reshape(2, t.size, -1)], axis=2)
     nodes = np.moveaxis(sections.points(plane), 0, -1)
+    ends = [_overhang(sections, body, end, OVERHANG * depth, size.overhang) for end in (0, -1)]
 
     normal = _flank_normals(sections, tooth.loaded, up)
     profile = sides[0][1] / sections.depth[:, None]
-    return _numbered(nodes, size, body.shape[2:], normal, t, profile, turn)
+    return _numbered(nodes, ends, size, body.shape[2:], normal, t, profile)
 
 
 def usual_depth(blank: BlankSection) -> float:
@@ -315,26 +321,49 @@ def _body(sections: _Sections, top: Array, corner: int, through: Array, depth: f
     return np.asarray((1.0 - rise) * top[..., None] + rise * base[..., None])
 
 
+def _overhang(sections: _Sections, body: Array, end: int, length: float, bricks: int) -> Array:
+    """Nodes (2 bricks, columns rows, 3) of the body beyond one end of the tooth, outwards."""
+    if bricks == 0:
+        return np.empty((0, body[0, 0].size, 3))
+    roots = np.asarray(sections.blank.points(np.array([0.0, 1.0]), np.zeros(2)))
+    away = graded(bricks, 1.5)[1:] * length / np.linalg.norm(roots[:, 1] - roots[:, 0])
+    t = sections.lengthwise[end] + (away if end else -away)
+    last, before = (sections.middle[end], sections.middle[-2]) if end else (sections.middle[0], sections.middle[1])
+    step = sections.lengthwise[1] - sections.lengthwise[0]
+    middle = last + (last - before) * away / step
+    root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
+    beyond = _Sections(sections.blank, t, sections.turn, middle, np.hypot(*(tip - root)))
+    up = np.broadcast_to(body[1, end].ravel(), (t.size, body[1, end].size))
+    angle = body[0, end] / sections.radial(body[1])[1][end]
+    plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
+    return np.moveaxis(beyond.points(plane), 0, -1)
+
+
 def _numbered(
-    nodes: Array, size: LatticeSize, body: tuple[int, int], normal: Array, t: Array, profile: Array, turn: float
+    nodes: Array,
+    ends: list[Array],
+    size: LatticeSize,
+    body: tuple[int, int],
+    normal: Array,
+    t: Array,
+    profile: Array,
 ) -> ToothLattice:
-    """The lattice with its nodes (nt, per section, 3) in order, the body's (columns, rows) first."""
+    """The lattice with its nodes (nt, per section, 3) in order: the body (columns, rows), the tooth; last the overhangs."""
     columns, rows = body
     in_body = np.arange(columns * rows).reshape(columns, rows)
     first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
     above = columns * rows + np.arange(2 * size.upward * (2 * size.through + 1)).reshape(2 * size.upward, -1)
     under = in_body[first:last]
     in_column = np.concatenate([under, above.T], axis=1)
-    sections = np.arange(t.size)[:, None, None] * nodes.shape[1]
-    planes = [_cells(in_body), _cells(in_column[:, rows - 1 :])]
-    section_cells = np.concatenate(planes)
-    layers = 2 * np.arange(size.lengthwise)[:, None, None, None, None] + np.arange(3)[:, None, None]
-    cells = (layers * nodes.shape[1] + section_cells[None, :, None]).reshape(-1, 3, 3, 3)
+    tooth = np.arange(t.size) * nodes.shape[1]
+    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(4 * size.overhang) * in_body.size, 2)
+    whole = np.concatenate([toe[::-1], tooth, heel])
+    cells = np.concatenate([_layers(whole, in_body), _layers(tooth, in_column[:, rows - 1 :])])
     held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
     floors = np.stack(
         [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
     )
-    flat = nodes.reshape(-1, 3)
+    flat = np.concatenate([nodes.reshape(-1, 3), *(end.reshape(-1, 3) for end in ends)])
     # Left-handed or right-handed, as the tooth's hand has it: all bricks are to have positive volume.
     axes = [flat[cells[0][index]] - flat[cells[0][0, 0, 0]] for index in ((2, 0, 0), (0, 2, 0), (0, 0, 2))]
     if np.linalg.det(np.stack(axes)) < 0.0:
@@ -342,14 +371,20 @@ def _numbered(
     return ToothLattice(
         flat,
         np.ascontiguousarray(cells),
-        sections + in_column,
+        tooth[:, None, None] + in_column,
         rows - 1,
-        (np.arange(t.size)[:, None] * nodes.shape[1] + held).ravel(),
+        (whole[:, None] + held).ravel(),
         normal,
         t,
         profile,
-        np.moveaxis(np.arange(t.size)[:, None, None] * nodes.shape[1] + floors, 1, 0),
+        np.moveaxis(tooth[:, None, None] + floors, 1, 0),
     )
+
+
+def _layers(sections: NDArray[np.int64], plane: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Nodes (m, 3, 3, 3) of bricks between sections that begin at given nodes, on the cells of a plane lattice."""
+    threes = np.lib.stride_tricks.sliding_window_view(sections, 3)[::2]
+    return np.asarray((threes[:, None, :, None, None] + _cells(plane)[:, None]).reshape(-1, 3, 3, 3))
 
 
 def _cells(lattice: NDArray[np.int64]) -> NDArray[np.int64]:

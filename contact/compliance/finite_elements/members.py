@@ -22,7 +22,7 @@ from .store import kept, key_of
 Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 BRICKS_ALONG = (8, 32)
-FORMAT = 1  # of what is kept; raise it when the same input gives other arrays
+FORMAT = 2  # of what is kept; raise it when the same input gives other arrays
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,7 @@ def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_a
     first = 2.0 * shear * nu / (1.0 - 2.0 * nu)
     points, _ = gauss_rule(2)
     depth = abs(points[0, 0])
-    per_section = len(lattice.nodes) // lattice.lengthwise.size
+    per_section = int(lattice.column[1, 0, 0] - lattice.column[0, 0, 0])
     values, gradients = shape_functions(points)
     columns, stations = [], []
     for cells, axis, end in _faces(lattice):
