@@ -179,6 +179,8 @@ def shell() -> None:
     """The shell against finite elements, per tooth and choice."""
     models = {
         "Weber (default)": ElasticModel(),
+        "Weber, fitted plate": ElasticModel(plate="fitted"),
+        "0.8 O'Donnell, fitted plate": ElasticModel(plate="fitted", foundation=ElasticFoundation("odonnell", 0.8)),
         "0.8 O'Donnell": ElasticModel(foundation=ElasticFoundation("odonnell", 0.8)),
         "clamped": ElasticModel(foundation=None),
         "thesis form, clamped": ElasticModel(form="thesis", foundation=None),

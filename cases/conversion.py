@@ -202,7 +202,13 @@ def elastic_model(case: Case) -> ElasticModel:
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
     return ElasticModel(
-        pinion, gear, table.shell_form, (table.profile_modes, table.lengthwise_modes), table.shear_factor, foundation
+        pinion,
+        gear,
+        table.shell_form,
+        (table.profile_modes, table.lengthwise_modes),
+        table.shear_factor,
+        table.plate,
+        foundation,
     )
 
 

@@ -132,6 +132,7 @@ class ComplianceTable(Table):
 
     model: Literal["shell", "fe"] = "shell"
     shell_form: Literal["five_field", "thesis"] = "five_field"
+    plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
     shear_factor: Number = number("shear correction factor", "1", default=1.0, gt=0, le=1)
@@ -147,6 +148,12 @@ class ComplianceTable(Table):
     fineness: Number = number(
         "finite elements: multiplies the number of bricks in every direction", "1", default=1.0, ge=0.2, le=4
     )
+
+    @model_validator(mode="after")
+    def _plate_of_the_form(self) -> Self:
+        if self.plate == "fitted" and self.shell_form == "thesis":
+            raise ValueError('plate = "fitted": the shell_form "thesis" stands for an even plate; use "five_field"')
+        return self
 
 
 class TargetTable(Table):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from .compliance.kinematics import ShellForm
 from .fields import FlankFields
 
 Array = NDArray[Any]
+PlateName = Literal["even", "fitted"]
 ElasticTooth = Shell | FlankCompliance
 MEMBERS = ("pinion", "gear")
 STEEL = Material(206000.0, 0.3)
@@ -31,6 +32,9 @@ class ElasticModel:
         Materials.
     form, modes, shear_factor
         See ``compliance.Shell``.
+    plate
+        ``even``: a plate of even taper with parallel heights, as in the dissertation; ``fitted``: with the bulge and
+        the fanning heights of the real tooth, for the form ``five_field`` alone.
     foundation
         Springs along the root; ``None`` clamps it.
     condensed
@@ -44,15 +48,17 @@ class ElasticModel:
     form: ShellForm = "five_field"
     modes: tuple[int, int] = (5, 15)
     shear_factor: float = 1.0
+    plate: PlateName = "even"
     foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
     condensed: tuple[FlankCompliance, FlankCompliance] | None = None
     foot_correction: float = 0.0
 
 
-def tooth_dimensions(teeth: xr.Dataset, member: str) -> ToothDimensions:
+def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") -> ToothDimensions:
     """Dimensions of the plate that stands for one member's tooth, from the geometry's ``teeth``."""
     one = teeth.sel(member=member)
-    height, thickness = one["tooth_height"], one["plate_thickness"]
+    fitted = plate == "fitted"
+    height, thickness = one["tooth_height"], one["fitted_thickness" if fitted else "plate_thickness"]
     return ToothDimensions(
         trace_length=float(one["trace_length"]),
         trace_radius=float(one["trace_radius"]),
@@ -62,6 +68,9 @@ def tooth_dimensions(teeth: xr.Dataset, member: str) -> ToothDimensions:
         root_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="root")),
         tip_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="tip")),
         tip_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="tip")),
+        bulge_toe=float(one["bulge"].sel(tooth_end="toe")) if fitted else 0.0,
+        bulge_heel=float(one["bulge"].sel(tooth_end="heel")) if fitted else 0.0,
+        fanning=float(one["fanning"]) if fitted else 0.0,
     )
 
 
@@ -69,7 +78,14 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
     """Shells of pinion and gear."""
     materials = (model.pinion, model.gear)
     pinion, gear = (
-        Shell(tooth_dimensions(teeth, member), material, model.modes, model.shear_factor, model.form, model.foundation)
+        Shell(
+            tooth_dimensions(teeth, member, model.plate),
+            material,
+            model.modes,
+            model.shear_factor,
+            model.form,
+            model.foundation,
+        )
         for member, material in zip(MEMBERS, materials, strict=True)
     )
     return pinion, gear

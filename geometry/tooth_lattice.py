@@ -348,7 +348,7 @@ def _numbered(
     t: Array,
     profile: Array,
 ) -> ToothLattice:
-    """The lattice with its nodes (nt, per section, 3) in order: the body (columns, rows), the tooth; last the overhangs."""
+    """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
     columns, rows = body
     in_body = np.arange(columns * rows).reshape(columns, rows)
     first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
