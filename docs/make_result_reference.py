@@ -12,15 +12,17 @@ from pathlib import Path
 import xarray as xr
 
 import easeoff
-from easeoff.cases.model import ContactTable
+from easeoff.cases.model import ComplianceTable, ContactTable
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
 def coarse_analysis() -> xr.DataTree:
-    """A quick analysis: the same variables as any other, few numbers."""
-    return easeoff.analyze(easeoff.read_case("nasa-12x36").model_copy(update={"contact": COARSE}))
+    """A quick analysis: the same variables as any other with finite elements, few numbers."""
+    compliance = ComplianceTable(model="fe", fineness=0.25)
+    changed = {"contact": COARSE, "compliance": compliance}
+    return easeoff.analyze(easeoff.read_case("nasa-12x36").model_copy(update=changed))
 
 
 def result_tables(tree: xr.DataTree) -> str:

@@ -37,6 +37,8 @@ SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the latti
 CORNER = (
     0.6  # place of the lattice's corner in the fillet, 0 at the root land: the surface is at about 45 degrees there
 )
+EDGE = 0.12  # of the bricks through the tooth, the thickness of those at its sides, for the sake of the root stress
+DEEPER = 1.7  # every brick of the body than the one above
 COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
 OVERHANG = 0.75  # of the body's depth, that it runs on beyond toe and heel
 DEEPEST = 0.65  # of the way from the root to the member's axis
@@ -230,7 +232,7 @@ def tooth_lattice(
         raise GeometryError(f"the sides of the {member}'s tooth cross each other between fillet and tip; {SHELL_HINT}")
 
     top = np.concatenate([floors[0], inside[:, :, 0, 1:-1], floors[1][:, :, ::-1]], axis=2)
-    body = _body(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, 1.7)[::-1])
+    body = _body(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, DEEPER)[::-1])
     plane = np.concatenate([body.reshape(2, t.size, -1), inside[:, :, 1:].reshape(2, t.size, -1)], axis=2)
     nodes = np.moveaxis(sections.points(plane), 0, -1)
     ends = [_overhang(sections, body, end, OVERHANG * depth, size.overhang) for end in (0, -1)]
@@ -261,7 +263,7 @@ def _both_ends(count: int) -> Array:
     if count < 3:
         return graded(count, 1.0)
     sizes = np.minimum(np.arange(count), np.arange(count)[::-1])
-    ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, 0.5, 1.0))])
+    ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, EDGE, 1.0))])
     ends /= ends[-1]
     return np.asarray(np.interp(np.arange(2 * count + 1), np.arange(0, 2 * count + 1, 2), ends))
 
