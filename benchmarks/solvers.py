@@ -1,4 +1,4 @@
-"""Time of one contact problem against its size: the modal method beside other ways, with BLAS pinned to one thread.
+"""Processor time of one contact problem against its size: the native solver beside all others, BLAS on one thread.
 
 Usage: python benchmarks/solvers.py [SIZE ...]
 """
@@ -22,7 +22,8 @@ import numpy as np
 from easeoff.contact.modal_basis import modal_basis
 from easeoff.contact.problem import ContactProblem
 from easeoff.contact.scaling import ScaledProblem
-from easeoff.contact.solvers import solve
+from easeoff.contact.solvers import available_solvers, solve, solve_many
+from easeoff.contact.solvers import many
 from easeoff.contact.solvers import modal_newton as modal
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
@@ -30,12 +31,14 @@ from numpy.polynomial.legendre import legvander
 from scipy.linalg.lapack import dpotrf
 from tabulate import tabulate
 
-SIZES = (60, 150, 400, 1000, 2000)
-POSITIONS = 8  # mesh positions, 1/16 of a pitch apart
+SIZES = (60, 150, 400, 1000, 2000, 5000, 10000)
+POSITIONS = 16  # mesh positions, 1/16 of a pitch apart
 PAIRS = 3
 LENGTHWISE_MODES, PROFILE_MODES = 8, 5  # of each member
 LOCAL = 3e-6  # compliance of a segment by itself [mm/N], order of magnitude
 SECONDS = 0.4  # spent at most on a row, but one solve is always made
+LARGEST = {"Cholesky": 5000, "dense active set": 2000}  # beyond, a row would take minutes
+PATIENCE = 3.0  # a backend that takes longer is left out at larger sizes [s]
 
 
 def tooth_modes(along: Any, height: Any, member: int) -> Any:
@@ -49,6 +52,13 @@ def tooth_modes(along: Any, height: Any, member: int) -> Any:
 
 
 def problem(size: int, phase: float, *, refined: bool) -> ContactProblem:
+    """A problem as the analysis makes them, with its bending modes compressed."""
+    given = whole_problem(size, phase, refined=refined)
+    basis = modal_basis(given.compliance[1])
+    return ContactProblem.of_modes(given.separation, given.lever_arm, given.torque, given.compliance[0], basis)
+
+
+def whole_problem(size: int, phase: float, *, refined: bool) -> ContactProblem:
     """Three tooth pairs under inclined, curved contact lines that move up the flank with the phase.
 
     With `refined` the local compliance of a segment grows as it gets shorter, as that of a true refinement does.
@@ -73,14 +83,14 @@ def problem(size: int, phase: float, *, refined: bool) -> ContactProblem:
 
 
 def median_seconds(work: list[Callable[[], Any]]) -> float:
-    """Median time of the pieces of work, each done several times while there is time."""
+    """Median processor time of the pieces of work, each done several times while there is time."""
     values: list[float] = []
     begun = time.perf_counter()
     while True:
         for piece in work:
-            start = time.perf_counter()
+            start = time.process_time()
             piece()
-            values.append(time.perf_counter() - start)
+            values.append(time.process_time() - start)
             if time.perf_counter() - begun > SECONDS:
                 return statistics.median(values[1:] or values)
 
@@ -91,51 +101,90 @@ def as_arrays(scaled: ScaledProblem, start: Any) -> Any:
         return modal.modal_newton(scaled, start)
 
 
-def rows(size: int, *, refined: bool) -> tuple[dict[str, float], dict[str, float], list[str]]:
-    """Seconds of every way, greatest error of a force against the dense active set, and notes."""
-    cases = [problem(size, k / 16.0, refined=refined) for k in range(POSITIONS)]
-    scaled = [case.scaling.scale(case) for case in cases]
-    exact = [primal_dual_active_set(s, c.scaling.estimated_active) for s, c in zip(scaled, cases, strict=True)]
-    assert all(answer is not None for answer in exact)
-    starts = [case.scaling.estimated_active for case in cases]
-    neighbours = [answer.force > 0.0 for answer in exact]  # type: ignore[union-attr]
-    answers = [modal_newton(s, a) for s, a in zip(scaled, starts, strict=True)]
-    warm = [modal_newton(s, a) for s, a in zip(scaled[1:], neighbours[:-1], strict=True)]
-    error = max(
-        float(np.abs(a.force - e.force).max() / e.force.max())  # type: ignore[union-attr]
-        for a, e in zip(answers, exact, strict=True)
-    )
-    turn = max(
-        abs(a.rotation / e.rotation - 1.0)  # type: ignore[union-attr]
-        for a, e in zip(answers, exact, strict=True)
-    )
-    seconds = {
-        "Cholesky factor of n x n": median_seconds(
-            [lambda m=s.compliance: dpotrf(m.T, lower=1, clean=0) for s in scaled[:2]]
-        ),
-        "modal, cold": median_seconds(
-            [lambda s=s, a=a: modal_newton(s, a) for s, a in zip(scaled, starts, strict=True)]
-        ),
-        "modal, warm from the position before": median_seconds(
-            [lambda s=s, a=a: modal_newton(s, a) for s, a in zip(scaled[1:], neighbours[:-1], strict=True)]
-        ),
-        "modal as arrays, cold": median_seconds(
-            [lambda s=s, a=a: as_arrays(s, a) for s, a in zip(scaled, starts, strict=True)]
-        ),
-        "compression of the factor": median_seconds([lambda c=c: modal_basis(c.compliance[1]) for c in cases]),
-        "solve: all, cold": median_seconds([lambda c=c: solve(c.with_torque(c.torque)) for c in cases]),
-        "dense active set, cold": median_seconds(
-            [lambda s=s, a=a: primal_dual_active_set(s, a) for s, a in zip(scaled, starts, strict=True)]
-        ),
-    }
-    for name in ("daqp", "piqp"):
-        seconds[f"{name}, polished"] = median_seconds([lambda c=c, n=name: solve(c, n) for c in cases])
-    active = statistics.mean(float(mask.mean()) for mask in neighbours)
-    rank = cases[0].modal_basis.modes.shape[2]  # type: ignore[union-attr]
-    cold_count = statistics.mean(a.iterations for a in answers)  # type: ignore[union-attr]
-    warm_count = statistics.mean(a.iterations for a in warm)  # type: ignore[union-attr]
-    notes = [f"{size}", f"{100 * active:.0f}", f"{rank}", f"{cold_count:.1f}", f"{warm_count:.1f}"]
-    return seconds, {"force": error, "rotation": turn}, [*notes, f"{error:.0e}", f"{turn:.0e}"]
+def many_as_arrays(cases: list[ContactProblem]) -> Any:
+    """Many problems at once as they are solved without numba."""
+    with patch.object(many, "compiled_kernel", lambda: None):
+        return solve_many(cases)
+
+
+class Rows:
+    """Seconds of every way at one size, and what was found."""
+
+    def __init__(self, size: int, *, refined: bool, given_up: set[str]) -> None:
+        self.cases = [problem(size, k / 16.0, refined=refined) for k in range(POSITIONS)]
+        self.size, self.given_up = size, given_up
+        self.seconds: dict[str, float] = {}
+        self.solutions = solve_many(self.cases)
+        assert all(solution.certified for solution in self.solutions)
+        self.scaled = [case.scaling.scale(case) for case in self.cases]
+        self._kernels(), self._doors(), self._others()
+        whole = [whole_problem(size, k / 16.0, refined=refined) for k in range(POSITIONS)]
+        self.seconds["compression of the factor"] = median_seconds(
+            [lambda c=c: modal_basis(c.compliance[1]) for c in whole]
+        )
+
+    def _kernels(self) -> None:
+        starts = [case.scaling.estimated_active for case in self.cases]
+        neighbours = [solution.active for solution in self.solutions]
+        cold, warm = list(zip(self.scaled, starts, strict=True)), list(zip(self.scaled[1:], neighbours, strict=False))
+        if self.size <= LARGEST["Cholesky"]:
+            matrix = self.scaled[0].compliance
+            self.seconds["Cholesky factor of n x n"] = median_seconds([lambda: dpotrf(matrix.T, lower=1, clean=0)])
+        self.seconds["modal, cold"] = median_seconds([lambda s=s, a=a: modal_newton(s, a) for s, a in cold])
+        self.seconds["modal, warm from the position before"] = median_seconds(
+            [lambda s=s, a=a: modal_newton(s, a) for s, a in warm]
+        )
+        self.seconds["modal as arrays, cold"] = median_seconds([lambda s=s, a=a: as_arrays(s, a) for s, a in cold])
+        self.iterations = [statistics.mean(modal_newton(s, a).iterations for s, a in those) for those in (cold, warm)]  # type: ignore[union-attr]
+        self.error = np.nan
+        if self.size <= LARGEST["dense active set"]:
+            exact = [primal_dual_active_set(s, a) for s, a in zip(self.scaled, neighbours, strict=True)]
+            self.error = max(
+                float(np.abs(solution.force - case.scaling.unscale_force(answer.force)).max() / solution.force.max())  # type: ignore[union-attr]
+                for solution, case, answer in zip(self.solutions, self.cases, exact, strict=True)
+            )
+            self.seconds["dense active set, cold"] = median_seconds(
+                [lambda s=s, a=a: primal_dual_active_set(s, a) for s, a in cold[:2]]
+            )
+
+    def _doors(self) -> None:
+        def fresh() -> list[ContactProblem]:
+            return [case.with_torque(case.torque) for case in self.cases]  # scaled anew
+
+        warm = list(zip(self.cases[1:], self.solutions, strict=False))
+        self.seconds["solve, cold"] = median_seconds([lambda c=c: solve(c.with_torque(c.torque)) for c in self.cases])
+        self.seconds["solve, warm"] = median_seconds(
+            [lambda c=c, s=s: solve(c.with_torque(c.torque), initial_active=s.active) for c, s in warm]
+        )
+        self.seconds["solve_many, each"] = median_seconds([lambda: solve_many(fresh())]) / POSITIONS
+        self.seconds["solve_many as arrays, each"] = median_seconds([lambda: many_as_arrays(fresh())]) / POSITIONS
+
+    def _others(self) -> None:
+        for name in available_solvers():
+            if name in ("native", "lemke", "cvxpy") or name in self.given_up:
+                continue
+            solution = solve(self.cases[0], name)
+            taken = median_seconds([lambda c=c, n=name: solve(c, n) for c in self.cases])
+            if solution.certified and solution.polished:
+                self.seconds[f"{name}, polished"] = taken
+            if taken > PATIENCE or not solution.certified:
+                self.given_up.add(name)
+
+    def notes(self) -> list[str]:
+        """Size, part that touches, rank, iterations and errors, as text."""
+        touching = statistics.mean(float(solution.active.mean()) for solution in self.solutions)
+        basis = self.cases[0].modal_basis
+        assert basis is not None
+        worst = max(solution.certificate.worst for solution in self.solutions)
+        counts = [f"{count:.1f}" for count in self.iterations]
+        return [
+            f"{self.size}",
+            f"{100 * touching:.0f}",
+            f"{basis.modes.shape[2]}",
+            *counts,
+            f"{self.error:.0e}",
+            f"{worst:.0e}",
+        ]
 
 
 def main() -> None:
@@ -145,21 +194,34 @@ def main() -> None:
     print(f"modal method {'as arrays' if modal.compiled_kernel() is None else 'compiled'}\n")
     for refined in (False, True):
         print("local compliance " + ("grows with n, as under refinement" if refined else "the same for every n"))
-        results = [rows(size, refined=refined) for size in sizes]
-        notes = [note for _, _, note in results]
-        headers = ["n", "touching %", "modes a pair", "cold", "warm", "force error", "rotation error"]
-        print(tabulate(notes, headers=headers, disable_numparse=True), "\n")
-        table = []
-        for name in results[0][0]:
-            seconds = [result[0][name] for result in results]
-            unit = [result[0]["Cholesky factor of n x n"] for result in results]
-            cells = [f"{1e6 * s:.0f} ({s / u:.2g})" for s, u in zip(seconds, unit, strict=True)]
-            known = [(n, s) for n, s in zip(sizes, seconds, strict=True) if n >= 150]
-            slope = np.polyfit(*np.log(np.array(known)).T, 1)[0] if len(known) > 1 else np.nan
-            table.append([name, *cells, f"{slope:.2f}"])
-        print("microseconds (over one Cholesky factorisation of n x n)")
+        given_up: set[str] = set()
+        results = [Rows(size, refined=refined, given_up=given_up) for size in sizes]
+        headers = ["n", "touching %", "modes a pair", "cold", "warm", "force error", "certificate"]
+        print(tabulate([result.notes() for result in results], headers=headers, disable_numparse=True), "\n")
+        names = list(dict.fromkeys(name for result in results for name in result.seconds))
+        print("microseconds of processor time (over one Cholesky factorisation of n x n)")
+        table = [row_of(name, results) for name in names]
         columns = [f"n = {n}" for n in sizes]
         print(tabulate(table, headers=["", *columns, "exponent, n >= 150"], disable_numparse=True), "\n")
+        print("solve, cold: times faster than the fastest backend with an exact answer")
+        for result in results:
+            others = {name: taken for name, taken in result.seconds.items() if name.endswith("polished")}
+            best = min(others, key=lambda name: others[name])
+            print(f"  n = {result.size}: {others[best] / result.seconds['solve, cold']:.1f} ({best})")
+        print()
+
+
+def row_of(name: str, results: list[Rows]) -> list[str]:
+    """Cells of one way: time at each size, and the exponent of its growth."""
+    cells = []
+    for result in results:
+        unit = result.seconds.get("Cholesky factor of n x n")
+        seconds = result.seconds.get(name)
+        ratio = "" if unit is None or seconds is None else f" ({seconds / unit:.2g})"
+        cells.append("" if seconds is None else f"{1e6 * seconds:.0f}{ratio}")
+    known = [(r.size, r.seconds[name]) for r in results if r.size >= 150 and name in r.seconds]
+    slope = np.polyfit(*np.log(np.array(known)).T, 1)[0] if len(known) > 1 else np.nan
+    return [name, *cells, f"{slope:.2f}"]
 
 
 if __name__ == "__main__":

@@ -40,6 +40,7 @@ from ..core.files import whole_file
 from .problem import ContactProblem
 from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES
+from .problem_dataset import FORMAT as SINGLE_FORMAT
 
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1
@@ -48,7 +49,10 @@ _OWN_NAMES = frozenset(ATTRIBUTES) | {"size", "structured", "mode_count", "probl
 
 
 def write_problems(
-    problems: Sequence[ContactProblem], path: str | os.PathLike[str], labels: Mapping[str, ArrayLike] | None = None
+    problems: Sequence[ContactProblem],
+    path: str | os.PathLike[str],
+    labels: Mapping[str, ArrayLike | xr.DataArray] | None = None,
+    attributes: Mapping[str, str | int | float] | None = None,
 ) -> None:
     """Write contact problems to a netCDF-4 file, without loss.
 
@@ -59,18 +63,27 @@ def write_problems(
     path : path
         The file, replaced if it exists. It appears complete or not at all.
     labels : mapping of name to (number of problems) array, optional
-        What each problem is, for instance ``torque_index`` and ``mesh_position``; numbers or text.
+        What each problem is, for instance ``torque_index`` and ``mesh_position``; numbers or text. A DataArray brings
+        its attributes along, such as units.
+    attributes : mapping of name to text or number, optional
+        What the whole file is: further global attributes.
 
     Raises
     ------
     InputError
-        No problems, or a label of the wrong length or with the name of a variable of the file.
+        No problems, a label of the wrong length or with the name of a variable of the file, or an attribute with the
+        name of one of the file.
     """
     if not problems:
         raise InputError("no contact problems to write")
     dataset = _dataset(problems)
     for name, values in (labels or {}).items():
-        dataset.coords[name] = ("problem", _label(name, values, len(problems)))
+        described = values.attrs if isinstance(values, xr.DataArray) else None
+        dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
+    taken = sorted(set(attributes or {}) & set(dataset.attrs))
+    if taken:
+        raise InputError(f"attribute {taken[0]!r} has the name of an attribute of the file: choose another")
+    dataset.attrs.update(attributes or {})
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
         for name, variable in dataset.variables.items()
@@ -83,8 +96,8 @@ def write_problems(
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
     """Read the contact problems of a file, identical to those written.
 
-    A file that another program wrote may leave out the global attributes, the units, ``size``, ``structured`` and
-    ``mode_count``; see `problem_arrays`.
+    A file that another program wrote may leave out the global attributes, the units, ``size``, ``structured``,
+    ``mode_count`` and, with a single problem, the dimension of the problem; see `problem_arrays`.
 
     Raises
     ------
@@ -97,12 +110,10 @@ def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
             return [_problem(data, i) for i in range(data["separation"].shape[0])]
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
-        except (KeyError, IndexError, ValueError) as error:
-            raise InputError(f"{path} is incomplete: {error}") from error
 
 
 def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """Read the labels that were written with the problems, each an array with one entry a problem.
+    """Read what else a file says of each problem: the labels it was written with, each an array of one entry a problem.
 
     Raises
     ------
@@ -110,7 +121,9 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
         As `read_problems`.
     """
     with _opened(path) as dataset:
-        return {str(name): dataset[name].to_numpy() for name in dataset.variables if name not in _OWN_NAMES}
+        problem = dataset["torque"].dims
+        labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
+        return {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
 
 
 def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
@@ -166,8 +179,6 @@ def _label(name: str, values: ArrayLike, count: int) -> NDArray[Any]:
 
 def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
     n = int(data["size"][i])
-    if not 0 < n <= data["separation"].shape[1]:
-        raise InputError(f"problem {i} has {n} segments in arrays of {data['separation'].shape[1]}")
     compliance: Any
     if data["structured"][i]:
         factor = data["compliance_factor"][i, :n, : int(data["mode_count"][i])]
@@ -190,15 +201,15 @@ def _opened(path: str | os.PathLike[str]) -> Any:
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{path} is not a netCDF file: {error}") from error
     with dataset:
-        name = dataset.attrs.get("format")
-        if name is None:
-            try:
-                require_arrays(dataset)
-            except InputError as error:
-                raise InputError(f"{path} holds no contact problems: {error}") from error
-        elif name != FORMAT:
+        if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
             raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
-        version = int(dataset.attrs.get("format_version", 0))
-        if version > FORMAT_VERSION:
-            raise InputError(f"{path} is of format version {version}; this program reads up to {FORMAT_VERSION}")
+        version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
+        with contextlib.suppress(TypeError, ValueError):
+            known = float(version) == FORMAT_VERSION
+        if not known:
+            raise InputError(f"{path} is of format version {version}; this program reads {FORMAT_VERSION}")
+        try:
+            require_arrays(dataset)
+        except InputError as error:
+            raise InputError(f"{path} holds no contact problems: {error}") from error
         yield dataset

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
 from .problem import ContactProblem
+from .recovered import with_certificate
 from .solvers import ContactSolution, Status, require_solver, solve
 from .solvers.judge import judge
 from .solvers.status import no_solution
@@ -140,10 +141,8 @@ def certified_on_secant(
     except InputError as error:
         return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iterations), bending
     solution = judge(
-        problem,
         name,
-        force,
-        elastic_rotation,
+        with_certificate(problem, force, elastic_rotation),
         tolerance=tolerance,
         iterations=iterations,
         polished=polished,

@@ -49,12 +49,16 @@ def recovered(problem: ContactProblem, force: NDArray[np.float64], rotation: flo
         Beyond first contact, in that scale.
     """
     scaling = problem.scaling
-    unscaled = scaling.unscale_force(force)
-    elastic = scaling.unscale_elastic_rotation(rotation)
-    whole = problem.first_contact_rotation + elastic
-    # Not from `gap(force, whole)`, whose difference of rotations would lose the digits of a light load.
-    gap = problem.deflection(unscaled) + problem.separation_at_first_contact - elastic * problem.lever_arm
-    return RecoveredAnswer(unscaled, whole, gap, elastic, certify(problem, unscaled, whole, elastic))
+    return with_certificate(problem, scaling.unscale_force(force), scaling.unscale_elastic_rotation(rotation))
+
+
+def with_certificate(problem: ContactProblem, force: NDArray[np.float64], elastic_rotation: float) -> RecoveredAnswer:
+    """Return forces [N] and the rotation beyond first contact [rad] with the gaps they leave and the proof."""
+    rotation = problem.first_contact_rotation + elastic_rotation
+    with np.errstate(over="ignore", invalid="ignore"):
+        # Not from `gap(force, rotation)`, whose difference of rotations would lose the digits of a light load.
+        gap = problem.deflection(force) + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
+    return RecoveredAnswer(force, rotation, gap, elastic_rotation, certify(problem, force, rotation, elastic_rotation))
 
 
 def require_convex(problem: ContactProblem) -> None:

@@ -111,6 +111,8 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     # comparison of solvers
     "problem_file": ("", "file the problem is from"),
     "problem": ("1", "number of the problem in its file, from 0"),
+    "problem_name": ("", "name of the problem, where the file has names"),
+    "kind": ("", "kind of the problem, where the file has kinds"),
     "size": ("1", "number of segments"),
     "gear_torque": ("N m", "torque about the gear axis"),
     "solver": ("", "name of the solver"),
@@ -124,6 +126,19 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "rotation_error": ("1", "relative error of the rotation beyond first contact, against the certified reference"),
     "polished": ("1", "whether the answer was made exact by one solve on the active set that the solver found"),
     "message": ("", "the solver's own words"),
+    # library of problems
+    "name": ("", "name of the problem in the library"),
+    "case": ("", "shipped case the problem comes from"),
+    "flanks": ("", "which flanks mesh: drive or coast"),
+    "pinion_torque": ("N m", "torque at the pinion in the instant the problem comes from"),
+    "offset_error": ("mm", "assembly error E of the case"),
+    "pinion_axial_error": ("mm", "assembly error P of the case"),
+    "segments_per_line": ("1", "segments of a contact line"),
+    "change": ("", "how the problem was made from a real one; empty for a real one"),
+    "amount": ("", "how much of that change"),
+    "elastic_rotation": ("rad", "reference: rotation beyond first contact"),
+    "touching": ("1", "reference: number of segments that carry load; -1 where that is not determined"),
+    "condition_number": ("1", "greatest over least eigenvalue of the compliance; infinite where the least is rounding"),
 }
 
 

@@ -17,10 +17,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
+from solver_choice import BACKENDS, installed
 
 from easeoff.contact import ContactProblem, read_problems, write_problems
 from easeoff.contact.certificate import EXACT_TOLERANCE
+from easeoff.contact.solvers import SOLVERS as SOLVER_TABLE
 from easeoff.contact.solvers.problem_classes import problems
+from easeoff.contact.solvers.settings import SOLVERS as SOLVERS_TABLE
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
@@ -131,6 +134,17 @@ def test_answer_of_the_wrong_length_is_an_error() -> None:
     found = attempt(same_size(1)[0], "nonsense", fake_solvers.nonsense, "raw", 1.0)
     assert found.claim == "solved"
     assert not found.certificate.passes(1.0)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_every_solver_of_the_table_is_tried_as_it_is(name: str) -> None:
+    adapter = load_adapter(installed(name))
+    for settings in ("default", "unpolished"):
+        found = attempt(same_size(1)[0], name, adapter, settings, 10.0)
+        assert found.certificate.passes(SOLVER_TABLE[name].tolerance)
+        assert found.polished == (settings == "default")
+    if not SOLVER_TABLE[name].package:  # others need a process of their own: raw units can bring one down
+        assert attempt(same_size(1)[0], name, adapter, "raw", 10.0).certificate.passes(1e-9)
 
 
 def test_solver_that_denies_its_right_answer_is_certified(dataset: xr.Dataset) -> None:
@@ -324,6 +338,57 @@ def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> 
         assert times[method]["median [ms]"] == "-"
 
 
+def test_backend_gets_the_form_that_solve_gives_it() -> None:
+    seen: list[str] = []
+
+    def adapter(_: Any, keywords: Any) -> Any:
+        seen.append(keywords.get("form", "dense"))
+        raise RuntimeError
+
+    size = SOLVERS_TABLE["piqp"].lifted_from
+    assert size is not None
+    rng = np.random.default_rng(1)
+    pair = (np.full(size, 1e-6), 1e-3 * rng.standard_normal((size, 4)))
+    large = ContactProblem(1e-3 * rng.standard_normal(size) ** 2, np.full(size, 40.0), 1e5, pair)
+    for problem in (large, same_size(1)[0]):
+        for settings in ("default", "unpolished", "raw"):
+            attempt(problem, "piqp", adapter, settings, 1.0)
+    attempt(large, "my_solver:solve_scaled", adapter, "default", 1.0)
+    assert seen == ["lifted", "lifted", "dense", *["dense"] * 4]
+
+
+def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) -> None:
+    labels = {"name": ["first", "second", "third"], "kind": ["easy", "hard", "hard"]}
+    write_problems(same_size(3), tmp_path / "kinds.nc", labels)
+    solvers = ["native", "lemke"]
+    table = compare([tmp_path / "kinds.nc"], tmp_path, solvers=solvers, repetitions=1, time_limit=20.0, raw=True)
+    for solver in solvers:
+        found = rows(table, solver)
+        for label, column in (("name", "problem_name"), ("kind", "kind")):
+            assert found[column].tolist() == [labels[label][number] for number in found["problem"]]
+    # Lemke's method needs no package of its own, and no settings.
+    assert rows(table, "lemke")["certified"].all()
+    assert set(rows(table, "lemke")["settings"]) == {"default", "unpolished", "raw"}
+    text = report(table)
+    by_kind = cells(text.replace("Certified, by kind of problem:", "## kinds"), "kinds")
+    wanted = {"easy": "1 of 1", "hard": "2 of 2"}
+    assert {kind: by_kind[("lemke", "raw", "cold")][kind] for kind in wanted} == wanted
+    assert {kind: by_kind[("native", "default", "warm")][kind] for kind in ("hard",)} == {"hard": "2 of 2"}
+
+
+def test_report_says_which_problems_failed(dataset: xr.Dataset, written: list[Path], folder: Path) -> None:
+    failures = cells((folder / "report.md").read_text(encoding="utf-8"), "Failures")
+    assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "two.nc 0, two.nc 1"
+    named = dataset.assign(problem_name=dataset["problem"].astype(str).astype(object) + " of many")
+    failures = cells(report(named), "Failures")
+    assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "0 of many, 1 of many"
+
+
+def test_without_kinds_the_report_has_no_table_of_kinds(lies: xr.Dataset) -> None:
+    assert set(lies["kind"].values) == {""}
+    assert "by kind" not in report(lies)
+
+
 def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: list[Path], folder: Path) -> None:
     text = (folder / "report.md").read_text(encoding="utf-8")
     made_with = json.loads(read_table(folder / "results.nc").attrs["machine"])
@@ -345,6 +410,18 @@ def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: lis
 def test_report_of_failures_that_are_none(dataset: xr.Dataset) -> None:
     decent = dataset.isel(attempt=np.isin(dataset["solver"].values, ["native"]))
     assert "every attempt is certified" in report(decent)
+
+
+def test_profile_counts_the_problems_of_files_of_different_length(dataset: xr.Dataset) -> None:
+    """Three problems in one file and one in another are four, not six."""
+    native = dataset.isel(attempt=(dataset["solver"].values == "native") & (dataset["start"].values == "cold"))
+    one = native.isel(attempt=native["problem"].values == 0)
+    more = native.assign(problem_file=native["problem_file"].copy(data=np.full(native.sizes["attempt"], "other.nc")))
+    both = xr.concat([one, more], "attempt")
+    (axes,) = draw_profiles(both, by_problem(both)).axes
+    count = len(np.unique(native["problem"].values))
+    assert count > 1
+    assert axes.get_title("right") == f"{count + 1} problems"
 
 
 def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> None:

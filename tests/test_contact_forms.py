@@ -13,11 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
+from solver_choice import LIFTING, installed
 
 from easeoff.cases import read_case, shipped_cases
 from easeoff.contact import (
     ContactProblem,
-    available_solvers,
     dual_qp,
     lcp,
     lifted_qp,
@@ -273,10 +273,9 @@ def large(size: int = 300) -> ContactProblem:
     return ContactProblem(separation, rng.normal(42.0, 1.0, size), 5e5, (diagonal, factor))
 
 
-@pytest.mark.parametrize("name", [name for name, entry in SOLVERS.items() if entry.lifted_from is not None])
+@pytest.mark.parametrize("name", LIFTING)
 def test_backends_give_the_same_in_either_form(name: str) -> None:
-    if name not in available_solvers():
-        pytest.skip(f"{name} is not installed")
+    installed(name)
     for problem in [large(), *problems("realistic", 2), *problems("signed_modes", 2), *problems("mixed_arms", 2)]:
         reference = solve(problem)
         for form in ("dense", "lifted", "auto"):
@@ -304,7 +303,7 @@ def test_form_follows_the_size_and_the_table() -> None:
 def test_impossible_form_is_refused() -> None:
     structured = next(problems("realistic", 1))
     dense = ContactProblem(structured.separation, structured.lever_arm, 1.0, structured.dense_compliance)
-    for name in ("daqp", "native", "lemke", "cvxpy"):
+    for name in ("daqp", "native", "lemke"):
         with pytest.raises(InputError, match=r"dense form only.*clarabel"):
             solve(structured, name, form="lifted")
         assert solve(structured, name, form="dense").certified

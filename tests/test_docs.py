@@ -27,11 +27,13 @@ from easeoff.geometry.machine import IncrementSense
 from easeoff.geometry.machine_pose import machine_pose
 from easeoff.geometry.synthesis import FREE
 from easeoff.study.cli import main
+from easeoff.study.library import entries, reference_answers
+from easeoff.study.library.files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare")
+WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "problem_library")
 
 
 def text(name: str) -> str:
@@ -107,6 +109,18 @@ def test_links_lead_somewhere() -> None:
 def script(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.syspath_prepend(DOCS)
     return importlib.import_module(name)
+
+
+def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_problem_library.py."""
+    tables, page = script("make_problem_library", monkeypatch), text("problem_library")
+    assert page == tables.updated(page)
+    assert all(table() in page for table in tables.TABLES.values())
+
+
+def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
+    named = re.findall(r"`(\w+)`", " ".join(row[0] for row in rows(text("problem_library"), "## A file")))
+    assert named == list(labels([entries()[0]], reference_answers()))
 
 
 def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -208,14 +222,19 @@ def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatc
 
 
 def test_table_of_solvers_is_that_of_the_code() -> None:
-    listed = {row[0].strip("`"): (row[1], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
+    listed = {row[0].strip("`"): (*row[1:3], row[3].strip("`")) for row in rows(text("contact_problems"), "## Solvers")}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     always = {re.split(r"[^\w-]", requirement)[0] for requirement in project["dependencies"]}
     expected = {
-        name: (entry.kind, "easeoff" if not entry.package or entry.package in always else entry.requirement)
+        name: (entry.kind, entry.licence, "easeoff" if {entry.package} <= always | {""} else entry.requirement)
         for name, entry in SOLVERS.items()
     }
     assert listed == expected
+    for name, (_, licence, requirement) in expected.items():
+        assert ("GPL" in licence) == (requirement == "easeoff[copyleft-solvers]")
+        if requirement != "easeoff":
+            extra = project["optional-dependencies"][requirement[8:-1]]
+            assert SOLVERS[name].package.replace("_", "-") in {re.split(r"[^\w-]", wanted)[0] for wanted in extra}
 
 
 def spin(axis: str, angle: float) -> np.ndarray[Any, Any]:

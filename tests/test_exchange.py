@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, Literal
 
 import netCDF4
 import numpy as np
@@ -114,10 +115,10 @@ def test_files_from_elsewhere_are_refused(tmp_path: Path) -> None:
     xr.Dataset({"a": ("x", np.zeros(3))}).to_netcdf(other, engine="netcdf4")
     with pytest.raises(InputError, match="no contact problems"):
         read_problems(other)
-    single = tmp_path / "single.nc"
-    dense()[0].to_dataset().to_netcdf(single, engine="netcdf4")
-    with pytest.raises(InputError, match="format"):
-        read_labels(single)
+    foreign_format = tmp_path / "format.nc"
+    dense()[0].to_dataset().assign_attrs(format="another").to_netcdf(foreign_format, engine="netcdf4")
+    with pytest.raises(InputError, match="'format' is not"):
+        read_labels(foreign_format)
 
 
 @pytest.mark.parametrize(
@@ -202,3 +203,128 @@ def test_thousands_of_problems_stay_exact_in_one_file(tmp_path: Path) -> None:
     read = read_problems(tmp_path / "many.nc")
     assert all(a.identical(b) for a, b in zip(read, written, strict=True))
     assert time.process_time() - start < 20.0  # a second or so; a method that opens the file per problem takes minutes
+
+
+@pytest.mark.parametrize("kind", ["dense", "structured"])
+def test_single_problem_needs_no_dimension_of_the_problem(tmp_path: Path, kind: str) -> None:
+    problem = next(problems("random_dense" if kind == "dense" else "plain", 1))
+    dataset = problem.to_dataset().assign_coords(mesh_position=0.25)
+    for name, changed in {"own": dataset, "bare": dataset.drop_attrs().transpose()}.items():
+        path = tmp_path / f"{name}.nc"
+        changed.to_netcdf(path, engine="netcdf4")
+        (read,) = read_problems(path)
+        assert read.identical(problem)
+        assert read_labels(path) == {"mesh_position": [0.25]}
+
+
+def by_hand(
+    path: Path,
+    written: list[ContactProblem],
+    *,
+    dims: tuple[str, str, str] = ("problem", "segment", "segment_other"),
+    unlimited: bool = False,
+    number: str = "f8",
+    fill: float | None = None,
+    model: Literal["NETCDF4", "NETCDF3_CLASSIC"] = "NETCDF4",
+) -> Path:
+    """A file of dense problems made with netCDF4 alone, wider than the widest, nothing written behind the segments."""
+    with netCDF4.Dataset(path, "w", format=model) as file:
+        width = max(problem.size for problem in written) + 2
+        for name, length in dict(zip(dims, (len(written), width, width), strict=True)).items():
+            file.createDimension(name, None if unlimited else length)
+        for name, many in (("separation", 2), ("lever_arm", 2), ("torque", 1), ("compliance", 3)):
+            variable = file.createVariable(name, number, dims[:many], fill_value=fill)
+            for i, problem in enumerate(written):
+                value = problem.dense_compliance if name == "compliance" else getattr(problem, name)
+                variable[(i, *(slice(0, problem.size) for _ in range(many - 1)))] = value
+    return path
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate dimension names")
+@pytest.mark.parametrize(
+    "style",
+    [
+        {},  # netCDF's own fill value where nothing is written
+        {"fill": np.nan},
+        {"fill": -999.0},
+        {"unlimited": True},
+        {"dims": ("case", "i", "j")},
+        {"dims": ("problem", "segment", "segment"), "fill": np.nan},
+        {"model": "NETCDF3_CLASSIC"},
+    ],
+)
+def test_file_made_by_other_habits_is_read(tmp_path: Path, style: dict[str, Any]) -> None:
+    read = read_problems(by_hand(tmp_path / "other.nc", dense(), **style))
+    assert all(a.identical(b) for a, b in zip(read, dense(), strict=True))
+
+
+@pytest.mark.parametrize("fill", [None, np.nan])
+def test_single_precision_is_read_as_it_is(tmp_path: Path, fill: float | None) -> None:
+    read = read_problems(by_hand(tmp_path / "other.nc", dense(), number="f4", fill=fill))
+    for a, b in zip(read, dense(), strict=True):
+        assert a.size == b.size
+        assert np.array_equal(a.separation, b.separation.astype(np.float32))
+        np.testing.assert_allclose(a.dense_compliance, b.dense_compliance, rtol=1e-6)
+
+
+def test_what_does_not_belong_to_the_problems_is_left_alone(tmp_path: Path) -> None:
+    path = by_hand(tmp_path / "other.nc", dense())
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("x", 3)
+        file.createVariable("curve", "f8", ("x",))[:] = 1.0
+        file.createVariable("scalar", "f8", ())[...] = 2.0
+        file.createVariable("map", "f8", ("problem", "x"))[:] = 2.0
+        note = file.createVariable("note", str, ("problem",))
+        for i in range(5):
+            note[i] = f"number {i}"
+        packed = file.createVariable("load", "i2", ("problem",))
+        packed.setncatts({"scale_factor": 0.5, "units": "kN"})
+        packed[:] = np.arange(5) * 0.5
+    assert len(read_problems(path)) == 5
+    labels = read_labels(path)
+    assert set(labels) == {"note", "load"}
+    assert labels["note"].tolist() == [f"number {i}" for i in range(5)]
+    assert labels["load"].tolist() == [0.0, 0.5, 1.0, 1.5, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "units"),
+    [("compliance", "mm N-1"), ("compliance", "mm / N"), ("torque", "N*mm"), ("torque", "N.mm"), ("lever_arm", "mm")],
+)
+def test_units_may_be_spelt_otherwise(tmp_path: Path, name: str, units: str) -> None:
+    path = by_hand(tmp_path / "other.nc", dense())
+    with netCDF4.Dataset(path, "a") as file:
+        file[name].units = units
+    assert len(read_problems(path)) == 5
+
+
+@pytest.mark.parametrize("version", ["1", 1.0, np.int16(1)])
+def test_version_may_be_any_kind_of_number(tmp_path: Path, version: Any) -> None:
+    path = by_hand(tmp_path / "other.nc", dense())
+    with netCDF4.Dataset(path, "a") as file:
+        file.format_version = version
+    assert len(read_problems(path)) == 5
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda ds: ds.assign(mode_count=ds["mode_count"] + 100), "mode_count of problem 0 is 1.*modes"),
+        (lambda ds: ds.assign(mode_count=-ds["mode_count"]), "mode_count of problem 0 is -"),
+        (lambda ds: ds.assign(size=ds["size"] + 0.5), r"size of problem 0 is \d+\.5.*segments"),
+        (lambda ds: ds.assign(size=ds["size"] * np.nan), "size of problem 0 is nan"),
+        (lambda ds: ds.assign(size=ds["size"] * 0), "size of problem 0 is 0"),
+        (lambda ds: ds.assign(structured=ds["structured"] + 6), "structured of problem 0 is 7"),
+        (lambda ds: ds.assign(structured=ds["structured"] * 0), "0 of problem 0, but there is no compliance"),
+        (lambda ds: ds.assign(torque=ds["torque"].astype(str)), "torque holds no numbers"),
+        (lambda ds: ds.assign(torque=ds["torque"] * np.nan), "problem 0: torque"),
+        (lambda ds: ds.assign_attrs(format_version="two"), "format version two"),
+        (lambda ds: ds.assign_attrs(format_version=[1, 2]), "format version"),
+        (lambda ds: ds.assign_attrs(format=[1, 2]), "'format' is not"),
+    ],
+)
+def test_file_that_contradicts_itself_is_refused_in_words(
+    tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        read_problems(foreign(list(problems("plain", 5)), tmp_path, change))

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from solver_choice import installed
 
 from easeoff.contact.certificate import EXACT_TOLERANCE
 from easeoff.contact.line_contact_newton import LineContact, NewtonIteration
 from easeoff.contact.line_contact_solution import solve_line_contact
 from easeoff.contact.problem import ContactProblem
-from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, available_solvers, solve
+from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, solve
 from easeoff.contact.solvers.problem_classes import problems
 from easeoff.core.errors import InputError, MissingSolverError
 
@@ -216,8 +217,7 @@ def test_full_steps_would_cycle_where_the_line_search_arrives(
 @pytest.mark.parametrize("polish", [True, False])
 @pytest.mark.parametrize("name", SOLVERS)
 def test_every_solver_gives_the_nonlinear_answer(name: str, polish: bool) -> None:
-    if name not in available_solvers():
-        pytest.skip(f"{name} is not installed")
+    installed(name)
     problem = bending_problems(1)[0]
     local = Logarithmic(np.full(problem.size, 1.2))
     reference, _ = solve_on(problem, local)

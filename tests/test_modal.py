@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from easeoff.cases import read_case
 from easeoff.contact.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.problem import ContactProblem
-from easeoff.contact.solvers import ContactSolution, Status, available_solvers, modal_newton, solve
+from easeoff.contact.solvers import ContactSolution, Status, available_solvers, modal_newton, native, solve
 from easeoff.contact.solvers.modal_system import ModalPoint, has_modal_form, modal_system
 from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
 from easeoff.study.analysis import analyze_in_full
@@ -308,7 +308,20 @@ def test_matrix_is_never_formed(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(ContactProblem, "dense_compliance", property(refuse))
     for problem in problems("realistic", 3):
-        assert solve(problem).status is Status.CERTIFIED
+        assert solve(problem, method="modal").status is Status.CERTIFIED
+
+
+@pytest.mark.parametrize(("size", "compiled", "first"), [(60, False, ""), (60, True, "modal"), (240, False, "modal")])
+def test_what_is_faster_comes_first(size: int, compiled: bool, first: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Calling numpy costs the modal method more than small dense matrices cost the active set."""
+    monkeypatch.setattr(native, "compiled_kernel", lambda: object() if compiled else None)
+    monkeypatch.setattr(modal_newton, "compiled_kernel", lambda: None)
+    along = np.linspace(-1.0, 1.0, size)
+    factor = 1e-3 * np.polynomial.legendre.legvander(along, 5)
+    problem = ContactProblem(0.01 * along**2, np.full(size, 40.0), 1e5, (np.full(size, 1e-6), factor))
+    solution = solve(problem)
+    assert solution.certified
+    assert solution.message == first
 
 
 # Compiled
@@ -316,7 +329,7 @@ def test_matrix_is_never_formed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_solution_says_which_form_ran(path: str) -> None:
     expected = {"arrays": "modal", "compiled": "modal, compiled"}[path]
-    assert solve(next(problems("realistic", 1))).message == expected
+    assert solve(next(problems("realistic", 1)), method="modal").message == expected
 
 
 def test_missing_or_broken_numba_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -324,12 +337,12 @@ def test_missing_or_broken_numba_is_no_error(monkeypatch: pytest.MonkeyPatch) ->
     real = importlib.util.find_spec
     with monkeypatch.context() as patch:
         patch.setattr(importlib.util, "find_spec", lambda name: None if name == "numba" else real(name))
-        assert solve(next(problems("realistic", 1))).message == "modal"
+        assert solve(next(problems("realistic", 1)), method="modal").message == "modal"
     modal_newton.compiled_kernel.cache_clear()
     with monkeypatch.context() as patch:
         patch.setattr(importlib.util, "find_spec", lambda name: object())
         patch.setitem(sys.modules, "easeoff.contact.solvers.modal_kernel", None)
-        assert solve(next(problems("realistic", 1))).message == "modal"
+        assert solve(next(problems("realistic", 1)), method="modal").message == "modal"
     modal_newton.compiled_kernel.cache_clear()
 
 

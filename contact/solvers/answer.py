@@ -25,6 +25,9 @@ class ScaledAnswer:
         The solver's own word on how it ended.
     suspicion : Status or None
         What the solver thinks is wrong; used only if the certificate refuses the answer.
+    gap : (n) array or None
+        Multipliers of the bounds, as the solver gave them, in the sign of gaps. Nothing relies on them: the gaps of a
+        solution are computed from its forces. They tell whether the solver's own are right.
     """
 
     force: NDArray[np.float64]
@@ -32,3 +35,4 @@ class ScaledAnswer:
     iterations: int
     message: str = ""
     suspicion: Status | None = None
+    gap: NDArray[np.float64] | None = None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -87,10 +87,10 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
 def read_answer(
     solution: Any, *, iterations: int = -1, message: str = "", suspicion: Status | None = None
 ) -> ScaledAnswer:
-    """Take forces and rotation from a `qpsolvers.Solution`.
+    """Take forces, rotation and gaps from a `qpsolvers.Solution`.
 
-    qpsolvers writes P x + q + A'y + z_box = 0, so the rotation is -y. A rotation that is missing is recovered from
-    the forces: on the loaded segments the gap is zero, hence theta T = F'CF + S'F.
+    qpsolvers writes P x + q + A'y + z_box = 0, so the rotation is -y and the gaps are -z_box. A rotation that is
+    missing is recovered from the forces: on the loaded segments the gap is zero, hence theta T = F'CF + S'F.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def read_answer(
         raise NoAnswerError(message, suspicion)
     # In the lifted form the unknowns behind the forces are the modal amplitudes, which have no bounds.
     unknowns = np.asarray(solution.x, dtype=np.float64)
-    force = unknowns[np.isfinite(solution.problem.lb)]
+    bounded = np.isfinite(solution.problem.lb)
     rotation = math.nan if solution.y is None or len(solution.y) == 0 else -float(solution.y[0])
     if not math.isfinite(rotation):
         problem = solution.problem
@@ -113,4 +113,27 @@ def read_answer(
         if not torque > 0.0:
             raise NoAnswerError(message, suspicion)
         rotation = float(unknowns @ (problem.P @ unknowns) + problem.q @ unknowns) / torque
-    return ScaledAnswer(force, rotation, iterations, message, None if solution.found else suspicion)
+    multipliers = solution.z_box
+    gap = None if multipliers is None or len(multipliers) != unknowns.size else -np.asarray(multipliers)[bounded]
+    return ScaledAnswer(unknowns[bounded], rotation, iterations, message, None if solution.found else suspicion, gap)
+
+
+def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
+    """Refuse misspelt settings, which some backends ignore in silence.
+
+    Parameters
+    ----------
+    name : str
+        Of the backend.
+    settings : mapping
+    *known
+        Collections of names, or objects whose attributes are the settings there are.
+
+    Raises
+    ------
+    InputError
+        A setting that is none.
+    """
+    for key in settings:
+        if key != "form" and not any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known):
+            raise InputError(f"{name} has no setting {key!r}")

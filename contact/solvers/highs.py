@@ -6,16 +6,17 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from ...core.errors import InputError
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
-from .backend import read_answer, run_qpsolvers
+from .backend import read_answer, refuse_unknown, run_qpsolvers
 from .status import Status
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     """Solve the scaled problem."""
-    _check(settings)
+    import highspy
+
+    refuse_unknown("highs", settings, highspy.HighsOptions())
     start = time.perf_counter()
     solution = run_qpsolvers("highs", problem, settings)
     # The interface does not pass the reason on; at the time limit the clock tells.
@@ -23,13 +24,3 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     if late and not solution.found:
         return read_answer(solution, message="time limit reached", suspicion=Status.TIME_LIMIT)
     return read_answer(solution)
-
-
-def _check(settings: Mapping[str, Any]) -> None:
-    """Refuse misspelt settings, which would be ignored in silence."""
-    import highspy
-
-    known = highspy.HighsOptions()
-    for name in settings:
-        if not hasattr(known, name):
-            raise InputError(f"highs has no setting {name!r}")

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..certificate import certify
-from ..problem import ContactProblem
+from ..recovered import RecoveredAnswer
+from .answer import ScaledAnswer
 from .status import ContactSolution, Status, no_solution
 
 
 def judge(
-    problem: ContactProblem,
     solver: str,
-    force: NDArray[np.float64],
-    elastic_rotation: float,
+    answer: RecoveredAnswer,
     *,
     tolerance: float,
     iterations: int = -1,
@@ -22,17 +17,13 @@ def judge(
     message: str = "",
     suspicion: Status | None = None,
 ) -> ContactSolution:
-    """Certify an answer and return the solution, or the record of a refusal.
+    """Return the solution that an answer is, or the record of a refusal.
 
     Parameters
     ----------
-    problem : ContactProblem
-        In its original units.
     solver : str
-    force : (n) array
-        [N].
-    elastic_rotation : float
-        Rotation beyond first contact [rad].
+    answer : RecoveredAnswer
+        In the units of the problem, with its certificate.
     tolerance : float
         What the certificate must reach.
     iterations, polished, message
@@ -40,31 +31,41 @@ def judge(
     suspicion : Status, optional
         The status of a refused answer; `Status.NOT_CERTIFIED` by default.
     """
-    rotation = problem.first_contact_rotation + elastic_rotation
-    certificate = certify(problem, force, rotation, elastic_rotation)
-    if not certificate.passes(tolerance):
+    if not answer.certificate.passes(tolerance):
         return no_solution(
-            problem.size,
+            answer.force.size,
             Status.NOT_CERTIFIED if suspicion is None else suspicion,
             solver,
             message=message,
             iterations=iterations,
-            certificate=certificate,
+            certificate=answer.certificate,
             tolerance=tolerance,
         )
-    gap = problem.deflection(force)
-    gap += problem.separation_at_first_contact
-    gap -= elastic_rotation * problem.lever_arm
     return ContactSolution(
-        force=force,
-        rotation=rotation,
-        gap=gap,
+        force=answer.force,
+        rotation=answer.rotation,
+        gap=answer.gap,
         status=Status.CERTIFIED,
         solver=solver,
         iterations=iterations,
-        certificate=certificate,
-        elastic_rotation=elastic_rotation,
+        certificate=answer.certificate,
+        elastic_rotation=answer.elastic_rotation,
         polished=polished,
         tolerance=tolerance,
         message=message,
+    )
+
+
+def judge_scaled(
+    solver: str, answer: ScaledAnswer, result: RecoveredAnswer, tolerance: float, *, polished: bool = False
+) -> ContactSolution:
+    """Judge what became of an answer; iterations and words stay those of the solver that gave it."""
+    return judge(
+        solver,
+        result,
+        tolerance=tolerance,
+        iterations=answer.iterations,
+        polished=polished,
+        message=answer.message,
+        suspicion=answer.suspicion,
     )

@@ -61,16 +61,18 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     if size > LARGEST_SIZE:
         raise InputError(f"lemke is meant for small problems: {size} segments are more than {LARGEST_SIZE}")
     matrix, vector, eliminated = eliminated_system(problem)
-    result = lemke(matrix, vector, settings["max_pivots"])
+    result = lemke(matrix, vector, **settings)
     if result.ended == "ray":
         raise NoAnswerError("ended on a ray: no forces satisfy all conditions", Status.UNBOUNDED)
     if result.ended == "pivot limit":
         raise NoAnswerError(f"not at the end after {result.pivots} pivots", Status.NOT_CONVERGED)
     force, rotation = forces_and_rotation(problem, eliminated, result.z)
-    return ScaledAnswer(force, rotation, result.pivots, "solved")
+    gap = matrix @ result.z + vector  # w, in which the eliminated segment has its force
+    gap[eliminated] = result.z[eliminated]
+    return ScaledAnswer(force, rotation, result.pivots, "solved", gap=gap)
 
 
-def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int) -> LemkeResult:
+def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int = 10_000) -> LemkeResult:
     """Solve w = M z + q >= 0, z >= 0, w'z = 0.
 
     Parameters

@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import InputError
 from ..certificate import EXACT_TOLERANCE
 from ..problem import ContactProblem
+from ..recovered import recovered
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
+from .judge import judge_scaled
 from .modal_batch import LinearLaw, ModalBatch, newton_batch
 from .modal_newton import compiled_kernel
 from .modal_system import has_modal_form
-from .registry import ROUNDING_LEVEL, as_mask, judge_scaled, solve
+from .registry import ROUNDING_LEVEL, as_mask, solve
 from .status import ContactSolution
 
 #: Problems of a batch are padded to one size, so that only those of like size go together; and in numbers that fit the
@@ -95,7 +97,8 @@ def _solve_batch(
     for i, force in enumerate(batch.by_segments(answer.force)):
         if answer.ended[i]:
             given = ScaledAnswer(force, float(answer.rotation[i]), int(answer.iterations[i]), "modal, many at once")
-            solution = judge_scaled(problems[numbers[i]], "native", given, EXACT_TOLERANCE)
+            result = recovered(problems[numbers[i]], given.force, given.rotation)
+            solution = judge_scaled("native", given, result, EXACT_TOLERANCE)
             if solution.certificate.worst <= ROUNDING_LEVEL:
                 found[numbers[i]] = solution
     return found

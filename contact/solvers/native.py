@@ -2,7 +2,7 @@
 
 1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
    from the Winkler estimate.
-2. Primal-dual active set, from the same start.
+2. Primal-dual active set, from the same start. It comes first where the problem is small and numba is not installed.
 3. Primal active set, which cannot cycle.
 4. Interior point, with an exact polish on the active set it finds.
 
@@ -22,13 +22,15 @@ from ...core.errors import InputError
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
 from .interior_point import interior_point
-from .modal_newton import modal_newton
+from .modal_newton import compiled_kernel, modal_newton
 from .polish import polish
 from .primal_active_set import primal_active_set
 from .primal_dual_active_set import primal_dual_active_set
 
 #: Methods by name, in the order of the cascade.
 METHODS = ("modal", "primal_dual_active_set", "primal_active_set", "interior_point")
+#: Number of segments up to which the dense active set is faster than the modal method without numba.
+DENSE_WITHOUT_NUMBA = 200
 
 
 def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[str, Any]) -> Iterator[ScaledAnswer]:
@@ -53,7 +55,14 @@ def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[st
         raise InputError(f"native has no setting {', '.join(sorted(settings))}: the only one is method")
     if method != "cascade" and method not in METHODS:
         raise InputError(f"native has no method {method!r}: choose from cascade, {', '.join(METHODS)}")
-    return _answers(problem, active, METHODS if method == "cascade" else (method,))
+    return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,))
+
+
+def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
+    if problem.separation.size > DENSE_WITHOUT_NUMBA or compiled_kernel() is not None:
+        return METHODS
+    modal, dense, *others = METHODS
+    return (dense, modal, *others)
 
 
 def _answers(problem: ScaledProblem, active: NDArray[np.bool_], methods: tuple[str, ...]) -> Iterator[ScaledAnswer]:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...core.errors import InputError
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
-from .backend import read_answer, run_qpsolvers
+from .backend import read_answer, refuse_unknown, run_qpsolvers
 from .status import Status
 
 _SUSPICIONS = {
@@ -20,18 +19,10 @@ _SUSPICIONS = {
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     """Solve the scaled problem."""
-    _check(settings)
+    import piqp
+
+    refuse_unknown("piqp", settings, ("backend",), piqp.DenseSolver().settings)
     solution = run_qpsolvers("piqp", problem, settings)
     info = solution.extras["info"]
     status = str(info.status).rpartition(".")[2]
     return read_answer(solution, iterations=int(info.iter), message=status, suspicion=_SUSPICIONS.get(status))
-
-
-def _check(settings: Mapping[str, Any]) -> None:
-    """Refuse misspelt settings, which would be ignored in silence."""
-    import piqp
-
-    known = piqp.DenseSolver().settings
-    for name in settings:
-        if name not in ("backend", "form") and not hasattr(known, name):
-            raise InputError(f"piqp has no setting {name!r}")

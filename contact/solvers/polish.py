@@ -7,9 +7,14 @@ all digits.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ..certificate import EXACT_TOLERANCE
+from ..problem import ContactProblem
+from ..recovered import RecoveredAnswer, recovered
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
 from .primal_dual_active_set import primal_dual_active_set
@@ -37,3 +42,26 @@ def polish(problem: ScaledProblem, answer: ScaledAnswer, gap: NDArray[np.float64
     if gap is None:
         gap = problem.compliance @ answer.force + problem.separation - answer.rotation * problem.lever_arm
     return primal_dual_active_set(problem, answer.force > gap, max_iterations=POLISH_LIMIT)
+
+
+def recover_answer(
+    problem: ContactProblem, scaled: ScaledProblem, answer: ScaledAnswer, *, polished: bool
+) -> tuple[RecoveredAnswer, bool]:
+    """Return an answer in the units of the problem with its certificate, and whether it was made exact.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    scaled : ScaledProblem
+        The same, scaled.
+    answer : ScaledAnswer
+    polished : bool
+        Make it exact, if that succeeds. Numbers that are not finite show no active set.
+    """
+    if polished and math.isfinite(answer.rotation) and np.isfinite(answer.force).all():
+        exact = polish(scaled, answer)
+        if exact is not None:
+            better = recovered(problem, exact.force, exact.rotation)
+            if better.certificate.passes(EXACT_TOLERANCE):
+                return better, True
+    return recovered(problem, answer.force, answer.rotation), False

@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import importlib
 import importlib.util
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import InputError, MissingSolverError
 from ..certificate import EXACT_TOLERANCE
 from ..problem import ContactProblem
+from ..recovered import recovered, with_certificate
 from ..scaling import ScaledProblem
 from . import native
 from .answer import ScaledAnswer
 from .backend import FORMS, NoAnswerError, chosen_form
-from .judge import judge
-from .polish import polish as polish_answer
+from .judge import judge, judge_scaled
+from .polish import recover_answer
 from .settings import SOLVERS
 from .status import ContactSolution, Status, no_solution
 
@@ -77,8 +77,8 @@ def solve(
         others.
     form : str
         What a backend gets of a structured problem: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
-        `lifted_qp`, which clarabel, osqp, piqp and scs can take; ``"auto"``, the lifted one from the size in the table
-        of settings on.
+        `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
+        from that size on.
     **settings
         Passed to the backend on top of the settings of the table; for the native solver, ``method``.
 
@@ -117,10 +117,8 @@ def solve(
         )
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
-        nothing = np.zeros(problem.size)
-        return judge(
-            problem, name, nothing, 0.0, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact"
-        )
+        touching = with_certificate(problem, np.zeros(problem.size), 0.0)
+        return judge(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact")
     scaled = problem.scaling.scale(problem)
     if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
@@ -139,7 +137,8 @@ def _solve_native(
     start = problem.scaling.estimated_active if active is None else active
     best: ContactSolution | None = None
     for answer in native.answers(scaled, start, settings):
-        solution = judge_scaled(problem, "native", answer, EXACT_TOLERANCE)
+        result = recovered(problem, answer.force, answer.rotation)
+        solution = judge_scaled("native", answer, result, EXACT_TOLERANCE)
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
         if best.certificate.worst <= ROUNDING_LEVEL:
@@ -179,32 +178,9 @@ def _solve_backend(
             raise InputError(f"{name} refuses the settings {', '.join(sorted(settings))}: {error}") from error
         message = f"{type(error).__name__}: {error}"
         return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message, tolerance=entry.tolerance)
-    if polish:
-        exact = polish_answer(scaled, answer)
-        if exact is not None:
-            # The iterations and the message stay those of the backend, whose work this is.
-            exact = replace(answer, force=exact.force, rotation=exact.rotation)
-            solution = judge_scaled(problem, name, exact, EXACT_TOLERANCE, polished=True)
-            if solution.certified:
-                return solution
-    return judge_scaled(problem, name, answer, entry.tolerance)
-
-
-def judge_scaled(
-    problem: ContactProblem, name: str, answer: ScaledAnswer, tolerance: float, *, polished: bool = False
-) -> ContactSolution:
-    """Unscale an answer and certify it on the original problem."""
-    return judge(
-        problem,
-        name,
-        problem.scaling.unscale_force(answer.force),
-        problem.scaling.unscale_elastic_rotation(answer.rotation),
-        tolerance=tolerance,
-        iterations=answer.iterations,
-        polished=polished,
-        message=answer.message,
-        suspicion=answer.suspicion,
-    )
+    result, polished = recover_answer(problem, scaled, answer, polished=polish)
+    tolerance = EXACT_TOLERANCE if polished else entry.tolerance
+    return judge_scaled(name, answer, result, tolerance, polished=polished)
 
 
 def _is_unbounded(problem: ScaledProblem) -> bool:

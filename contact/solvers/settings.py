@@ -1,4 +1,4 @@
-"""The one table of the solvers: package, kind, settings for high accuracy, and the certificate each must reach.
+"""The one table of the solvers: package, licence, kind, settings for high accuracy, and the certificate to reach.
 
 All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances
 mean nothing.
@@ -26,6 +26,8 @@ class SolverSettings:
         Importable package it needs; empty for the solvers of this package.
     requirement : str
         What pip installs to get it.
+    licence : str
+        SPDX identifier. What is under a copyleft licence is an optional extra of its own.
     kind : str
         The method, in a few words.
     sparse : bool
@@ -41,6 +43,7 @@ class SolverSettings:
 
     package: str
     requirement: str
+    licence: str
     kind: str
     sparse: bool = False
     tolerance: float = EXACT_TOLERANCE
@@ -49,12 +52,15 @@ class SolverSettings:
 
 
 _EXTRA = "easeoff[solvers]"
+_COPYLEFT = "easeoff[copyleft-solvers]"
+_OWN = "BSD-3-Clause"
 
 SOLVERS: dict[str, SolverSettings] = {
-    "native": SolverSettings("", "easeoff", "modal Newton or primal-dual active set, with certified fallbacks"),
+    "native": SolverSettings("", "easeoff", _OWN, "modal Newton or primal-dual active set, with certified fallbacks"),
     "clarabel": SolverSettings(
         "clarabel",
         "clarabel",
+        "Apache-2.0",
         "interior point, sparse",
         sparse=True,
         tolerance=APPROXIMATE_TOLERANCE,
@@ -71,6 +77,7 @@ SOLVERS: dict[str, SolverSettings] = {
     "osqp": SolverSettings(
         "osqp",
         "osqp",
+        "Apache-2.0",
         "alternating direction method of multipliers, sparse",
         sparse=True,
         tolerance=1e-7,
@@ -86,6 +93,7 @@ SOLVERS: dict[str, SolverSettings] = {
     "daqp": SolverSettings(
         "daqp",
         "daqp",
+        "MIT",
         "dual active set, dense",
         tolerance=1e-6,
         settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
@@ -93,6 +101,7 @@ SOLVERS: dict[str, SolverSettings] = {
     "piqp": SolverSettings(
         "piqp",
         "piqp",
+        "BSD-2-Clause",
         "proximal interior point, dense or sparse",
         tolerance=APPROXIMATE_TOLERANCE,
         lifted_from=250,
@@ -107,6 +116,7 @@ SOLVERS: dict[str, SolverSettings] = {
     "proxqp": SolverSettings(
         "proxsuite",
         _EXTRA,
+        "BSD-2-Clause",
         "proximal augmented Lagrangian, dense",
         tolerance=1e-7,
         settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
@@ -114,6 +124,7 @@ SOLVERS: dict[str, SolverSettings] = {
     "highs": SolverSettings(
         "highspy",
         _EXTRA,
+        "MIT",
         "primal active set, sparse input",
         sparse=True,
         tolerance=EXACT_TOLERANCE,
@@ -129,23 +140,77 @@ SOLVERS: dict[str, SolverSettings] = {
     "scs": SolverSettings(
         "scs",
         _EXTRA,
+        "MIT",
         "splitting cone solver, sparse",
         sparse=True,
         tolerance=1e-7,
         lifted_from=250,
         settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
     ),
+    "sip": SolverSettings(
+        "sip_qp_python",
+        _EXTRA,
+        "MIT",
+        "regularised interior point, sparse",
+        sparse=True,
+        tolerance=1e-6,
+        lifted_from=100,
+        settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "time_limit": TIME_LIMIT},
+    ),
+    "pyqpmad": SolverSettings(
+        "pyqpmad",
+        _EXTRA,
+        "BSD-3-Clause AND Apache-2.0",
+        "dual active set, dense, for positive definite matrices",
+        tolerance=1e-6,
+        settings={"tolerance": 1e-14, "max_iter": 10_000},
+    ),
+    "qpalm": SolverSettings(
+        "qpalm",
+        _COPYLEFT,
+        "LGPL-3.0-or-later",
+        "proximal augmented Lagrangian, sparse",
+        sparse=True,
+        tolerance=1e-7,
+        lifted_from=200,
+        settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iter": 100_000, "time_limit": TIME_LIMIT},
+    ),
+    "quadprog": SolverSettings(
+        "quadprog",
+        _COPYLEFT,
+        "GPL-2.0-or-later",
+        "dual active set, dense, for positive definite matrices",
+        tolerance=1e-6,
+    ),
+    "cvxopt": SolverSettings(
+        "cvxopt",
+        _COPYLEFT,
+        "GPL-3.0-or-later",
+        "interior point, dense",
+        tolerance=APPROXIMATE_TOLERANCE,
+        settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
+    ),
+    "ecos": SolverSettings(
+        "ecos",
+        _COPYLEFT,
+        "GPL-3.0-or-later",
+        "interior point for second-order cones",
+        tolerance=1e-4,
+        settings={"abstol": 1e-12, "reltol": 1e-12, "feastol": 1e-12, "max_iters": 200},
+    ),
     "cvxpy": SolverSettings(
         "cvxpy",
         "cvxpy",
+        "Apache-2.0",
         "modelling language, by default with clarabel",
         tolerance=APPROXIMATE_TOLERANCE,
+        lifted_from=60,
         settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
     ),
     "lemke": SolverSettings(
         "",
         "easeoff",
+        _OWN,
         "Lemke's complementary pivoting, dense, to 1000 segments",
-        settings={"max_pivots": 10_000},
     ),
 }

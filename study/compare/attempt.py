@@ -1,7 +1,7 @@
 """One attempt of one solver at one problem: what it says, what the certificate says, and how long it took.
 
-This runs in a process of its own. The steps are those of `easeoff.contact.solve`, taken apart here for two reasons:
-the backend's own word has to be kept beside the verdict, and the numbers of a refused answer are wanted too.
+This runs in a process of its own. The steps are those of `easeoff.contact.solve`, which does not do here for two
+reasons: the backend's own word has to be kept beside the verdict, and the numbers of a refused answer are wanted too.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...contact.certificate import EXACT_TOLERANCE, NO_CERTIFICATE, Certificate, certify
+from ...contact.certificate import NO_CERTIFICATE, Certificate, certify
 from ...contact.problem import ContactProblem
 from ...contact.scaling import ScaledProblem
 from ...contact.solvers import SOLVERS, solve
 from ...contact.solvers.answer import ScaledAnswer
-from ...contact.solvers.backend import NoAnswerError
-from ...contact.solvers.polish import polish
+from ...contact.solvers.backend import NoAnswerError, chosen_form
+from ...contact.solvers.polish import recover_answer
 from ...core.errors import InputError
 
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
@@ -90,8 +90,8 @@ def load_adapter(solver: str) -> Adapter | None:
         return None
     module, separator, function = solver.partition(":")
     if not separator:
-        importlib.import_module(SOLVERS[solver].package)  # slow imports are not to be timed
-        importlib.import_module("qpsolvers")
+        for package in filter(None, (SOLVERS[solver].package, "qpsolvers")):
+            importlib.import_module(package)  # slow imports are not to be timed
         module, function = f"easeoff.contact.solvers.{solver}", "solve_scaled"
     try:
         found: Adapter = getattr(importlib.import_module(module), function)
@@ -137,6 +137,8 @@ def attempt(
     fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, compliance)
     if adapter is None:
         return _native(fresh, active)
+    if solver in SOLVERS and settings != "raw":
+        adapter = in_its_form(solver, adapter)
     keywords = backend_settings(solver, settings, time_limit)
     start = perf_counter()
     try:
@@ -150,6 +152,16 @@ def attempt(
     run_time = perf_counter() - start
     claim = SOLVED if answer.suspicion is None else answer.suspicion.name.lower()
     return Attempt(claim, plain(answer.message), run_time, certificate, rotation, int(answer.iterations), polished)
+
+
+def in_its_form(solver: str, adapter: Adapter) -> Adapter:
+    """Return an adapter that gets each problem in the form in which `easeoff.contact.solve` gives it to the solver."""
+
+    def solve_scaled(problem: ScaledProblem, keywords: Mapping[str, Any]) -> ScaledAnswer:
+        lifted = chosen_form(solver, problem, "auto") == "lifted"
+        return adapter(problem, {**keywords, "form": "lifted"} if lifted else keywords)
+
+    return solve_scaled
 
 
 def plain(text: str) -> str:
@@ -188,18 +200,5 @@ def _backend(
         return answer, certify(problem, answer.force, rotation), elastic, False
     scaled = problem.scaling.scale(problem)
     answer = adapter(scaled, keywords)
-    if settings == "default" and np.isfinite(answer.force).all() and math.isfinite(answer.rotation):
-        exact = polish(scaled, answer)
-        if exact is not None:
-            certificate, elastic = _certified(problem, exact)
-            if certificate.passes(EXACT_TOLERANCE):
-                return answer, certificate, elastic, True
-    certificate, elastic = _certified(problem, answer)
-    return answer, certificate, elastic, False
-
-
-def _certified(problem: ContactProblem, answer: ScaledAnswer) -> tuple[Certificate, float]:
-    """Unscale an answer and certify it on the problem as it was given."""
-    elastic = problem.scaling.unscale_elastic_rotation(answer.rotation)
-    force = problem.scaling.unscale_force(answer.force)
-    return certify(problem, force, problem.first_contact_rotation + elastic, elastic), elastic
+    result, polished = recover_answer(problem, scaled, answer, polished=settings == "default")
+    return answer, result.certificate, result.elastic_rotation, polished

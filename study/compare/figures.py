@@ -25,7 +25,7 @@ from ..plot.page import (
     sheet,
 )
 from .attempt import SETTINGS
-from .statistics import by_problem, growth, methods, of_method, performance_profile
+from .statistics import METHOD, PROBLEM, by_problem, growth, methods, of_method, performance_profile
 
 #: Okabe and Ito's colours without yellow, which is too faint for lines; the native solver is the first.
 COLOURS = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -59,9 +59,8 @@ def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
     figure = _page("Performance profile", "share of problems solved within a factor of the fastest", note, len(panels))
     grid = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
-        table = problems.pivot_table(
-            index=["problem_file", "problem"], columns=["solver", "settings", "start"], values="run_time", dropna=False
-        )
+        # Not a pivot table: that would have a row for every number in every file.
+        table = problems.set_index([*PROBLEM, *METHOD])["run_time"].unstack(METHOD)
         named = [method for method in named if method[2] == "cold"]  # not every problem has a warm start
         compared = table[named]
         factor, share = performance_profile(compared.to_numpy(dtype=float).T)

@@ -18,6 +18,9 @@ from .table import RESIDUALS
 
 Method = tuple[str, str, str]
 
+#: Problems that are named in a line of failures.
+NAMED = 3
+
 
 def report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
     """Return the report.
@@ -38,6 +41,7 @@ def report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
         _made_with(dataset, named),
         "## Who was right\n",
         _success(dataset, problems, named),
+        *_by_kind(problems, named),
         "## Run time\n",
         _run_time(dataset, problems, named),
         *(f"![{caption}]({name})\n" for name, _, caption in (picture.partition("|") for picture in pictures)),
@@ -111,6 +115,19 @@ def _success(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
     )
 
 
+def _by_kind(problems: Any, named: list[Method]) -> list[str]:
+    """Certified problems by their kind, where the files tell kinds."""
+    kinds = [kind for kind in dict.fromkeys(problems["kind"]) if kind]
+    if not kinds:
+        return []
+    rows = []
+    for method in named:
+        found = of_method(problems, method)
+        of_kind = [found[found["kind"] == kind]["certified"] for kind in kinds]
+        rows.append([*method, *(f"{int(one.sum())} of {len(one)}" for one in of_kind)])
+    return ["Certified, by kind of problem:\n", _table(["solver", "settings", "start", *kinds], rows)]
+
+
 def _run_time(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
     limit = float(dataset.attrs["time_limit_s"])
     rows = []
@@ -163,11 +180,18 @@ def _failures(dataset: xr.Dataset, named: list[Method]) -> str:
         failed = found[found["certified"] == 0]
         for (claim, message), group in failed.groupby(["claim", "message"], sort=False):
             words = str(message).replace("|", "/").replace("`", "'")
-            rows.append([*method, claim, words, len(group), group.groupby(["problem_file", "problem"]).ngroups])
+            problems = group.drop_duplicates(["problem_file", "problem"])
+            rows.append([*method, claim, words, len(group), len(problems), _which(problems)])
     if not rows:
         return "None: every attempt is certified.\n"
-    head = ["solver", "settings", "start", "says", "its words", "attempts", "problems"]
+    head = ["solver", "settings", "start", "says", "its words", "attempts", "problems", "which"]
     return f"{_table(head, rows)}\nAttempts that are not certified.\n"
+
+
+def _which(problems: Any) -> str:
+    """The first few problems, by name or else by number."""
+    few = [row.problem_name or f"{row.problem_file} {row.problem}" for row in problems.head(NAMED).itertuples()]
+    return ", ".join(few) + (", ..." if len(problems) > NAMED else "")
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.certificate import APPROXIMATE_TOLERANCE
-from ...contact.exchange import read_problems
+from ...contact.exchange import read_labels, read_problems
 from ...contact.problem import ContactProblem
 from ...contact.solvers import ContactSolution, available_solvers, require_solver, solve
 from ...core.errors import InputError
@@ -30,7 +30,7 @@ CHECKPOINT = "measurements.jsonl"
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A problem of a file, with the reference the answers are compared with."""
+    """A problem of a file, with the reference the answers are compared with, and name and kind if the file has them."""
 
     file: str
     number: int
@@ -38,12 +38,16 @@ class Posed:
     digest: str
     reference: ContactSolution
     before: NDArray[np.bool_] | None
+    name: str = ""
+    kind: str = ""
 
     def row(self, solver: str, settings: str, start: str, repetition: int, attempt: Attempt) -> Row:
         """Put an attempt into the table's terms."""
         return Row(
             problem_file=self.file,
             problem=self.number,
+            problem_name=self.name,
+            kind=self.kind,
             size=self.problem.size,
             gear_torque=self.problem.torque * 1e-3,
             solver=solver,
@@ -199,6 +203,8 @@ def pose(path: Path, name: str) -> list[Posed]:
     problems = read_problems(path)
     if not problems:
         raise InputError(f"{path} holds no contact problems")
+    labels = read_labels(path)
+    names, kinds = ([str(value) for value in labels.get(key, [""] * len(problems))] for key in ("name", "kind"))
     posed: list[Posed] = []
     before: NDArray[np.bool_] | None = None
     for number, problem in enumerate(problems):
@@ -208,7 +214,8 @@ def pose(path: Path, name: str) -> list[Posed]:
             )
         reference = solve(problem, "native")
         usable = before if before is not None and before.size == problem.size else None
-        posed.append(Posed(name, number, problem, problem_digest(problem), reference, usable))
+        digest = problem_digest(problem)
+        posed.append(Posed(name, number, problem, digest, reference, usable, names[number], kinds[number]))
         before = reference.active if reference.certified else None
     return posed
 

@@ -20,7 +20,7 @@ FEWEST_SIZES, LEAST_RATIO = 3, 1.5
 
 #: What is compared: a solver with settings and a start.
 METHOD = ["solver", "settings", "start"]
-_PROBLEM = ["problem_file", "problem"]
+PROBLEM = ["problem_file", "problem"]
 
 
 def by_problem(dataset: xr.Dataset) -> Any:
@@ -29,6 +29,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
     Columns
     -------
     size : int
+    kind : str
     claims : bool
         Every repetition says it solved the problem.
     certified, exact : bool
@@ -51,9 +52,10 @@ def by_problem(dataset: xr.Dataset) -> Any:
         false_claim=solved & ~certified,
         denied=certified & ~solved,
     )
-    groups = frame.groupby([*METHOD, *_PROBLEM], sort=False)
+    groups = frame.groupby([*METHOD, *PROBLEM], sort=False)
     result = groups.agg(
         size=("size", "first"),
+        kind=("kind", "first"),
         claims=("claims", "all"),
         certified=("certified", "all"),
         exact=("exact", "all"),

@@ -27,6 +27,8 @@ class Row:
 
     Attributes
     ----------
+    problem_name, kind : str
+        Labels ``name`` and ``kind`` of the file; empty if it has none.
     gear_torque : float
         [N m].
     reference_rotation : float
@@ -35,6 +37,8 @@ class Row:
 
     problem_file: str
     problem: int
+    problem_name: str
+    kind: str
     size: int
     gear_torque: float
     solver: str
@@ -61,9 +65,9 @@ def table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) 
     Dataset
         Variables along the dimension ``attempt``, with units and meaning. Residuals are NaN without an answer.
     """
+    given = ("problem_file", "problem", "problem_name", "kind", "size", "gear_torque")
     columns: dict[str, list[Any]] = {
-        name: [getattr(row, name) for row in rows]
-        for name in ("problem_file", "problem", "size", "gear_torque", "solver", "settings", "start", "repetition")
+        name: [getattr(row, name) for row in rows] for name in (*given, "solver", "settings", "start", "repetition")
     }
     attempts = [row.attempt for row in rows]
     columns["run_time"] = [a.run_time for a in attempts]

@@ -1,0 +1,326 @@
+"""The problem library: what it declares, that it comes out the same again, and that its answers are proved."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from numpy.typing import NDArray
+
+from easeoff.cases import read_case, shipped_cases
+from easeoff.contact import ContactProblem, read_labels, read_problems, solve
+from easeoff.contact.exchange import write_problems
+from easeoff.core.errors import InputError
+from easeoff.geometry.assembly import Misalignment
+from easeoff.study.analysis import analyze_in_full
+from easeoff.study.cli import main
+from easeoff.study.library import KINDS, PARTS, Entry, entries, files, generate, reference_answers, write_library
+from easeoff.study.library.answers import TABLE, condition_number, proved_answer, refined_rotation
+from easeoff.study.library.changes import CHANGES, copied_segments, next_contact
+from easeoff.study.library.description import BASES, MESH_POSITIONS, TORQUES
+from easeoff.study.library.generation import dense
+
+EVERY = {entry.name: entry for entry in entries()}
+BASE = "nasa-12x36"
+
+#: Every change of one base, both forms, one problem of each other kind, two pairs and two sizes.
+SAMPLE = [
+    *(entry for entry in EVERY.values() if entry.kind == "degenerate" and entry.source == BASES[BASE]),
+    *(
+        EVERY[f"{BASE}-{end}"]
+        for end in ("drive-heavy", "fine-21", "fine-131", "weak-31-1e-4", "weak-31-1e-8", "dense")
+    ),
+    *(EVERY[f"fh-design-a-{end}"] for end in ("coast-misaligned-2", "cycle-20")),
+]
+
+
+@pytest.fixture(scope="module")
+def sample() -> dict[str, ContactProblem]:
+    return {entry.name: problem for entry, problem in generate(SAMPLE)}
+
+
+@pytest.fixture(scope="module")
+def real() -> ContactProblem:
+    return next(generate([Entry("real", "load", BASES[BASE])]))[1]
+
+
+def test_description_holds_together() -> None:
+    assert len(EVERY) == len(entries())  # names are unique
+    assert 100 <= len(EVERY) <= 200
+    assert {entry.kind for entry in EVERY.values()} == set(KINDS)
+    assert {entry.change for entry in EVERY.values()} == {"", *CHANGES}
+    assert set(TORQUES) == set(shipped_cases())
+    loads = {(e.source.case, e.source.flank) for e in EVERY.values() if e.kind == "load"}
+    assert loads == {(case, flank) for case in shipped_cases() for flank in ("drive", "coast")}
+    parts = [list(PARTS).index(entry.part) for entry in entries()]
+    assert parts == sorted(parts)
+    for case, (light, design, heavy) in TORQUES.items():
+        own = read_case(case).contact.torques
+        assert light < min(own)
+        assert design in own
+        assert heavy == 2.0 * max(own)
+
+
+def test_every_problem_has_a_reference_answer() -> None:
+    answers = reference_answers()
+    assert list(answers) == list(EVERY)
+    sizes = {answer.size for answer in answers.values()}
+    assert min(sizes) == 1
+    assert {63, 93, 153, 393, 999, 2001, 5001} <= sizes
+    for answer in answers.values():
+        # Two methods prove it that are not the native one: at least one of them, and none contradicts.
+        found = [d for d in (answer.refined_difference, answer.lemke_difference) if math.isfinite(d)]
+        assert found, answer
+        assert max(found) < 1e-9, answer
+        assert math.isfinite(answer.lemke_difference) == (answer.size <= 600), answer
+        assert 0 <= answer.touching <= answer.size or answer.touching == -1
+
+
+def test_answers_ship_with_the_package() -> None:
+    data = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"]["setuptools"]
+    assert data["package-data"]["easeoff.study.library"] == [TABLE]
+
+
+def test_problem_is_that_of_the_analysis(real: ContactProblem) -> None:
+    source = BASES[BASE]
+    analysis = analyze_in_full(
+        read_case(source.case), flank=source.flank, torques=[source.torque], misalignment=Misalignment()
+    )
+    assert read_case(source.case).contact.mesh_positions == MESH_POSITIONS
+    assert read_case(source.case).contact.segments_per_line == source.segments_per_line
+    (case,) = [case for case in analysis.cases if case.mesh_position == source.mesh_position]
+    assert real.is_structured
+    np.testing.assert_allclose(real.separation, case.problem.separation, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(real.lever_arm, case.problem.lever_arm, rtol=1e-12)
+    assert real.torque == pytest.approx(case.problem.torque, rel=1e-15)
+    scale = case.problem.dense_compliance.max()
+    np.testing.assert_allclose(real.dense_compliance, case.problem.dense_compliance, rtol=0, atol=1e-12 * scale)
+    assert solve(real).rotation == pytest.approx(case.solution.rotation, rel=1e-10)
+
+
+def test_problems_come_out_again_with_their_reference_answers(sample: dict[str, ContactProblem]) -> None:
+    answers = reference_answers()
+    for name, problem in sample.items():
+        certificate, difference, fault = files.checked(problem, answers[name])
+        assert not fault
+        assert certificate < 1e-10
+        assert difference < files.AGREEMENT
+
+
+def test_same_machine_makes_the_same_to_the_bit(sample: dict[str, ContactProblem]) -> None:
+    again = SAMPLE[-2:]
+    for entry, problem in generate(again):
+        assert problem.identical(sample[entry.name])
+
+
+def test_answers_are_proved_by_methods_of_their_own(sample: dict[str, ContactProblem]) -> None:
+    answers = reference_answers()
+    for name, problem in sample.items():
+        by_lemke = solve(problem, "lemke")
+        assert by_lemke.certified
+        assert by_lemke.elastic_rotation == pytest.approx(answers[name].elastic_rotation, rel=files.AGREEMENT)
+        refined = refined_rotation(problem, by_lemke.active)
+        if math.isfinite(answers[name].refined_difference):
+            assert refined == pytest.approx(by_lemke.elastic_rotation, rel=1e-9)
+
+
+def test_refinement_refuses_a_wrong_set(real: ContactProblem) -> None:
+    active = solve(real).active
+    assert math.isfinite(refined_rotation(real, active))
+    for segment in (int(np.flatnonzero(active)[0]), int(np.flatnonzero(~active)[0])):
+        wrong = active.copy()
+        wrong[segment] = not wrong[segment]
+        assert math.isnan(refined_rotation(real, wrong))
+
+
+def test_refinement_knows_a_closed_form() -> None:
+    """Uncoupled springs under one torque: theta = T / sum(r^2 / c)."""
+    arm, local = np.array([40.0, 41.0, 43.0]), np.array([1e-6, 2e-6, 3e-6])
+    problem = ContactProblem(1e-3 * arm, arm, 1e5, np.diag(local))
+    exact = 1e5 / float((arm**2 / local).sum())
+    assert refined_rotation(problem, np.ones(3, dtype=bool)) == pytest.approx(exact, rel=1e-13)
+    assert proved_answer("springs", problem).touching == 3
+
+
+def test_condition_number_of_known_matrices() -> None:
+    assert condition_number(np.diag([2.0, 8.0, 4.0])) == 4.0
+    assert condition_number(np.ones((3, 3))) == math.inf
+
+
+def conditions(problem: ContactProblem, force: NDArray[np.float64], rotation: float) -> float:
+    """Largest violation of the conditions of contact, each over its own scale."""
+    gap = problem.dense_compliance @ force + problem.separation - rotation * problem.lever_arm
+    deflection = float((problem.dense_compliance @ force).mean())
+    return max(
+        abs(float(problem.lever_arm @ force) / problem.torque - 1.0),
+        -float(force.min() / force.max()),
+        -float(gap.min()) / deflection,
+        float(np.minimum(force / force.max(), gap / deflection).max()),
+    )
+
+
+def made(name: str, real: ContactProblem, amount: float = 0.0) -> ContactProblem:
+    return CHANGES[name](real, amount)
+
+
+def test_changes_that_leave_the_answer_known(real: ContactProblem) -> None:
+    """What a change does to the answer, where that can be told without a solver."""
+    solution = solve(real)
+    touching = np.flatnonzero(solution.active)
+
+    shifted = made("shifted_rotation", real, 1e3)
+    assert conditions(shifted, solution.force, solution.rotation + 1e3) < 1e-7  # 1e5 mm leave 1e-11 mm
+
+    remote = made("remote_segment", real, 1e6)
+    assert not solution.active[-1]
+    assert conditions(remote, solution.force, solution.rotation) < 1e-12
+
+    copied = made("copied_segments", real)
+    assert np.linalg.matrix_rank(copied.dense_compliance) <= real.size
+    for share in (0.5, 0.2):  # however twins share their load
+        twice = np.stack([share * solution.force, (1.0 - share) * solution.force], axis=1).ravel()
+        assert conditions(copied, twice, solution.rotation) < 1e-12
+
+    doubled = made("copied_tooth_pairs", real).with_torque(2.0 * real.torque)
+    assert conditions(doubled, np.tile(solution.force, 2), solution.rotation) < 1e-12
+
+    one = made("single_segment", real)
+    force = one.torque / one.lever_arm[0]
+    rotation = (one.dense_compliance[0, 0] * force + one.separation[0]) / one.lever_arm[0]
+    assert one.size == 1
+    assert conditions(one, np.array([force]), float(rotation)) < 1e-12
+
+    light = made("scaled_torque", real, 1e-9)
+    first = int(np.argmin(real.separation / real.lever_arm))
+    alone = np.zeros(real.size)
+    alone[first] = light.torque / light.lever_arm[first]
+    elastic = float(real.dense_compliance[first] @ alone) / real.lever_arm[first]
+    np.testing.assert_allclose(solve(light).force, alone, rtol=1e-12, atol=0)
+    assert solve(light).elastic_rotation == pytest.approx(elastic, rel=1e-12)
+
+    flat = made("zero_separation", real)
+    scaled = flat.with_torque(3.0 * flat.torque)  # then all is proportional to the torque
+    np.testing.assert_allclose(solve(scaled).force, 3.0 * solve(flat).force, rtol=1e-9)
+
+    assert made("twin_segments", real).size == 2 * real.size
+    assert np.unique(np.round(made("tied_separations", real, 0.002).separation / 0.002)).size < real.size
+    assert touching.size < real.size
+
+
+def test_local_compliance_is_taken_away(real: ContactProblem) -> None:
+    assert isinstance(real.compliance, tuple)
+    whole, factor = real.compliance
+    for name, amount, left in (
+        ("scaled_local_compliance", 1e-4, 1e-4 * whole),
+        ("no_local_compliance", 0.0, 0.0 * whole),
+        ("rigid_half", 0.0, whole * (np.arange(real.size) % 2 == 0)),
+        ("rigid_segment", 0.0, np.where(np.arange(real.size) == np.argmax(solve(real).force), 0.0, whole)),
+    ):
+        problem = made(name, real, amount)
+        assert isinstance(problem.compliance, tuple)
+        np.testing.assert_array_equal(problem.compliance[0], left)
+        np.testing.assert_array_equal(problem.compliance[1], factor)
+    assert np.linalg.matrix_rank(made("no_local_compliance", real).dense_compliance, tol=1e-15) <= factor.shape[1]
+
+
+def test_next_contact_is_at_the_brink(real: ContactProblem) -> None:
+    """Just below that torque and just above it, the sets in contact differ by one segment; there, F = Y = 0 on it."""
+    brink = next_contact(real, 0.0)
+    assert brink.torque > real.torque
+    below, above = (solve(real.with_torque((1.0 + change) * brink.torque)) for change in (-1e-6, 1e-6))
+    (segment,) = np.flatnonzero(below.active != above.active)
+    there = solve(brink)
+    assert max(there.force[segment] / there.force.max(), there.gap[segment] / there.gap.max()) < 1e-12
+    assert np.array_equal(solve(real).active, below.active)
+
+
+def test_dense_form_is_the_same_problem(sample: dict[str, ContactProblem]) -> None:
+    structured = sample[f"{BASE}-zero-separation"]
+    assert dense(structured).identical(sample[f"{BASE}-zero-separation-dense"])
+    assert not sample[f"{BASE}-zero-separation-dense"].is_structured
+    assert copied_segments(structured, 0.0).size == 2 * structured.size
+
+
+def few(monkeypatch: pytest.MonkeyPatch) -> list[Entry]:
+    chosen = [entry for entry in SAMPLE if entry.name.startswith("fh-design-a") or "copied-segments" in entry.name]
+    monkeypatch.setattr(files, "entries", lambda: tuple(chosen))
+    return chosen
+
+
+def test_file_says_what_every_problem_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chosen = few(monkeypatch)
+    (written,) = write_library(tmp_path / "new" / "library", ["small"])
+    assert written.problems == len(chosen)
+    assert not written.faults
+    assert 0.0 < written.worst_certificate < 1e-10
+    labels, answers = read_labels(written.path), reference_answers()
+    assert labels["name"].tolist() == [entry.name for entry in chosen]
+    assert labels["kind"].tolist() == [entry.kind for entry in chosen]
+    for name in ("elastic_rotation", "touching", "condition_number"):
+        assert labels[name].tolist() == [getattr(answers[entry.name], name) for entry in chosen]
+    with xr.open_dataset(written.path, engine="netcdf4") as dataset:
+        assert dataset.attrs["library_version"] == 1
+        assert dataset["pinion_torque"].attrs["units"] == "N m"
+        assert all("long_name" in dataset[name].attrs for name in dataset.variables)
+    for (_, problem), read in zip(generate(chosen), read_problems(written.path), strict=True):
+        assert problem.identical(read)
+
+
+def test_what_is_not_as_it_should_be_is_named(sample: dict[str, ContactProblem]) -> None:
+    answer = reference_answers()[f"{BASE}-drive-heavy"]
+    problem = sample[answer.name]
+    indefinite = ContactProblem(np.zeros(2), np.ones(2), 1.0, np.array([[1.0, 2.0], [2.0, 1.0]]))
+    for given, expected, words in (
+        (problem.with_torque(1.001 * problem.torque), answer, "rotation differs"),
+        (problem, replace(answer, touching=answer.touching + 1), "segments touch instead"),
+        (problem, replace(answer, size=1), "segments instead of 1"),
+        (indefinite, answer, "NOT_POSITIVE_SEMIDEFINITE"),
+    ):
+        fault = files.checked(given, expected)[2]
+        assert fault.startswith(answer.name)
+        assert words in fault
+
+
+def test_command_makes_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chosen = few(monkeypatch)
+    out = CliRunner().invoke(main, ["library", "--parts", "small", "-o", str(tmp_path / "made")])
+    assert out.exit_code == 0, out.output
+    assert f"{len(chosen)} contact problems" in out.output
+    assert len(read_problems(tmp_path / "made" / "small.nc")) == len(chosen)
+    wrong = {name: replace(answer, elastic_rotation=1.0) for name, answer in reference_answers().items()}
+    monkeypatch.setattr(files, "reference_answers", lambda: wrong)
+    out = CliRunner().invoke(main, ["library", "--parts", "small", "-o", str(tmp_path / "made")])
+    assert out.exit_code == 1
+    assert f"{chosen[0].name}: rotation differs" in out.output
+
+
+def test_mistakes_are_told_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(_: object) -> Iterator[object]:
+        raise AssertionError
+
+    monkeypatch.setattr(files, "generate", never)
+    with pytest.raises(InputError, match=r"huge.*small, medium, large"):
+        write_library(tmp_path, ["huge"])
+    with pytest.raises(InputError, match="parts = none"):
+        write_library(tmp_path, [])
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="is a file"):
+        write_library(tmp_path / "file")
+
+
+def test_labels_bring_their_attributes_and_files_theirs(tmp_path: Path, real: ContactProblem) -> None:
+    path = tmp_path / "one.nc"
+    label = xr.DataArray([1.5], dims="problem", attrs={"units": "N m", "long_name": "torque of the instant"})
+    write_problems([real], path, {"pinion_torque": label}, {"title": "one", "library_version": 3})
+    with xr.open_dataset(path, engine="netcdf4") as dataset:
+        assert dataset["pinion_torque"].attrs == label.attrs
+        assert (dataset.attrs["title"], dataset.attrs["library_version"]) == ("one", 3)
+    with pytest.raises(InputError, match="format_version"):
+        write_problems([real], path, attributes={"format_version": 7})
