@@ -233,6 +233,7 @@ def split() -> None:
         base = elastic_model(case)
         same_height = geometry.teeth.copy(deep=True)
         same_height["shell_height"] = _own_height(pair, geometry)
+        rim = ElasticFoundation("odonnell", 0.8)
         with_elements = {k: replace(base, condensed=tuple(v)) for k, v in kernels.items()}
         variants = [
             ("finite elements, foot of the normal", with_elements["foot"], None),
@@ -240,6 +241,8 @@ def split() -> None:
             ("finite elements, straight across", with_elements["same"], None),
             ("finite elements, the flank itself (counts twice)", with_elements["flank"], None),
             ("shell, foot of the normal (default)", base, None),
+            ("shell, fitted plate", replace(base, plate="fitted"), None),
+            ("shell, fitted plate, 0.8 O'Donnell", replace(base, plate="fitted", foundation=rim), None),
             ("shell, same height", base, same_height),
             ("shell, clamped", replace(base, foundation=None), None),
         ]

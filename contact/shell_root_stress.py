@@ -57,7 +57,8 @@ def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
         vectors[term.quantity, :, term.field] += term.sign * up[:, None] * along[:, None, :]
     motion = shell.whiten(vectors.reshape(-1, shell.size)).T @ shell.whiten(load_vectors)
     springs = shell.foundation.stiffness(shell.dimensions.thickness(0.0, arc), shell.material)
-    return np.einsum("sab,bsn->asn", springs, motion.reshape(NUMBER_OF_ROOT_QUANTITIES, arc.size, -1))
+    motion = motion.reshape(NUMBER_OF_ROOT_QUANTITIES, arc.size, -1)
+    return np.asarray(np.einsum("sab,bsn->asn", springs, motion))
 
 
 def notch_factor(thickness: Array, radius: float, height: Array, pressure_angle: float) -> Array:

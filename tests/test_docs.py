@@ -33,7 +33,7 @@ from easeoff.study.library.files import labels
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "problem_library")
+WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "problem_library", "finite_elements")
 
 
 def text(name: str) -> str:

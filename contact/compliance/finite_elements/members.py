@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from .store import kept, key_of
 Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 BRICKS_ALONG = (8, 32)
-FORMAT = 2  # of what is kept; raise it when the same input gives other arrays
+FORMAT = 3  # of what is kept; raise it when the same input gives other arrays
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,8 @@ def finite_element_tooth(
     """
     if not 0.2 <= fineness <= 4.0:
         raise InputError(f"fineness = {fineness!r}: must lie between 0.2 and 4")
-    lattice = tooth_lattice(pair, member, usual_size(pair, member).finer(fineness), rim_depth)
+    size = usual_size(pair, member).finer(fineness)
+    lattice = tooth_lattice(pair, member, replace(size, lengthwise=max(size.lengthwise, 4)), rim_depth)
     key = key_of(FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _condensed(lattice, material, member))
     flank = FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"])
