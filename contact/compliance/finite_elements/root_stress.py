@@ -50,7 +50,7 @@ class RootStress:
 def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:
     """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and at which end it is."""
     rows = 2 * max(round(ROOT_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
-    # Not the bricks at toe and heel: where the tooth ends on its body there is a sharp corner, with no stress of its own.
+    # Not the bricks at toe and heel: the sharp corner where the tooth ends on its body has no stress of its own.
     on_flank = np.isin(lattice.cells[:, :, 0, :], lattice.flank[1:-1, :rows]).all(axis=(1, 2))
     on_floor = np.isin(lattice.cells[:, :, :, 2], lattice.slot[0, 1:-1]).all(axis=(1, 2))
     return [(lattice.cells[on_flank], 1, -1), (lattice.cells[on_floor], 2, 1)]
