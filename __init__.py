@@ -1,6 +1,7 @@
 """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
 
-The names a script needs are here and loaded on first use; the stages are the sub-packages ``geometry`` and ``contact``.
+The names a script needs are here and loaded on first use; the stages are the sub-packages ``geometry``, ``contact``
+and ``friction``.
 """
 
 from __future__ import annotations
@@ -10,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .cases import Case, read_case
     from .study.analysis import analyze
+    from .study.optimize import optimize
     from .study.result import read_result, write_result
 
-__all__ = ["Case", "analyze", "read_case", "read_result", "write_result"]
+__all__ = ["Case", "analyze", "optimize", "read_case", "read_result", "write_result"]
 
 _HOMES = {
     "Case": ".cases",
+    "optimize": ".study.optimize",
     "read_case": ".cases",
     "analyze": ".study.analysis",
     "read_result": ".study.result",
@@ -28,7 +31,7 @@ def __getattr__(name: str) -> Any:
         from importlib import import_module
 
         return getattr(import_module(_HOMES[name], __name__), name)
-    if name in ("cases", "contact", "geometry", "study"):
+    if name in ("cases", "contact", "friction", "geometry", "study"):
         from importlib import import_module
 
         return import_module(f".{name}", __name__)

@@ -196,8 +196,8 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
     return finite_element_tooth(pair, "pinion", pinion, **options), finite_element_tooth(pair, "gear", gear, **options)
 
 
-def elastic_model(case: Case) -> ElasticModel:
-    """How the teeth of a case give way, as shells."""
+def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
+    """How the teeth of a case give way: as shells, or by the teeth from ``finite_elements``."""
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
@@ -209,6 +209,7 @@ def elastic_model(case: Case) -> ElasticModel:
         table.shear_factor,
         table.plate,
         foundation,
+        None if teeth is None else (teeth[0].flank, teeth[1].flank),
     )
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .bending import ElasticModel, elastic_teeth, tooth_fields, whitened_loads
+from .bending import ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
 from .compliance import WeberLineContact
 from .curves import contact_fields
 from .fields import FlankFields
@@ -27,7 +27,12 @@ SMALLEST_CURVATURE = 1e-5  # [1/mm]; flanks that fit closer than this make no li
 
 
 def all_segments(
-    fields: FlankFields, teeth: xr.Dataset, model: ElasticModel, mesh: MeshLines, count: int
+    fields: FlankFields,
+    teeth: xr.Dataset,
+    model: ElasticModel,
+    mesh: MeshLines,
+    count: int,
+    elastic: tuple[ElasticTooth, ElasticTooth] | None = None,
 ) -> list[Segments | None]:
     """Segments of every mesh position, with their compliance.
 
@@ -43,6 +48,8 @@ def all_segments(
         Contact lines from ``segments.lines_in_mesh``.
     count
         Segments per contact line.
+    elastic
+        ``bending.elastic_teeth`` of these teeth, where they are known.
 
     Returns
     -------
@@ -59,7 +66,7 @@ def all_segments(
     means = [np.reshape(v, shape) @ weights for v in averaged]
     place = np.reshape(points, (2, *shape)) @ weights
     per_segment = np.reshape(points, (2, -1, weights.size))
-    whitened = whitened_loads(elastic_teeth(teeth, model), fields, per_segment, weights).T
+    whitened = whitened_loads(elastic or elastic_teeth(teeth, model), fields, per_segment, weights).T
     length = np.repeat(lines.length / count, count).reshape(shape[:2])
     result: list[Segments | None] = []
     for k in range(mesh.rotations.size):

@@ -149,4 +149,5 @@ def loaded_dataset(
         "order": np.arange(1, ORDERS + 1),
         "pair": pairs,
     }
-    return labelled(xr.Dataset(data, coords=coords))
+    line_contact = next(s.line_contact for s in segments if s is not None)
+    return labelled(xr.Dataset(data, coords=coords, attrs={"contact_modulus_MPa": 2.0 / line_contact.flexibility}))

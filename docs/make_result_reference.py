@@ -19,10 +19,10 @@ COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, l
 
 
 def coarse_analysis() -> xr.DataTree:
-    """A quick analysis: the same variables as any other with finite elements, few numbers."""
-    compliance = ComplianceTable(model="fe", fineness=0.25)
-    changed = {"contact": COARSE, "compliance": compliance}
-    return easeoff.analyze(easeoff.read_case("nasa-12x36").model_copy(update=changed))
+    """A quick analysis with finite elements and friction: the variables of any other too, few numbers."""
+    changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
+    case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
+    return easeoff.analyze(case, speed=1500.0, friction_feedback=True)
 
 
 def result_tables(tree: xr.DataTree) -> str:
@@ -39,7 +39,8 @@ def variables(group: xr.Dataset) -> str:
         variable = group[name]
         meaning = str(variable.attrs["long_name"])
         if "flag_meanings" in variable.attrs:
-            flags = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
+            codes = variable.attrs.get("flag_values", variable.attrs.get("flag_masks"))
+            flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
             meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
         elif variable.dtype.kind == "U":
             meaning += ": " + ", ".join(f"`{word}`" for word in variable.values)

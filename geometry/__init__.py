@@ -8,6 +8,7 @@ from .conjugate_pinion import conjugate_pinion
 from .flank_surface import NodeStatus
 from .generating_surface import GeneratingSurface
 from .machine import MachineSettings
+from .modification import Modification, modified_ease_off
 from .pair import GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
 from .section import BlankSection
 from .synthesis import EaseOffTarget, Synthesis, fit_pinion
@@ -24,6 +25,7 @@ __all__ = [
     "MachineSettings",
     "Member",
     "Misalignment",
+    "Modification",
     "NodeStatus",
     "PairGeometry",
     "Synthesis",
@@ -35,5 +37,6 @@ __all__ = [
     "flank",
     "formate_gear",
     "generated_gear",
+    "modified_ease_off",
     "pair_geometry",
 ]

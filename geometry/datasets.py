@@ -98,7 +98,8 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
     -------
     xr.Dataset
         Variables over (lengthwise, profile); the ease-off is zero at first contact, the gear rotation to it is the
-        attribute ``first_contact_rad``.
+        attribute ``first_contact_rad``. Other attributes are the axes, oriented so that the drive rotation is positive,
+        a point on each, and the ratio: with them the points of action tell the surface velocities.
     """
     shape = (lengthwise.size, profile.size)
     grid = ("lengthwise", "profile")
@@ -115,10 +116,20 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
         "pinion_profile": ease_off.pinion_profile,
         "blade_distance": ease_off.blade_distance,
     }
+    vectors = {"action_position": ease_off.action_position, "action_normal": ease_off.action_normal}
+    motion = ease_off.motion
     dataset = xr.Dataset(
-        {name: (grid, value.reshape(shape)) for name, value in values.items()},
-        coords={"lengthwise": lengthwise, "profile": profile},
-        attrs={"first_contact_rad": zero},
+        {name: (grid, value.reshape(shape)) for name, value in values.items()}
+        | {name: ((*grid, "space"), _on_grid(value, shape)) for name, value in vectors.items()},
+        coords={"lengthwise": lengthwise, "profile": profile, "space": list("xyz")},
+        attrs={
+            "first_contact_rad": zero,
+            "pinion_axis": motion.pinion_axis,
+            "pinion_origin_mm": motion.assembly.pinion_origin,
+            "gear_axis": motion.gear_axis,
+            "gear_origin_mm": motion.assembly.gear_origin,
+            "ratio": motion.assembly.ratio,
+        },
     )
     dataset["status"] = (grid, ease_off.status.reshape(shape), STATUS)
     dataset["inside"] = (grid, ease_off.inside.astype(np.int8).reshape(shape))

@@ -39,6 +39,8 @@ class EaseOff:
         Parameters (2, n) of the pinion point conjugate to each node.
     pinion_position, pinion_normal
         That point [mm] and its outward normal (3, n) in the pinion's frame.
+    action_position, action_normal
+        Where it makes conjugate contact [mm], and the pinion's outward normal there (3, n), in the global frame.
     roll_angle
         Pinion rotation at which the node is in conjugate contact [rad], zero at the mean point of the pinion.
     angle
@@ -63,6 +65,8 @@ class EaseOff:
     pinion_parameters: Array
     pinion_position: Array
     pinion_normal: Array
+    action_position: Array
+    action_normal: Array
     roll_angle: Array
     angle: Array
     lever_arm: Array
@@ -285,6 +289,7 @@ def _classified(
     parameters = found.parameters
     with np.errstate(all="ignore"):
         point, roll_angle = motion.conjugate_gear(parameters)
+        action_position, action_normal = motion.action_point(parameters, roll_angle)
         position, normal, distance = motion.surface.evaluate(parameters)
         valid_side = motion.surface.orientation(parameters) * side > 0.0
         # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
@@ -307,6 +312,8 @@ def _classified(
         pinion_parameters=parameters,
         pinion_position=known(position),
         pinion_normal=known(normal),
+        action_position=known(action_position),
+        action_normal=known(action_normal),
         roll_angle=known(roll_angle - motion.center),
         angle=known(-motion.pinion_sense * turned),
         lever_arm=known(np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])),

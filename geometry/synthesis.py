@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -148,7 +148,7 @@ class _Fit:
 
 def fit_pinion(
     pair: GearPair,
-    target: EaseOffTarget,
+    target: Callable[[Array, Array], Array],
     *,
     free: Sequence[str] | None = None,
     nodes: tuple[int, int] = (9, 7),
@@ -161,7 +161,8 @@ def fit_pinion(
     pair
         The pair as assembled, with the pinion flank to start from, usually the conjugate one.
     target
-        The wanted ease-off on the gear flank.
+        The wanted ease-off on the gear flank (n) [mm] at fractions (n) lengthwise and up the profile, up to a rotation
+        of the gear: an ``EaseOffTarget`` or any other function.
     free
         Settings that may move, see ``free_settings``; ``FREE`` or, to follow the root, ``FREE_WITH_TILT`` if left out.
     nodes

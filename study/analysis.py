@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import datetime
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -21,8 +22,14 @@ from ..contact.root_stress import root_stress
 from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
+from ..core.errors import InputError
 from ..geometry.assembly import Misalignment
+from ..geometry.modification import Modification, modified_ease_off
 from ..geometry.pair import FlankName, GearPair, pair_geometry
+
+if TYPE_CHECKING:
+    from ..friction import FrictionModel, Lubricant, Operation
+    from ..friction.operating import Array, Numbers, Roughness
 
 SCHEMA_VERSION = 1
 
@@ -55,19 +62,30 @@ def analyze_in_full(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    modification: Modification | None = None,
     solver: str = "auto",
+    operation: Operation | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
-    """As ``analyze``, and keeps the contact problems."""
+    """As ``analyze``, with the operating conditions in one, and keeps the contact problems."""
     require_solver(solver)
+    if operation is not None:
+        from ..friction import FrictionModel, friction
+        from ..friction import friction_feedback as with_feedback
+
+        friction_model = friction_model or FrictionModel()
+        friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif friction_model is not None or friction_feedback:
+        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     teeth = finite_elements(case, pair)
-    model = elastic_model(case)
-    if teeth is not None:
-        model = replace(model, condensed=(teeth[0].flank, teeth[1].flank))
     geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
+    if modification is not None:
+        geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
     unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
@@ -77,14 +95,14 @@ def analyze_in_full(
         mesh,
         ratio=pair.assembly.ratio,
         torques=np.array(settings.torques if torques is None else torques, dtype=float),
-        model=model,
+        model=elastic_model(case, teeth),
         segments_per_line=settings.segments_per_line,
         solver=solver,
         progress=progress,
         **options,
     )
     groups = {
-        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver)),
+        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver, modification)),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
         "/teeth": geometry.teeth,
@@ -93,7 +111,14 @@ def analyze_in_full(
     }
     if teeth is not None:
         groups["/root_stress"] = root_stress(fields, teeth, cases, loaded)
-    return Analysis(xr.DataTree.from_dict(groups), cases)
+    tree = xr.DataTree.from_dict(groups)
+    if operation is not None:
+        if friction_feedback:
+            losses = with_feedback(tree, cases, operation, friction_model, solver=solver)
+        else:
+            losses = friction(tree, operation, friction_model)
+        tree = xr.DataTree.from_dict({**groups, "/friction": losses})
+    return Analysis(tree, cases)
 
 
 def analyze(
@@ -102,7 +127,14 @@ def analyze(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    modification: Modification | None = None,
     solver: str = "auto",
+    speed: Numbers | None = None,
+    temperature: Numbers | None = None,
+    roughness: Roughness | list[Roughness] | Array | None = None,
+    oil: str | Lubricant | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -118,8 +150,20 @@ def analyze(
         Torques at the pinion [N m]; the case's own if left out.
     misalignment
         Assembly errors; the case's own if left out.
+    modification
+        Added to the ease-off.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
+    speed
+        Speed of the pinion [1/min], one or several. With it the result has friction, power loss and efficiency, at
+        every combination of speeds, temperatures and roughnesses.
+    temperature, roughness, oil
+        Of the oil [degC], of the flanks (RMS, um), and which oil; 90, 0.8 and 75w90 if left out. See
+        ``friction.Operation``.
+    friction_model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    friction_feedback
+        Let friction take its part of the torque from the normal forces, see ``friction.feedback``.
     progress
         Called after every solved torque and mesh position.
     **options
@@ -128,7 +172,8 @@ def analyze(
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``, with finite elements ``root_stress``;
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; with finite elements ``root_stress``, and
+        if a speed is given ``friction``;
         where it came from in the attributes.
 
     Raises
@@ -142,15 +187,46 @@ def analyze(
     """
     checked = case if isinstance(case, Case) else read_case(case)
     return analyze_in_full(
-        checked, flank=flank, torques=torques, misalignment=misalignment, solver=solver, progress=progress, **options
+        checked,
+        flank=flank,
+        torques=torques,
+        misalignment=misalignment,
+        modification=modification,
+        solver=solver,
+        operation=operation_of(speed, temperature=temperature, roughness=roughness, oil=oil),
+        friction_model=friction_model,
+        friction_feedback=friction_feedback,
+        progress=progress,
+        **options,
     ).tree
 
 
-def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str, Any]:
+def operation_of(speed: Numbers | None, **others: Any) -> Operation | None:
+    """Operating conditions from what was given of them; ``None`` without a speed.
+
+    Raises
+    ------
+    InputError
+        If other conditions are given and no speed, or a value is not possible.
+    """
+    given = {name: value for name, value in others.items() if value is not None}
+    if speed is None:
+        if given:
+            raise InputError(f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min")
+        return None
+    from ..friction import Operation
+
+    return Operation(speed, **given)
+
+
+def _provenance(
+    case: Case, pair: GearPair, flank: str, solver: str, modification: Modification | None
+) -> dict[str, Any]:
     """Where a result came from, as netCDF attributes."""
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     own = version("easeoff")
     errors = pair.assembly.misalignment
+    added = {} if modification is None else {"modification_um": json.dumps(dict(modification.coefficients))}
     return {
         "Conventions": "CF-1.11",
         "title": case.title,
@@ -168,4 +244,5 @@ def _provenance(case: Case, pair: GearPair, flank: str, solver: str) -> dict[str
         "misalignment_gear_axial_mm": errors.gear_axial,
         "misalignment_shaft_angle_rad": errors.shaft_angle,
         "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
+        **added,
     }

@@ -32,7 +32,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
         node.path: {
             str(name): {"zlib": True, "complevel": 1}
             for name, variable in node.dataset.variables.items()
-            if variable.dtype.kind in "fi" and variable.ndim
+            if variable.dtype.kind in "fiu" and variable.ndim
         }
         for node in tree.subtree
         if node.path != "/"

@@ -17,6 +17,41 @@ def _certificate(loaded: xr.Dataset) -> Any:
     return np.max(np.stack([loaded[name].values for name in CERTIFICATE]), axis=0)
 
 
+MOST_ROWS = 40
+
+
+def efficiencies(friction: xr.Dataset) -> str:
+    """Table of power loss and efficiency, one row an operating condition; the first ones if there are many."""
+    names = ("torque", "speed", "temperature", "roughness")
+    values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
+    coefficient = friction["mean_friction_coefficient"].transpose(*names).values
+    rows = []
+    for at in np.ndindex(coefficient.shape):
+        efficiency, loss, rolling = (v[at] for v in values)
+        conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+        rough = [friction[f"roughness_{member}"].values[at[3]] for member in ("pinion", "gear")]
+        conditions[2] += "*" if friction["temperature_clamped"].values[at[2]] else ""
+        conditions[3] = f"{rough[0]:g}" if rough[0] == rough[1] else f"{rough[0]:g}/{rough[1]:g}"
+        share = 100.0 * rolling / loss
+        rows.append((*conditions, f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}"))
+    headers = [
+        "torque\nN m",
+        "speed\n1/min",
+        "oil\ndegC",
+        "roughness\num",
+        "mean friction\ncoefficient",
+        "power loss\nW",
+        "rolling part\n%",
+        "efficiency\n%",
+    ]
+    shown = rows[:MOST_ROWS]
+    table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
+    left = len(rows) - len(shown)
+    if np.any(friction["temperature_clamped"].values):
+        table += "\n* beyond the oil's data: the last value was taken"
+    return table + (f"\n... and {left} more in the group friction" if left else "")
+
+
 def uncertified(tree: xr.DataTree) -> list[str]:
     """One line for each torque whose mesh cycle is not certified throughout."""
     loaded = tree["loaded"].to_dataset()
@@ -105,6 +140,11 @@ def summary(tree: xr.DataTree) -> str:
         "",
         tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)),
     ]
+    if "friction" in tree.children:
+        friction = tree["friction"].to_dataset()
+        fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
+        name = f"Friction{fed_back}: oil {friction.attrs['oil']}, coefficient {friction.attrs['friction_coefficient']}"
+        parts += ["", name, "", efficiencies(friction)]
     notes = uncertified(tree)
     if attrs["opposite_flanks"] != "given":
         notes.append(

@@ -33,7 +33,18 @@ from easeoff.study.library.files import labels
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *ROOT.glob("*.md")])
-WITH_CODE = ("index", "results", "contact_problems", "python", "cad", "compare", "problem_library", "finite_elements")
+WITH_CODE = (
+    "index",
+    "results",
+    "contact_problems",
+    "python",
+    "cad",
+    "compare",
+    "problem_library",
+    "friction",
+    "optimal_modification",
+    "finite_elements",
+)
 
 
 def text(name: str) -> str:
@@ -192,6 +203,22 @@ def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: p
         assert list(printed) == list(fresh)
         for quantity, value in fresh.items():
             assert float(printed[quantity]) == pytest.approx(float(value), rel=0.02, abs=0.15), quantity
+
+
+def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If not: run docs/make_efficiency_figures.py."""
+    tables = script("efficiency_tables", monkeypatch)
+    page = text("efficiency")
+    printed = [row for _, heading in ((0, "## Figures 5.4 to 5.10: the flank"),) for row in rows(page, heading)]
+    fresh = rows(f"here\n\n{tables.ranges()}", "here")
+    assert [row[0] for row in printed] == [row[0] for row in fresh]
+    for one, other in zip(printed, fresh, strict=True):
+        for column in (1, 3):
+            found, expected = ([float(n) for n in re.findall(r"[\d.]+", row[column])] for row in (one, other))
+            assert found == pytest.approx(expected, rel=0.05, abs=0.011)
+    for said, _, agrees in (*tables.claims_on_maps(), *tables.claims_on_efficiency()):
+        row = next(line for line in page.splitlines() if line.startswith(f"| {said} "))
+        assert row.rstrip().endswith("yes      |" if agrees else "no       |"), said
 
 
 def test_example_case_is_a_case() -> None:

@@ -12,6 +12,7 @@ from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields, unloaded_contact
+from easeoff.friction import Operation, friction
 from easeoff.geometry import EaseOffTarget, GearPair, Member, Misalignment, fit_pinion, pair_geometry
 from easeoff.geometry.generating_surface import GeneratingSurface, Hand
 from easeoff.geometry.pair import FlankName
@@ -58,12 +59,14 @@ def analysed(pair: GearPair) -> dict[str, xr.Dataset]:
     loaded, _ = loaded_contact(
         fields, geometry.teeth, mesh, ratio=pair.assembly.ratio, torques=np.array([60.0, 250.0]), segments_per_line=15
     )
+    contact = xr.DataTree.from_dict({"ease_off": geometry.ease_off, "loaded": loaded})
     return {
         "flanks": geometry.flanks,
         "ease_off": geometry.ease_off,
         "teeth": geometry.teeth,
         "unloaded": unloaded_contact(fields, mesh),
         "loaded": loaded,
+        "friction": friction(contact, Operation(1500.0)),
     }
 
 
@@ -89,13 +92,15 @@ def differences(one: dict[str, xr.Dataset], two: dict[str, xr.Dataset]) -> dict[
 def test_mirror_image_gives_the_same_results_from_flank_to_pressure(name: str, flank: FlankName) -> None:
     pair = named(name, flank).misaligned(ERRORS)
     one, two = analysed(pair), analysed(mirrored(pair))
-    for vector in ("position", "normal", "principal_direction"):
-        own, image = one["flanks"][vector], two["flanks"][vector]
-        signs = xr.DataArray([1.0, -1.0, 1.0], dims="xyz", coords={"xyz": own["xyz"]})
+    vectors = [("flanks", name, "xyz") for name in ("position", "normal", "principal_direction")]
+    vectors += [("ease_off", name, "space") for name in ("action_position", "action_normal")]
+    for group, vector, components in vectors:
+        own, image = one[group][vector], two[group][vector]
+        signs = xr.DataArray([1.0, -1.0, 1.0], dims=components, coords={components: own[components]})
         image = image * signs
         if vector == "principal_direction":  # a line, not an arrow
-            image = image * np.sign((image * own).sum("xyz"))
-        two["flanks"][vector] = image.transpose(*own.dims)
+            image = image * np.sign((image * own).sum(components))
+        two[group][vector] = image.transpose(*own.dims)
     assert np.all(one["loaded"]["status"].values == 0)
     found = differences(one, two)
     assert max(found.values()) < 1e-11

@@ -317,7 +317,7 @@ def test_what_is_faster_comes_first(size: int, compiled: bool, first: str, monke
     monkeypatch.setattr(native, "compiled_kernel", lambda: object() if compiled else None)
     monkeypatch.setattr(modal_newton, "compiled_kernel", lambda: None)
     along = np.linspace(-1.0, 1.0, size)
-    factor = 1e-3 * np.polynomial.legendre.legvander(along, 5)
+    factor = np.asarray(1e-3 * np.polynomial.legendre.legvander(along, 5), dtype=np.float64)
     problem = ContactProblem(0.01 * along**2, np.full(size, 40.0), 1e5, (np.full(size, 1e-6), factor))
     solution = solve(problem)
     assert solution.certified

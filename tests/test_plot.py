@@ -15,14 +15,17 @@ from matplotlib.image import imread
 from matplotlib.path import Path as Outline
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import analyze, read_case
 from easeoff.contact.curves import boundary_distance
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
-from easeoff.study.plot import PICTURES, write_pictures
+from easeoff.friction import Operation, friction
+from easeoff.study.plot import FRICTION_PICTURES, PICTURES, write_pictures
 from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
 from easeoff.study.plot.ease_off import contour_levels, ease_off_map
+from easeoff.study.plot.friction_maps import GRID, loaded_map, velocity_maps
 from easeoff.study.plot.load_sharing import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.mesh_cycle import envelope, pairs_in_view, passage
 from easeoff.study.plot.page import evenly_chosen, small_print
@@ -71,6 +74,64 @@ def without(dataset: xr.Dataset, positions: list[int], torque: int | None = None
         at = {"mesh_position": positions} | ({} if torque is None else {"torque": torque})
         variable[at] = Status.NOT_CERTIFIED if variable.dtype.kind == "i" else np.nan
     return result
+
+
+# --- friction
+
+
+@pytest.fixture(scope="module")
+def lubricated(drive: xr.DataTree) -> xr.DataTree:
+    operation = Operation([500.0, 1500.0, 3000.0], [60.0, 90.0], [0.3, 0.8])
+    with_friction = xr.DataTree.from_dict({**drive.to_dict(), "/friction": friction(drive, operation)})
+    with_friction.attrs = drive.attrs
+    return with_friction
+
+
+def test_a_result_with_friction_has_two_pictures_more(lubricated: xr.DataTree, tmp_path: Path) -> None:
+    written = write_pictures(lubricated, tmp_path)
+    assert [path.stem for path in written] == [*PICTURES, *FRICTION_PICTURES]
+    for path in written[-2:]:
+        pixels = imread(path)[..., :3]
+        assert np.unique((255.0 * pixels).round() @ np.array([65536, 256, 1])).size > 50
+        assert np.all(pixels[[0, -1]] == 1.0)
+
+
+@pytest.mark.parametrize("missing", [[3, 4, 20], list(range(32))])
+def test_friction_of_uncertified_positions_leaves_gaps(
+    lubricated: xr.DataTree, tmp_path: Path, missing: list[int]
+) -> None:
+    gaps = changed(lubricated, "loaded", lambda ds: without(ds, missing))
+    one = Operation(1500.0)
+    gaps = changed(gaps, "friction", lambda _: friction(gaps, one))
+    assert len(write_pictures(gaps, tmp_path)) == len(PICTURES) + 2
+
+
+def test_friction_without_fields_can_be_drawn(lubricated: xr.DataTree, tmp_path: Path) -> None:
+    lean = changed(lubricated, "friction", lambda _: friction(lubricated, Operation(1500.0), segment_fields=False))
+    assert len(write_pictures(lean, tmp_path)) == len(PICTURES) + 2
+
+
+def test_velocity_maps_are_the_velocities_of_the_segments(lubricated: xr.DataTree) -> None:
+    """The map over the flank, interpolated at the segments' places."""
+    maps = velocity_maps(lubricated, tooth_view(lubricated), 1500.0)
+    loaded = lubricated["loaded"].to_dataset().isel(torque=0)
+    found = lubricated["friction"].to_dataset().sel(speed=1500.0)
+    places = np.stack([loaded[name].values for name in ("lengthwise", "profile")], axis=-1)
+    inner = np.all((places > 0.1) & (places < 0.9), axis=-1)
+    axes = [np.linspace(0.0, 1.0, n) for n in GRID]
+    for name in ("rolling_velocity", "sliding_velocity", "slide_to_roll"):
+        interpolated = RegularGridInterpolator(axes, maps[name].values.reshape(GRID))(places[inner])
+        expected = found[name].transpose("mesh_position", "segment").values[inner]
+        away = expected > 0.05  # at zero the ratio has a kink
+        np.testing.assert_allclose(interpolated[away], expected[away], atol=2e-3 * np.nanmax(expected))
+
+
+def test_loaded_map_holds_every_loaded_segment(lubricated: xr.DataTree) -> None:
+    loaded = lubricated["loaded"].to_dataset().isel(torque=0)
+    field = lubricated["friction"].to_dataset()["lambda_ratio"].isel(torque=0, speed=1, temperature=1, roughness=1)
+    found = loaded_map(loaded, field)
+    assert found.values.size == int((loaded["force"] > 0.0).sum())
+    assert found.values.max() == float(field.max())
 
 
 # --- the files

@@ -17,6 +17,7 @@ from .design import design
 from .exit_codes import EXIT_MISTAKE
 from .export import export
 from .library import library
+from .optimize import optimize
 from .plot import plot
 from .problems import problems
 from .run import run
@@ -45,5 +46,5 @@ def main() -> None:
     """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
 
 
-for _command in (run, show, plot, design, cases, problems, library, compare, export, convert):
+for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert):
     main.add_command(_command)

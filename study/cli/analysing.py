@@ -10,6 +10,7 @@ from .options import misalignment, torques
 
 # Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
 if TYPE_CHECKING:
+    from ...friction import FrictionModel, Operation
     from ..analysis import Analysis
 
 _OPTIONS = (
@@ -45,7 +46,16 @@ def analysis_options(command: Any) -> Any:
     return command
 
 
-def analysed(case: str, flank: Any, torques: Any, misalignment: Any, solver: str) -> Analysis:
+def analysed(
+    case: str,
+    flank: Any,
+    torques: Any,
+    misalignment: Any,
+    solver: str,
+    operation: Operation | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool = False,
+) -> Analysis:
     """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal."""
     from tqdm import tqdm
 
@@ -61,6 +71,9 @@ def analysed(case: str, flank: Any, torques: Any, misalignment: Any, solver: str
             torques=torques,
             misalignment=misalignment,
             solver=solver,
+            operation=operation,
+            friction_model=friction_model,
+            friction_feedback=friction_feedback,
             progress=lambda: _step(bar),
         )
 

@@ -93,3 +93,40 @@ def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> d
 def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
     """Names separated by commas."""
     return None if text is None else text.split(",")
+
+
+def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:
+    """Numbers separated by commas, or FROM:TO:COUNT evenly spread."""
+    if text is None:
+        return None
+    try:
+        if ":" not in text:
+            return [float(part) for part in text.split(",")]
+        first, last, count = text.split(":")
+        steps = int(count) - 1
+        if not 1 <= steps < 10_000:
+            raise ValueError(f"{count} values")
+        return [float(first) + (float(last) - float(first)) * i / steps for i in range(steps + 1)]
+    except ValueError as error:
+        raise click.BadParameter(
+            f"{text!r}: give numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
+        ) from error
+
+
+def roughnesses(
+    ctx: click.Context, param: click.Parameter, text: str | None
+) -> list[float | tuple[float, float]] | None:
+    """RMS roughnesses [um] separated by commas, each a number or PINION/GEAR."""
+    if text is None or "/" not in text:
+        values = numbers(ctx, param, text)
+        return None if values is None else list(values)
+    found: list[float | tuple[float, float]] = []
+    for part in text.split(","):
+        try:
+            pair = tuple(float(number) for number in part.split("/"))
+        except ValueError:
+            pair = ()
+        if len(pair) not in (1, 2):
+            raise click.BadParameter(f"{part!r}: give a roughness in um, or PINION/GEAR, such as 0.8/0.5")
+        found.append(pair[0] if len(pair) == 1 else (pair[0], pair[1]))
+    return found

@@ -1,4 +1,4 @@
-"""Pictures of a result: ease-off, contact pattern, pressure, transmission error, load sharing."""
+"""Pictures of a result: ease-off, contact pattern, pressure, transmission error, load sharing, friction, efficiency."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["PICTURES", "write_pictures"]
+__all__ = ["FRICTION_PICTURES", "PICTURES", "write_pictures"]
 
 PICTURES = ("ease_off", "contact_pattern", "pressure", "transmission_error", "load_sharing")
 """Names of the pictures; each is written as ``<name>.png``."""
+
+FRICTION_PICTURES = ("friction_maps", "efficiency")
+"""Names of the pictures that a result with friction has besides."""
 
 
 def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Path]:
@@ -28,7 +31,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
     Returns
     -------
     list of Path
-        The files, in the order of ``PICTURES``.
+        The files, in the order of ``PICTURES``, and of ``FRICTION_PICTURES`` if the result has friction.
 
     Raises
     ------
@@ -36,16 +39,22 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
         If the folder cannot be written to.
     """
     # The drawing library is slow to load, and most of what imports this package never draws.
-    from . import contact_pattern, ease_off, load_sharing, pressure, transmission_error
+    from . import contact_pattern, ease_off, efficiency, friction_maps, load_sharing, pressure, transmission_error
     from .page import save
     from .tooth_view import tooth_view
 
     view = tooth_view(tree)
-    figures = (
-        ease_off.draw(tree, view),
-        contact_pattern.draw(tree, view),
-        pressure.draw(tree, view),
-        transmission_error.draw(tree),
-        load_sharing.draw(tree),
+    names, figures = (
+        list(PICTURES),
+        [
+            ease_off.draw(tree, view),
+            contact_pattern.draw(tree, view),
+            pressure.draw(tree, view),
+            transmission_error.draw(tree),
+            load_sharing.draw(tree),
+        ],
     )
-    return [save(figure, Path(folder) / f"{name}.png") for name, figure in zip(PICTURES, figures, strict=True)]
+    if "friction" in tree.children:
+        names += FRICTION_PICTURES
+        figures += [friction_maps.draw(tree, view), efficiency.draw(tree)]
+    return [save(figure, Path(folder) / f"{name}.png") for name, figure in zip(names, figures, strict=True)]

@@ -1,0 +1,181 @@
+"""How loads and rotation answer to a change of the separation, as long as the same segments touch.
+
+On the segments A in contact the gap is zero, elsewhere the force is. With the separation S + B m the conditions
+
+    C_AA F_A + S_A + B_A m - r_A theta = 0,    r_A'F_A = T
+
+are linear, so forces and rotation are affine functions of the coefficients m (Conry and Seireg 1973).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Derivatives of a contact problem's solution by p coefficients of its separation, the contact region held.
+
+    Parameters
+    ----------
+    force
+        Of the forces (n, p); of zero where there is no contact.
+    gap
+        Of the gaps (n, p); of zero where there is contact.
+    rotation
+        Of the rotation (p).
+    yielding
+        How much a segment yields to a force of its own while the loaded ones keep contact (n) [mm/N].
+    """
+
+    force: Array
+    gap: Array
+    rotation: Array
+    yielding: Array
+
+
+def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separation: Array) -> Slopes:
+    """Derivatives of forces, gaps and rotation.
+
+    Parameters
+    ----------
+    compliance
+        Tangent compliance (n, n) [mm/N], positive definite on the segments in contact.
+    lever_arm
+        (n) [mm].
+    active
+        Segments in contact (n), at least one.
+    separation
+        Derivatives of the separation (n, p) [mm per unit].
+    """
+    on, off = np.flatnonzero(active), np.flatnonzero(~active)
+    arm, coupling = lever_arm[on], compliance[np.ix_(on, off)]
+    right = np.concatenate([separation[on], arm[:, None], coupling], axis=1)
+    solved = cho_solve(cho_factor(compliance[np.ix_(on, on)], lower=True), right)
+    p = separation.shape[1]
+    by_separation, by_arm, by_coupling = solved[:, :p], solved[:, p], solved[:, p + 1 :]
+    rotation = arm @ by_separation / (arm @ by_arm)
+    force, gap = np.zeros(separation.shape), np.zeros(separation.shape)
+    force[on] = by_arm[:, None] * rotation - by_separation
+    gap[off] = separation[off] + coupling.T @ force[on] - lever_arm[off, None] * rotation
+    yielding = compliance.diagonal().copy()
+    yielding[off] -= np.einsum("ij,ij->j", coupling, by_coupling)
+    return Slopes(force, gap, rotation, yielding)
+
+
+def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torque: float) -> tuple[Array, float]:
+    """Forces [N], also pulling ones, and rotation [rad] that close the gap of all segments (n).
+
+    Parameters
+    ----------
+    compliance, separation, lever_arm, torque
+        See ``ContactProblem``; the compliance is positive definite.
+    """
+    solved = cho_solve(cho_factor(compliance, lower=True), np.column_stack([separation, lever_arm]))
+    rotation = (torque + lever_arm @ solved[:, 0]) / (lever_arm @ solved[:, 1])
+    return solved[:, 1] * rotation - solved[:, 0], float(rotation)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearLoads:
+    """Line loads (n) and rotations (m) of many contact problems as affine functions of p coefficients.
+
+    Where there is no contact the line load is negative: minus the gap over what the segment yields. It turns positive
+    where the segment would touch, and is then more than it will carry, as its neighbours touch too.
+
+    Parameters
+    ----------
+    line_load, line_load_slope
+        (n) [N/mm] and (n, p).
+    touching
+        Whether a segment is in the contact region (n).
+    length
+        Length of the segments (n) [mm].
+    curvature
+        Relative curvature across the contact line (n) [1/mm].
+    at_end
+        Whether a segment is the first or last of its contact line (n).
+    cycle
+        Number of the mesh cycle that each segment belongs to (n); a cycle is one torque in one assembly.
+    rotation, rotation_slope
+        (m) [urad] and (m, p).
+    rotation_cycle
+        Number of the mesh cycle that each rotation belongs to (m).
+    """
+
+    line_load: Array
+    line_load_slope: Array
+    touching: NDArray[np.bool_]
+    length: Array
+    curvature: Array
+    at_end: NDArray[np.bool_]
+    cycle: NDArray[np.int64]
+    rotation: Array
+    rotation_slope: Array
+    rotation_cycle: NDArray[np.int64]
+
+    @property
+    def carried(self) -> Array:
+        """Line loads (n) [N/mm], zero where there is no contact."""
+        return np.maximum(self.line_load, 0.0)
+
+
+def stacked(parts: Sequence[LinearLoads]) -> LinearLoads:
+    """All parts one after the other."""
+    return LinearLoads(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(LinearLoads)))
+
+
+def linear_loads(
+    compliance: Array,
+    lever_arm: Array,
+    force: Array,
+    gap: Array,
+    rotation: float,
+    separation: Array,
+    *,
+    length: Array,
+    curvature: Array,
+    at_end: NDArray[np.bool_],
+    cycle: int,
+    held: bool = False,
+) -> LinearLoads:
+    """One solved contact problem as affine functions of the coefficients.
+
+    Parameters
+    ----------
+    compliance
+        Tangent compliance (n, n) [mm/N].
+    lever_arm
+        (n) [mm].
+    force, gap, rotation
+        The solution: (n) [N], (n) [mm], [rad].
+    separation
+        Derivatives of the separation (n, p) [mm per unit].
+    length, curvature, at_end, cycle
+        See ``LinearLoads``.
+    held
+        Whether all segments are held in contact, by pulling if need be, see ``held_in_contact``.
+    """
+    active = np.full(force.size, held) | (force > 0.0)
+    slope = slopes(compliance, lever_arm, active, separation)
+    would_be = np.where(active, force, -np.maximum(gap, 0.0) / slope.yielding)
+    would_be_slope = np.where(active[:, None], slope.force, -slope.gap / slope.yielding[:, None])
+    return LinearLoads(
+        line_load=would_be / length,
+        line_load_slope=would_be_slope / length[:, None],
+        touching=active,
+        length=length,
+        curvature=curvature,
+        at_end=at_end,
+        cycle=np.full(force.size, cycle),
+        rotation=np.array([1e6 * rotation]),
+        rotation_slope=1e6 * slope.rotation[None],
+        rotation_cycle=np.array([cycle]),
+    )

@@ -1,0 +1,162 @@
+"""Make the tables and pictures of ``optimal_modification.md``: python docs/make_optimal_modification.py (minutes)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from dissertation_figures import save_small
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+import easeoff
+from easeoff.study.fitted_settings import fit_modification, recorded_modification
+
+HERE = Path(__file__).parent
+PAGE = HERE / "optimal_modification.md"
+IMAGES = HERE / "images"
+CASES = ("fm-11x41", "fh-12x41-45")
+RUNS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("`peak_load`", {"objective": "peak_load"}),
+    ("`peak_load`, error up to 10 µrad", {"objective": "peak_load", "transmission_error": 10.0}),
+    ("`peak_pressure`", {"objective": "peak_pressure"}),
+    ("`even_load`", {"objective": "even_load"}),
+)
+COLUMNS = (("max_line_load", 0), ("max_pressure", 0), ("max_end_load", 0), ("peak_to_peak", 1))
+LIMITS = (20.0, 14.0, 11.0, 9.0)
+SHOWN = 250.0  # [N m]
+
+
+def cells(tree: xr.DataTree, stage: str) -> list[str]:
+    """Figures of all torques, in the order of ``COLUMNS``."""
+    here = tree["optimization"].to_dataset().sel(stage=stage).isel(assembly=0)
+    return [" / ".join(f"{value:.{digits}f}" for value in here[name].values) for name, digits in COLUMNS]
+
+
+def programmes(tree: xr.DataTree) -> str:
+    """How many programmes were solved, and the largest relative error of a promise once the search had settled."""
+    record = tree["optimization"].to_dataset()
+    taken = record.isel(programme=np.flatnonzero(record["accepted"]))
+    error = abs(taken["promised_objective"].values[-1] / taken["fresh_objective"].values[-1] - 1.0)
+    ended = "" if record.attrs["converged"] else ", cut short"
+    return f"{record.sizes['programme']}{ended} | {error:.0e}"
+
+
+def fitted_cells(name: str, tree: xr.DataTree) -> tuple[str, list[str]]:
+    """What machine settings leave [um], and the figures of the case cut with them."""
+    fitted, fit = fit_modification(easeoff.read_case(name), recorded_modification(tree))
+    loaded = easeoff.analyze(fitted)["loaded"].to_dataset()
+    load = (loaded["force"] / loaded["length"]).transpose("torque", "mesh_position", "segment").values
+    number = np.arange(load.shape[-1]) % easeoff.read_case(name).contact.segments_per_line
+    at_end = load[..., (number == 0) | (number == number.max())]
+    values = {
+        "max_line_load": np.nanmax(load, axis=(1, 2)),
+        "max_pressure": loaded["max_pressure"].values,
+        "max_end_load": np.nanmax(at_end, axis=(1, 2)),
+        "peak_to_peak": loaded["peak_to_peak"].values,
+    }
+    row = [" / ".join(f"{value:.{digits}f}" for value in values[key]) for key, digits in COLUMNS]
+    return f"settings fitted to it, {1e3 * fit.rms:.1f} µm left (rms)", row
+
+
+def table(name: str, made: dict[str, xr.DataTree]) -> str:
+    """Before and after of one case, as Markdown."""
+    torques = " / ".join(f"{value:g}" for value in made[RUNS[0][0]]["loaded"].to_dataset()["torque"].values)
+    lines = [
+        f"`{name}` at {torques} N m:",
+        "",
+        "| | line load [N/mm] | pressure [MPa] | at the edges [N/mm] | error, peak to peak [µrad] "
+        "| programmes | last promise off by |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+        f"| before | {' | '.join(cells(made[RUNS[0][0]], 'before'))} | | |",
+    ]
+    for label, _ in RUNS:
+        lines.append(f"| {label} | {' | '.join(cells(made[label], 'after'))} | {programmes(made[label])} |")
+        if label == RUNS[0][0]:
+            said, row = fitted_cells(name, made[label])
+            lines.append(f"| {said} | {' | '.join(row)} | | |")
+    return "\n".join(lines)
+
+
+def swept(tree: xr.DataTree) -> tuple[Any, Any, Any]:
+    """Places on the gear's flank and the line loads [N/mm] there at the shown torque, over all mesh positions."""
+    loaded = tree["loaded"].to_dataset().sel(torque=SHOWN)
+    load = (loaded["force"] / loaded["length"]).values.ravel()
+    known = np.isfinite(load)
+    return tuple(v[known] for v in (loaded["lengthwise"].values.ravel(), loaded["profile"].values.ravel(), load))
+
+
+def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
+    """The modification, and where the load was and is."""
+    figure = Figure(figsize=(9.6, 2.9), layout="constrained")
+    FigureCanvasAgg(figure)
+    left, *rest = figure.subplots(1, 3, sharey=True)
+    surface = after["modification"].to_dataset()["modification"]
+    t, h = surface["lengthwise"].values, surface["profile"].values
+    filled = left.contourf(t, h, surface.values.T, levels=12, cmap="RdBu_r", vmin=-50, vmax=50)
+    figure.colorbar(filled, ax=left, label="µm")
+    left.set_title("modification")
+    left.set_ylabel("root to tip")
+    both = [swept(before), swept(after)]
+    most = max(load.max() for _, _, load in both)
+    for axes, (x, y, load), title in zip(rest, both, ("before", "after"), strict=True):
+        order = np.argsort(load)
+        points = axes.scatter(x[order], y[order], c=load[order], s=16, cmap="viridis", vmin=0.0, vmax=most)
+        axes.set_title(f"{title}: up to {load.max():.0f} N/mm")
+    figure.colorbar(points, ax=rest, label=f"line load at {SHOWN:g} N m [N/mm]")
+    for axes in (left, *rest):
+        axes.set_xlabel("toe to heel")
+        axes.set_xlim(0.0, 1.0)
+        axes.set_ylim(0.0, 1.0)
+    save_small(figure, path)
+
+
+def trade(name: str, free: xr.DataTree) -> list[tuple[float, float]]:
+    """Peak to peak [urad] and line load over that before, worst torque, under one limit after the other and none."""
+    reached = []
+    for tree in (*(easeoff.optimize(name, transmission_error=limit) for limit in LIMITS), free):
+        record = tree["optimization"].to_dataset().isel(assembly=0)
+        load, after = record["max_line_load"], record.sel(stage="after")
+        ratio = (load.sel(stage="after") / load.sel(stage="before")).max().item()
+        reached.append((after["peak_to_peak"].max().item(), ratio))
+        print(reached[-1], flush=True)
+    return reached
+
+
+def draw_trade(reached: list[tuple[float, float]], path: Path) -> None:
+    """What a limit of the transmission error costs."""
+    figure = Figure(figsize=(4.6, 3.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    axes.plot(*np.array(sorted(reached)).T, "o-")
+    axes.axhline(1.0, color="0.6", linewidth=0.8)
+    axes.set_xlabel("transmission error, peak to peak [µrad]")
+    axes.set_ylabel("line load / before")
+    save_small(figure, path)
+
+
+def main() -> None:
+    """Optimise, draw, and write the tables into the page."""
+    tables = []
+    for name in CASES:
+        made = {}
+        for label, options in RUNS:
+            made[label] = easeoff.optimize(name, **options)
+            print(name, label, cells(made[label], "after"), programmes(made[label]), flush=True)
+        tables.append(table(name, made))
+        if name == CASES[0]:
+            free = made[RUNS[0][0]]
+            draw(easeoff.analyze(name), free, IMAGES / "optimal_modification.png")
+            draw_trade(trade(name, free), IMAGES / "optimal_modification_trade.png")
+    begin, end = "<!-- begin generated: figures -->", "<!-- end generated: figures -->"
+    made_text = "\n\n".join(tables)
+    page = PAGE.read_text(encoding="utf-8")
+    page = re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{made_text}\n\n{end}", page, flags=re.DOTALL)
+    PAGE.write_text(page, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,197 @@
+"""The friction coefficient of a lubricated line contact, by models with a name.
+
+A model is any function from ``ContactConditions`` to friction coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..core.errors import InputError
+from .conditions import STEEL_MODULUS, ContactConditions
+from .formula import formula_coefficient
+from .lubricant import Lubricant, OutOfRange, lubricant
+
+Array = NDArray[Any]
+CoefficientModel = Callable[[ContactConditions], Array]
+USUAL_CONSTANT = 0.05  # Coleman, Machine Design 47, 1975
+
+
+def xu_kahraman(conditions: ContactConditions) -> Array:
+    """Full-film regression of Xu and others, ASME Journal of Mechanical Design 129, 2007 (...).
+
+    In its own units: pressure in GPa, viscosity in mPa s, entrainment in m/s, radius in m, roughness in um. Quotations
+    of it do not say what the roughness is of two unlike flanks; here it is the quadratic mean of both. It is taken as 1
+    um at most: the formula grows as exp(exp(roughness)).
+    """
+    b = (-8.916465, 1.03303, 1.036077, -0.354068, 2.812084, -0.100601, 0.752755, -0.390958, 0.620305)
+    c = conditions
+    pressure, viscosity, sliding = 1e-9 * c.hertz_pressure, 1e3 * c.viscosity, np.abs(c.slide_to_roll)
+    group = sliding * pressure * np.log10(viscosity)
+    roughness = np.minimum(1e6 / np.sqrt(2.0) * c.composite_roughness, 1.0)
+    exponent = b[0] + b[3] * group + b[4] * np.exp(-group) + b[8] * np.exp(roughness)
+    powers = pressure ** b[1] * sliding ** b[2] * c.rolling_velocity ** b[5] * viscosity ** b[6]
+    return np.asarray(np.exp(exponent) * powers * c.equivalent_radius ** b[7])
+
+
+def benedict_kelly(conditions: ContactConditions) -> Array:
+    """Benedict and Kelly, ASLE Transactions 4, 1961 (...): 0.0127 log10[0.02966 f / (viscosity * Vs * (u1 + u2)^2)].
+
+    In SI; the constant is 3.17e8 in lbf/in, mPa s and in/s. The sum of the surface velocities is twice the rolling
+    velocity. Without sliding the expression has no value: below 0.025 of the rolling velocity the sliding is taken as
+    that. A negative value, of a contact without load, is taken as zero.
+    """
+    c = conditions
+    sliding = np.maximum(c.sliding_velocity, 0.025 * c.rolling_velocity)
+    argument = 0.02966 * c.load / (c.viscosity * sliding * (2.0 * c.rolling_velocity) ** 2)
+    return np.asarray(np.maximum(0.0127 * np.log10(argument), 0.0))
+
+
+def constant(conditions: ContactConditions, value: float = USUAL_CONSTANT) -> Array:
+    """The same coefficient everywhere."""
+    return np.full((), value)
+
+
+COEFFICIENTS: Mapping[str, CoefficientModel] = {
+    "kolivand": formula_coefficient,
+    "kolivand_blended": partial(formula_coefficient, blend=True),
+    "xu_kahraman": xu_kahraman,
+    "benedict_kelly": benedict_kelly,
+    "constant": constant,
+}
+
+
+def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel:
+    """A model from its name, a constant coefficient, or a function of one's own.
+
+    Raises
+    ------
+    InputError
+        If there is no model of that name, or the constant is negative.
+    """
+    if callable(model):
+        return model
+    if isinstance(model, str):
+        if model in COEFFICIENTS:
+            return COEFFICIENTS[model]
+        raise InputError(f"friction model {model!r}: must be one of {', '.join(COEFFICIENTS)}, or a number")
+    if not (np.isfinite(model) and model >= 0.0):
+        raise InputError(f"friction coefficient {model!r}: must be zero or more")
+    return partial(constant, value=float(model))
+
+
+def contact_conditions(
+    *,
+    hertz_pressure: ArrayLike,
+    equivalent_radius: ArrayLike,
+    rolling_velocity: ArrayLike,
+    slide_to_roll: ArrayLike,
+    roughness: ArrayLike | tuple[ArrayLike, ArrayLike],
+    temperature: ArrayLike = 90.0,
+    oil: str | Lubricant = "75w90",
+    sliding_velocity: ArrayLike | None = None,
+    contact_modulus: float = STEEL_MODULUS,
+    film: str = "pan_hamrock",
+    out_of_range: OutOfRange = "error",
+) -> ContactConditions:
+    """Checked conditions of line contacts, from numbers or arrays that broadcast, in SI.
+
+    Parameters
+    ----------
+    hertz_pressure
+        Greatest Hertz pressure [Pa].
+    equivalent_radius
+        [m].
+    rolling_velocity
+        Mean of both surface velocities across the contact line [m/s].
+    slide_to_roll
+        Sliding across the contact line over the rolling velocity.
+    roughness
+        RMS height Rq of both flanks [m], or a tuple of pinion's and gear's.
+    temperature
+        Of the oil [degC].
+    oil
+        See ``lubricant.lubricant``.
+    sliding_velocity
+        Whole sliding velocity [m/s]; that across the line if left out. Only ``benedict_kelly`` asks for it.
+    contact_modulus
+        2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
+    film
+        See ``film.FILMS``.
+    out_of_range
+        What to do with temperatures the oil has no data for: ``error`` or ``clamp``.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, or not positive where it must be; or from oil and film.
+    """
+    pinion, gear = roughness if isinstance(roughness, tuple) else (roughness, roughness)
+    values = {
+        "hertz_pressure": hertz_pressure,
+        "equivalent_radius": equivalent_radius,
+        "rolling_velocity": rolling_velocity,
+        "contact_modulus": contact_modulus,
+        "slide_to_roll": slide_to_roll,
+        "roughness_pinion": pinion,
+        "roughness_gear": gear,
+    }
+    arrays = {name: np.asarray(value, dtype=float) for name, value in values.items()}
+    for name, array in arrays.items():
+        rough = name.startswith("roughness")
+        bad = ~(np.isfinite(array) & ((array >= 0.0) if rough or name == "slide_to_roll" else (array > 0.0)))
+        if np.any(bad):
+            raise InputError(
+                f"{name} = {array[bad].flat[0]:g}: must be {'zero or more' if rough else 'positive'} and finite, in SI"
+                if name != "slide_to_roll"
+                else f"slide_to_roll = {array[bad].flat[0]:g}: must be zero or more and finite"
+            )
+    state = lubricant(oil).at(temperature, out_of_range=out_of_range)
+    across = arrays["slide_to_roll"] * arrays["rolling_velocity"]
+    return ContactConditions(
+        **{k: v for k, v in arrays.items() if k != "contact_modulus"},
+        sliding_velocity=across if sliding_velocity is None else np.asarray(sliding_velocity, dtype=float),
+        temperature=np.asarray(temperature, dtype=float),
+        viscosity=state.viscosity,
+        pressure_viscosity=state.pressure_viscosity,
+        temperature_viscosity=state.temperature_viscosity,
+        thermal_conductivity=state.thermal_conductivity,
+        contact_modulus=float(contact_modulus),
+        film_formula=film,
+    )
+
+
+def friction_coefficient(model: str | float | CoefficientModel = "kolivand", **conditions: Any) -> Array:
+    """Friction coefficient of lubricated line contacts.
+
+    Parameters
+    ----------
+    model
+        Name of a model in ``COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
+    **conditions
+        Those of ``contact_conditions``: hertz_pressure, equivalent_radius, rolling_velocity, slide_to_roll, roughness,
+        temperature, oil and more, in SI.
+
+    Returns
+    -------
+    Array
+        Coefficients, of the shape to which the conditions broadcast.
+
+    Raises
+    ------
+    InputError
+        From model and conditions.
+
+    Examples
+    --------
+    >>> mu = friction_coefficient(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                           slide_to_roll=0.45, roughness=0.8e-6, temperature=90.0)
+    >>> print(f"{mu:.5f}")
+    0.05099
+    """
+    return coefficient_model(model)(contact_conditions(**conditions))

@@ -1,0 +1,115 @@
+"""What a lubricated line contact works under, in SI, with the dimensionless groups of line-contact lubrication."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .film import film
+from .lubricant import THERMAL_CONDUCTIVITY
+
+Array = NDArray[Any]
+STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
+
+
+@dataclass(frozen=True)
+class ContactConditions:
+    """Conditions of line contacts; all arrays broadcast against each other, everything in SI.
+
+    Parameters
+    ----------
+    hertz_pressure
+        Greatest Hertz pressure [Pa].
+    equivalent_radius
+        Radius of relative curvature across the contact line [m].
+    rolling_velocity
+        Mean of both surface velocities across the contact line [m/s].
+    sliding_velocity
+        Whole sliding velocity [m/s].
+    slide_to_roll
+        Size of the sliding velocity across the contact line over the rolling velocity [1].
+    temperature
+        Of the oil [degC].
+    viscosity
+        At ambient pressure [Pa s].
+    pressure_viscosity
+        [1/Pa].
+    roughness_pinion, roughness_gear
+        RMS heights Rq [m].
+    temperature_viscosity
+        Fall of the viscosity's logarithm with temperature [1/K].
+    thermal_conductivity
+        Of the oil [W/(m K)].
+    contact_modulus
+        2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
+    film_formula
+        Name of the formula for the least film thickness, see ``film.FILMS``.
+    """
+
+    hertz_pressure: Array
+    equivalent_radius: Array
+    rolling_velocity: Array
+    sliding_velocity: Array
+    slide_to_roll: Array
+    temperature: Array
+    viscosity: Array
+    pressure_viscosity: Array
+    roughness_pinion: Array
+    roughness_gear: Array
+    temperature_viscosity: Array | float = 0.035
+    thermal_conductivity: float = THERMAL_CONDUCTIVITY
+    contact_modulus: float = STEEL_MODULUS
+    film_formula: str = "pan_hamrock"
+
+    @property
+    def pressure_parameter(self) -> Array:
+        """Hertz pressure over contact modulus, H."""
+        return self.hertz_pressure / self.contact_modulus
+
+    @property
+    def load_parameter(self) -> Array:
+        """Load per length over contact modulus and radius, W = 2 pi H^2."""
+        return 2.0 * np.pi * self.pressure_parameter**2
+
+    @property
+    def load(self) -> Array:
+        """Load per length [N/m]."""
+        return self.load_parameter * self.contact_modulus * self.equivalent_radius
+
+    @cached_property
+    def speed_parameter(self) -> Array:
+        """Viscosity times rolling velocity over contact modulus and radius, U."""
+        return self.viscosity * (self.rolling_velocity / (self.contact_modulus * self.equivalent_radius))
+
+    @property
+    def material_parameter(self) -> Array:
+        """Pressure-viscosity coefficient times contact modulus, G."""
+        return self.pressure_viscosity * self.contact_modulus
+
+    @cached_property
+    def film_thickness(self) -> Array:
+        """Least thickness of the smooth isothermal film [m]."""
+        formula = film(self.film_formula)
+        return self.equivalent_radius * formula(self.speed_parameter, self.material_parameter, self.load_parameter)
+
+    @property
+    def thermal_parameter(self) -> Array:
+        """Thermal loading of the inlet, L = temperature-viscosity coefficient * viscosity * V^2 / conductivity."""
+        return np.asarray(
+            self.temperature_viscosity * self.viscosity / self.thermal_conductivity * self.rolling_velocity**2
+        )
+
+    @property
+    def composite_roughness(self) -> Array:
+        """Root of the sum of both squared RMS roughnesses [m]."""
+        return np.hypot(self.roughness_pinion, self.roughness_gear)
+
+    @cached_property
+    def lambda_ratio(self) -> Array:
+        """Film thickness over composite roughness; infinite for perfectly smooth flanks."""
+        with np.errstate(divide="ignore"):
+            return self.film_thickness / self.composite_roughness

@@ -1,0 +1,118 @@
+"""The loaded contacts of a stored result, in SI: what carries force, where, and how the surfaces move there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+from ..geometry.vectors import dot
+from .kinematics import SurfaceVelocities, action_fields, axes_of, surface_velocities
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class LoadedContacts:
+    """Contact segments that carry force (n), over all torques and mesh positions of a result, in SI.
+
+    Parameters
+    ----------
+    index
+        Where each stands: torque, mesh position, segment (3, n); sorted.
+    torque
+        At the pinion [N m], of the result (t).
+    force, length
+        Normal force [N] and length [m] (n).
+    hertz_pressure, equivalent_radius
+        [Pa] and [m] (n).
+    velocities
+        At the segments (n), per angular velocity of the pinion.
+    solved
+        Whether torque and mesh position (t, k) have a certified solution.
+    contact_modulus
+        [Pa].
+    """
+
+    index: NDArray[np.int64]
+    torque: Array
+    force: Array
+    length: Array
+    hertz_pressure: Array
+    equivalent_radius: Array
+    velocities: SurfaceVelocities
+    solved: NDArray[np.bool_]
+    contact_modulus: float
+
+    @property
+    def group(self) -> NDArray[np.int64]:
+        """Number of torque and mesh position (n), counted together."""
+        return np.asarray(self.index[0] * self.solved.shape[1] + self.index[1])
+
+    @property
+    def friction_arms(self) -> tuple[Array, Array]:
+        """Velocity of pinion's and gear's surface along the sliding direction (n) [m/rad].
+
+        Friction of one newton takes as much torque of the pinion [N m], and gives as much to the gear over the ratio.
+        Without sliding there is no direction and they are zero.
+        """
+        v = self.velocities
+        sliding = v.along * v.sliding_along + v.across * v.sliding_across
+        size = v.sliding_speed
+        direction = np.divide(sliding, size, out=np.zeros_like(sliding), where=size > 0.0)
+        return dot(v.pinion, direction), dot(v.gear, direction)
+
+
+def segment_velocities(tree: xr.DataTree) -> tuple[SurfaceVelocities, NDArray[np.bool_]]:
+    """Velocities at all potential segments of a result, those that exist, and which do (mesh position, segment).
+
+    Raises
+    ------
+    InputError
+        If the result is of an older version without points of action.
+    """
+    ease_off, loaded = tree["ease_off"].to_dataset(), tree["loaded"].to_dataset()
+    order = ("torque", "mesh_position", "segment")
+    # The lines do not move under load: a segment's place is the same at every torque.
+    places = np.stack([loaded[n].transpose(*order).values[0] for n in ("lengthwise", "profile")])
+    exists = np.isfinite(places[0])
+    return surface_velocities(axes_of(ease_off), action_fields(ease_off), places[:, exists]), exists
+
+
+def loaded_contacts(tree: xr.DataTree) -> LoadedContacts:
+    """Gather the segments that carry force.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+
+    Raises
+    ------
+    InputError
+        If the result is of an older version.
+    """
+    velocities, exists = segment_velocities(tree)
+    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    if "contact_modulus_MPa" not in loaded.attrs:
+        raise InputError("this result has no contact modulus: it was written by an older version; make it anew")
+    force = loaded["force"].values
+    touching = force > 0.0
+    index = np.stack(np.nonzero(touching))
+    number = np.cumsum(exists.ravel()).reshape(exists.shape) - 1
+    chosen = number[index[1], index[2]]
+    return LoadedContacts(
+        index=index,
+        torque=loaded["torque"].values,
+        force=force[touching],
+        length=1e-3 * loaded["length"].values[touching],
+        hertz_pressure=1e6 * loaded["pressure"].values[touching],
+        equivalent_radius=1e-3 * loaded["equivalent_radius"].values[touching],
+        velocities=velocities.chosen(chosen),
+        solved=loaded["status"].values == 0,
+        contact_modulus=1e6 * float(loaded.attrs["contact_modulus_MPa"]),
+    )

@@ -1,0 +1,189 @@
+"""Power loss and efficiency of a pair, from a stored result: the group ``/friction``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..core.attributes import labelled
+from .contacts import LoadedContacts, loaded_contacts, segment_velocities
+from .formula import FLAGS, formula_flags
+from .kinematics import SurfaceVelocities
+from .losses import losses
+from .operating import FrictionModel, Operation
+
+Array = NDArray[Any]
+MOST_VALUES = 3_000_000  # of a field over segments that is kept without being asked for
+OPERATION = ("speed", "temperature", "roughness")
+
+
+def friction(
+    tree: xr.DataTree,
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    segment_fields: bool | None = None,
+) -> xr.Dataset:
+    """Friction, power loss and efficiency of a result at every combination of speed, temperature and roughness.
+
+    The load distribution is that of the result, without friction; see ``friction_feedback`` for more.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    operation
+        Speeds, temperatures, roughnesses and oil.
+    model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    segment_fields
+        Whether to keep the fields over the segments, not just sums and means. Left out: if each has less than three
+        million values.
+
+    Returns
+    -------
+    xr.Dataset
+        The group ``/friction``. Where a mesh position has no certified solution, its losses and the means are NaN.
+
+    Raises
+    ------
+    InputError
+        If the result is of an older version, or a temperature is out of the oil's range.
+    """
+    model = model or FrictionModel()
+    contacts = loaded_contacts(tree)
+    loaded = tree["loaded"].to_dataset()
+    segments = loaded.sizes["segment"]
+    size = contacts.solved.size * segments * int(np.prod(operation.shape))
+    keep = size <= MOST_VALUES if segment_fields is None else segment_fields
+    result = losses_dataset(contacts, operation, model, segments if keep else 0)
+    coords = {name: loaded[name] for name in ("torque", "mesh_position")}
+    result = result.assign_coords(coords).merge(velocities_dataset(*segment_velocities(tree), operation, model))
+    return labelled(result.assign_attrs(_provenance(operation, model)))
+
+
+def losses_dataset(
+    contacts: LoadedContacts, operation: Operation, model: FrictionModel, segments: int = 0
+) -> xr.Dataset:
+    """Losses and efficiency over (torque, mesh_position, speed, temperature, roughness), and fields over the segments.
+
+    Parameters
+    ----------
+    contacts, operation, model
+        See ``losses.losses``.
+    segments
+        Number of segments of a mesh position; zero leaves out the fields.
+    """
+    cycle, shape = contacts.solved.shape, operation.shape
+    group = contacts.group
+    sums = {name: np.zeros((*shape, contacts.solved.size)) for name in ("sliding", "rolling", "weighted")}
+    fields: dict[str, Array] = {}
+    if segments:
+        whole = (*cycle, segments, *shape)
+        fields = {name: np.full(whole, np.nan) for name in ("friction_coefficient", "lambda_ratio", "power_loss")}
+        fields["film_thickness"] = np.full((*whole[:-1],), np.nan)
+        if model.is_formula:
+            fields["formula_flags"] = np.zeros(whole, dtype=np.uint16)
+    for block in losses(contacts, operation, model):
+        here = group[block.contacts]
+        starts = np.flatnonzero(np.diff(here, prepend=-1))
+        force_speed = contacts.force[block.contacts] * block.conditions.sliding_velocity
+        for name, values in (
+            ("sliding", block.sliding_loss),
+            ("rolling", block.rolling_loss),
+            ("weighted", force_speed),
+        ):
+            sums[name][..., here[starts]] += np.add.reduceat(values, starts, axis=-1)
+        if segments:
+            at = tuple(contacts.index[:, block.contacts])
+            found = {
+                "friction_coefficient": block.coefficient,
+                "lambda_ratio": block.conditions.lambda_ratio,
+                "film_thickness": 1e6 * block.conditions.film_thickness[..., 0, :],
+                "power_loss": block.sliding_loss + block.rolling_loss,
+            }
+            if model.is_formula:
+                found["formula_flags"] = formula_flags(block.conditions)
+            for name, values in found.items():
+                fields[name][at] = np.moveaxis(values, -1, 0)
+    sliding, rolling, weighted = (
+        np.where(contacts.solved[..., None, None, None], np.moveaxis(value, -1, 0).reshape(*cycle, *shape), np.nan)
+        for value in (sums["sliding"], sums["rolling"], sums["weighted"])
+    )
+    power = contacts.torque[:, None] * operation.angular_velocity
+    loss = sliding + rolling
+    data: dict[str, Any] = {
+        name: (("torque", "mesh_position", "segment", *OPERATION[: values.ndim - 3]), values)
+        for name, values in fields.items()
+    }
+    mesh, mean = ("torque", "mesh_position", *OPERATION), ("torque", *OPERATION)
+    data |= {
+        "mesh_power_loss": (mesh, loss),
+        "mesh_efficiency": (mesh, 1.0 - loss / power[:, None, :, None, None]),
+        "mean_power_loss": (mean, loss.mean(axis=1)),
+        "mean_sliding_loss": (mean, sliding.mean(axis=1)),
+        "mean_rolling_loss": (mean, rolling.mean(axis=1)),
+        "efficiency": (mean, 1.0 - loss.mean(axis=1) / power[:, :, None, None]),
+        "mean_friction_coefficient": (mean, sliding.sum(axis=1) / weighted.sum(axis=1)),
+        "input_power": (("torque", "speed"), power),
+    }
+    if "formula_flags" in fields:
+        data["formula_flags"] = (
+            *data["formula_flags"],
+            {"flag_masks": np.array(list(FLAGS), dtype=np.uint16), "flag_meanings": " ".join(FLAGS.values())},
+        )
+    return xr.Dataset(data, coords=_coordinates(operation, model))
+
+
+def velocities_dataset(
+    velocities: SurfaceVelocities, exists: NDArray[np.bool_], operation: Operation, model: FrictionModel
+) -> xr.Dataset:
+    """Sliding and rolling at all potential segments over (mesh_position, segment, speed), NaN where there is none."""
+    ratio = np.full(exists.shape, np.nan)
+    ratio[exists] = model.slide_to_roll(velocities)
+    per_radian = {
+        "sliding_velocity": velocities.sliding_speed,
+        "sliding_along": velocities.sliding_along,
+        "sliding_across": velocities.sliding_across,
+        "rolling_velocity": np.abs(model.rolling(velocities)),
+    }
+    data: dict[str, Any] = {"slide_to_roll": (("mesh_position", "segment"), ratio)}
+    for name, values in per_radian.items():
+        field = np.full((*exists.shape, operation.speeds.size), np.nan)
+        field[exists] = values[:, None] * operation.angular_velocity
+        data[name] = (("mesh_position", "segment", "speed"), field)
+    return xr.Dataset(data, coords={"speed": operation.speeds})
+
+
+def _coordinates(operation: Operation, model: FrictionModel) -> dict[str, Any]:
+    """Operating conditions as coordinates; a pair of unlike roughnesses goes by its quadratic mean."""
+    oil = model.oil_states(operation)
+    rough = operation.roughnesses
+    equal = rough[:, 0] == rough[:, 1]
+    return {
+        "speed": operation.speeds,
+        "temperature": operation.temperatures,
+        "roughness": np.where(equal, rough[:, 0], np.sqrt(np.mean(rough**2, axis=1))),
+        "roughness_pinion": ("roughness", rough[:, 0]),
+        "roughness_gear": ("roughness", rough[:, 1]),
+        "viscosity": ("temperature", 1e3 * oil.viscosity),
+        "pressure_viscosity": ("temperature", 1e9 * oil.pressure_viscosity),
+        "temperature_clamped": ("temperature", oil.clamped.astype(np.int8)),
+    }
+
+
+def _provenance(operation: Operation, model: FrictionModel) -> dict[str, str]:
+    oil = operation.lubricant
+    return {
+        "oil": oil.name,
+        "oil_title": oil.title,
+        "oil_source": oil.source,
+        "friction_coefficient": model.name,
+        "film": model.film,
+        "thermal_factor": model.thermal_factor,
+        "rolling_frame": model.rolling_frame,
+        "sliding_of_ratio": model.sliding_of_ratio,
+    }

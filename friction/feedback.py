@@ -1,0 +1,190 @@
+"""Load distribution with the torque of friction fed back: input power = output power + losses at every mesh position.
+
+Friction takes part of the pinion's torque before it reaches the normal forces. With the forces F, lever arms r about
+the gear axis and the ratio R, the input torque T holds
+
+    T = sum F r / R + sum mu F f + rolling,
+
+f the velocity of the pinion's surface along the sliding, per angular velocity. Friction does not deform the teeth here,
+so the forces are those of the frictionless contact at a lower torque, and that torque alone is iterated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..contact.line_contact_batch import LineContacts, solve_line_contacts
+from ..contact.line_contact_solution import solve_on_bending
+from ..contact.loaded_cases import LoadedCase
+from ..contact.solvers import Status, require_solver
+from ..core.attributes import labelled
+from .contacts import LoadedContacts, loaded_contacts
+from .efficiency import OPERATION, friction
+from .losses import losses
+from .operating import FrictionModel, Operation
+
+Array = NDArray[Any]
+ITERATIONS = 30
+TOLERANCE = 1e-11  # of the torque; an iteration gains a factor of fifteen or more
+
+
+def friction_torques(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> tuple[Array, Array]:
+    """Torque that friction takes from the pinion, and what it gives to the gear over the ratio (t, k) [N m].
+
+    Their difference is the power loss over the pinion's angular velocity. The rolling traction acts on both surfaces,
+    half on each, against their motion.
+
+    Parameters
+    ----------
+    contacts
+        Loaded contacts.
+    operation
+        One speed, temperature and roughness.
+    model
+        How friction is computed.
+    """
+    v = contacts.velocities
+    # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.
+    share = 0.5 + 0.25 * v.sliding_across / model.rolling(v)
+    pinion_arm, gear_arm = contacts.friction_arms
+    torques = np.zeros((2, contacts.solved.size))
+    group = contacts.group
+    for block in losses(contacts, operation, model):
+        here = block.contacts
+        force = block.coefficient[0, 0, 0] * contacts.force[here]
+        drag = block.rolling_loss[0, 0, 0] / operation.angular_velocity[0]
+        np.add.at(torques[0], group[here], force * pinion_arm[here] + drag * share[here])
+        np.add.at(torques[1], group[here], force * gear_arm[here] - drag * (1.0 - share[here]))
+    pinion, gear = torques.reshape(2, *contacts.solved.shape)
+    return pinion, gear
+
+
+def _solved_again(
+    cases: Sequence[LoadedCase], torque: Array, due: NDArray[np.bool_], loaded: xr.Dataset, ratio: float, solver: str
+) -> xr.Dataset:
+    """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
+    result = loaded.copy(deep=True)
+    if not np.any(due):
+        return result
+    force, pressure, status = (result[name].values for name in ("force", "pressure", "status"))
+    chosen = [case for case in cases if due[case.torque, case.mesh_position]]
+    at = [(case.torque, case.mesh_position) for case in chosen]
+    problems = [
+        c.segments.bending_problem.with_torque(1e3 * ratio * float(torque[i])) for c, i in zip(chosen, at, strict=True)
+    ]
+    starts = [force[i][: case.segments.pair.size].copy() for case, i in zip(chosen, at, strict=True)]
+    contacts = [case.segments.line_contact for case in chosen]
+    native = require_solver(solver) == "native"
+    known = solve_line_contacts(problems, LineContacts(contacts), starts) if native else [None] * len(chosen)
+    for i, problem, contact, start, found in zip(at, problems, contacts, starts, known, strict=True):
+        solution, _ = found or solve_on_bending(problem, contact, solver, initial_force=start)
+        status[i] = solution.status
+        force[i][: start.size] = solution.force
+        certified = solution.status == Status.CERTIFIED
+        pressure[i][: start.size] = contact.pressure(solution.force) if certified else np.nan
+    return result
+
+
+def _one_operation(
+    tree: xr.DataTree, cases: Sequence[LoadedCase], operation: Operation, model: FrictionModel, solver: str
+) -> xr.Dataset:
+    """Friction with feedback at one speed, temperature and roughness."""
+    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    ratio = float(tree["ease_off"].attrs["ratio"])
+    contacts = loaded_contacts(tree)
+    given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
+    effective, current = given, tree
+    for count in range(ITERATIONS + 1):
+        taken, _ = friction_torques(contacts, operation, model)
+        wanted = given - taken
+        moving = contacts.solved & (np.abs(wanted - effective) > TOLERANCE * given)
+        if not np.any(moving):
+            break
+        # Friction that takes the whole torque, or no end of the iteration: no result there.
+        failed = moving & ((wanted <= 0.0) | (count == ITERATIONS))
+        loaded = _solved_again(cases, wanted, moving & ~failed, loaded, ratio, solver)
+        loaded["status"].values[failed] = Status.NOT_CONVERGED
+        loaded["force"].values[failed] = np.nan
+        effective = np.where(moving, wanted, effective)
+        current = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
+        contacts = loaded_contacts(current)
+    taken, passed = friction_torques(contacts, operation, model)
+    # What the normal forces carry over, from the forces themselves.
+    carried = 1e-3 * (loaded["force"] * loaded["lever_arm"]).sum("segment").values / ratio
+    output = np.where(contacts.solved, ratio * (carried + passed), np.nan)
+    result = friction(current, operation, model, segment_fields=True)
+    result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=[3, 4, 5])
+    mesh = ("torque", "mesh_position", *OPERATION)
+    result["output_torque"] = (mesh, output[..., None, None, None])
+    power_in = given * operation.angular_velocity[0]
+    power_out = output * operation.angular_velocity[0] / ratio
+    loss = result["mesh_power_loss"].values[..., 0, 0, 0]
+    result["energy_balance"] = (mesh, ((power_in - power_out - loss) / power_in)[..., None, None, None])
+    return result
+
+
+def friction_feedback(
+    tree: xr.DataTree,
+    cases: Sequence[LoadedCase],
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+) -> xr.Dataset:
+    """As ``efficiency.friction``, with the load distribution that holds the balance of torque with friction.
+
+    Parameters
+    ----------
+    tree, cases
+        What ``study.analysis.analyze_in_full`` returns.
+    operation
+        Speeds, temperatures, roughnesses; the contact is solved anew for every combination.
+    model
+        How friction is computed.
+    solver
+        Of the contact problem.
+    progress
+        Called after every combination.
+
+    Returns
+    -------
+    xr.Dataset
+        The variables of ``friction``, and ``force``, ``output_torque`` and ``energy_balance``: input
+        power less output power less losses, over the input power.
+
+    Raises
+    ------
+    InputError
+        As ``friction``.
+    """
+    model = model or FrictionModel()
+
+    def at(speed: float, temperature: float, roughness: Array) -> xr.Dataset:
+        pair = (float(roughness[0]), float(roughness[1]))
+        one = replace(operation, speed=speed, temperature=temperature, roughness=pair)
+        result = _one_operation(tree, cases, one, model, solver)
+        if progress is not None:
+            progress()
+        return result
+
+    def joined(results: list[xr.Dataset], dimension: str) -> xr.Dataset:
+        return xr.concat(results, dimension, data_vars="minimal", coords="minimal", compat="override", join="override")
+
+    result = joined(
+        [
+            joined(
+                [joined([at(s, t, r) for r in operation.roughnesses], "roughness") for t in operation.temperatures],
+                "temperature",
+            )
+            for s in operation.speeds
+        ],
+        "speed",
+    )
+    return labelled(result)

@@ -1,0 +1,47 @@
+"""Least film thickness of a smooth, isothermal line contact, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+
+Array = NDArray[Any]
+
+
+def pan_hamrock(speed: Array, material: Array, load: Array) -> Array:
+    """Least film thickness over equivalent radius (...) from U, G, W (...).
+
+    Pan and Hamrock, ASME Journal of Tribology 111, 1989: H = 1.714 U^0.694 G^0.568 W^-0.128.
+    """
+    return 1.714 * speed**0.694 * material**0.568 * load**-0.128
+
+
+def dowson_higginson(speed: Array, material: Array, load: Array) -> Array:
+    """Least film thickness over equivalent radius (...) from U, G, W (...).
+
+    Dowson and Higginson, Elastohydrodynamic Lubrication, Pergamon, 1966: H = 2.65 U^0.7 G^0.54 W^-0.13.
+    """
+    return 2.65 * speed**0.7 * material**0.54 * load**-0.13
+
+
+FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
+    "pan_hamrock": pan_hamrock,
+    "dowson_higginson": dowson_higginson,
+}
+
+
+def film(name: str) -> Callable[[Array, Array, Array], Array]:
+    """A film formula by name.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    if name not in FILMS:
+        raise InputError(f"film = {name!r}: must be one of {', '.join(FILMS)}")
+    return FILMS[name]

@@ -1,0 +1,225 @@
+"""Lubricants: viscosity, pressure-viscosity coefficient and density against temperature, from tables in TOML files."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import InputError
+
+Array = NDArray[Any]
+Interpolation = Literal["log_linear", "walther"]
+OutOfRange = Literal["error", "clamp"]
+FOLDER = Path(__file__).with_name("lubricants")
+THERMAL_CONDUCTIVITY = 0.14  # [W/(m K)], usual for oils; only the thermal factor of the rolling traction asks for it
+KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
+
+
+@dataclass(frozen=True)
+class OilState:
+    """A lubricant at temperatures (...).
+
+    Parameters
+    ----------
+    viscosity
+        Dynamic viscosity at ambient pressure [Pa s].
+    pressure_viscosity
+        Pressure-viscosity coefficient [1/Pa].
+    temperature_viscosity
+        Fall of the viscosity's logarithm with temperature [1/K].
+    density
+        [kg/m^3]; NaN if the lubricant's source gives none.
+    thermal_conductivity
+        [W/(m K)].
+    clamped
+        Whether the temperature lies outside the lubricant's table and its end was taken instead.
+    """
+
+    viscosity: Array
+    pressure_viscosity: Array
+    temperature_viscosity: Array
+    density: Array
+    thermal_conductivity: float
+    clamped: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Lubricant:
+    """A lubricant's properties at some temperatures (n).
+
+    Parameters
+    ----------
+    name, title, source
+        What it is, and where the numbers are from.
+    temperature
+        [degC], increasing.
+    dynamic_viscosity
+        [Pa s].
+    pressure_viscosity
+        [1/Pa].
+    density
+        [kg/m^3], or ``None`` if not known; no friction model asks for it.
+    thermal_conductivity
+        [W/(m K)].
+
+    Raises
+    ------
+    InputError
+        If the temperatures do not increase, or an array has another length or values that are not positive.
+    """
+
+    name: str
+    title: str
+    source: str
+    temperature: Array
+    dynamic_viscosity: Array
+    pressure_viscosity: Array
+    density: Array | None = None
+    thermal_conductivity: float = THERMAL_CONDUCTIVITY
+
+    def __post_init__(self) -> None:
+        size = np.shape(self.temperature)
+        if len(size) != 1 or size[0] < 2 or not np.all(np.diff(self.temperature) > 0.0):
+            raise InputError(f"lubricant {self.name}: temperature needs at least two values, each above the one before")
+        for key in ("dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"):
+            values = getattr(self, key)
+            if key == "density" and values is None:
+                continue
+            if key != "thermal_conductivity" and np.shape(values) != size:
+                raise InputError(f"lubricant {self.name}: {key} has not one value for each of {size[0]} temperatures")
+            if not np.all(np.isfinite(values) & (np.asarray(values) > 0.0)):
+                raise InputError(f"lubricant {self.name}: {key} must be positive throughout")
+
+    def at(
+        self, temperature: Any, *, interpolation: Interpolation = "log_linear", out_of_range: OutOfRange = "error"
+    ) -> OilState:
+        """The lubricant at temperatures (...) [degC].
+
+        Parameters
+        ----------
+        temperature
+            [degC].
+        interpolation
+            Of the viscosity between the table's temperatures. ``log_linear``: its logarithm is linear. ``walther``:
+            ln ln(v + 0.7) is linear in the logarithm of the absolute temperature (ASTM D341), with v the kinematic
+            viscosity in mm^2/s. The pressure-viscosity coefficient and the density are linear in either case.
+        out_of_range
+            What to do outside of the table: ``error``, or ``clamp`` to its end and say so in the result.
+
+        Raises
+        ------
+        InputError
+            If a temperature is out of range and not to be clamped, an option is unknown, or ``walther`` is asked of a
+            lubricant without density.
+        """
+        asked = np.asarray(temperature, dtype=float)
+        low, high = float(self.temperature[0]), float(self.temperature[-1])
+        clamped = ~((asked >= low) & (asked <= high))
+        if out_of_range not in ("error", "clamp"):
+            raise InputError(f"out_of_range = {out_of_range!r}: must be 'error' or 'clamp'")
+        if np.any(np.isnan(asked)) or (out_of_range == "error" and np.any(clamped)):
+            raise InputError(
+                f"temperature = {asked[clamped].flat[0]:g} degC: the data of lubricant {self.name} go from {low:g} to "
+                f"{high:g} degC; stay within, or clamp to the end with out_of_range='clamp' (--clamp-temperature)"
+            )
+        here = np.clip(asked, low, high)
+        density = None if self.density is None else np.interp(here, self.temperature, self.density)
+        if interpolation == "log_linear":
+            viscosity = np.exp(np.interp(here, self.temperature, np.log(self.dynamic_viscosity)))
+        elif interpolation == "walther":
+            viscosity = self._walther(here)
+        else:
+            raise InputError(f"interpolation = {interpolation!r}: must be 'log_linear' or 'walther'")
+        # Slopes belong to the middles of the intervals; between those they change linearly, beyond they stay.
+        slope = -np.diff(np.log(self.dynamic_viscosity)) / np.diff(self.temperature)
+        middles = 0.5 * (self.temperature[1:] + self.temperature[:-1])
+        return OilState(
+            viscosity=np.asarray(viscosity),
+            pressure_viscosity=np.asarray(np.interp(here, self.temperature, self.pressure_viscosity)),
+            temperature_viscosity=np.asarray(np.interp(here, middles, slope)),
+            density=np.full(here.shape, np.nan) if density is None else np.asarray(density),
+            thermal_conductivity=self.thermal_conductivity,
+            clamped=np.asarray(clamped),
+        )
+
+    def _walther(self, here: Array) -> Array:
+        if self.density is None:
+            raise InputError(f"lubricant {self.name} has no density, which interpolation = 'walther' needs")
+        kinematic = 1e6 * self.dynamic_viscosity / self.density
+        double_log = np.interp(
+            np.log(here + 273.15), np.log(self.temperature + 273.15), np.log(np.log(kinematic + 0.7))
+        )
+        density = np.interp(here, self.temperature, self.density)
+        return np.asarray(1e-6 * density * (np.exp(np.exp(double_log)) - 0.7))
+
+
+def available_lubricants() -> list[str]:
+    """Names of the lubricants that come with the package."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def lubricant(name: str | os.PathLike[str] | Lubricant) -> Lubricant:
+    """A lubricant by name, in any case, or from a TOML file of one's own.
+
+    Parameters
+    ----------
+    name
+        One of ``available_lubricants``, or the path of a TOML file with the same keys: ``title``, ``source``,
+        ``temperature`` [degC], ``dynamic_viscosity`` [Pa s], ``pressure_viscosity`` [1/GPa], and if known ``density``
+        [kg/m^3] and ``thermal_conductivity`` [W/(m K)].
+
+    Raises
+    ------
+    InputError
+        If there is no such lubricant or file, or the file has other keys or values that cannot be.
+    """
+    if isinstance(name, Lubricant):
+        return name
+    text = os.fspath(name)
+    shipped = text.lower() in available_lubricants()
+    path = FOLDER / f"{text.lower()}.toml" if shipped else Path(text)
+    if not path.is_file():
+        raise InputError(
+            f"oil = {text!r}: neither the path of a TOML file nor one of {', '.join(available_lubricants())}"
+        )
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a TOML file: {error}") from error
+    return _from_table(path, data)
+
+
+def _from_table(path: Path, data: Mapping[str, Any]) -> Lubricant:
+    """A lubricant from the contents of its file."""
+    unknown, missing = set(data) - KEYS, KEYS - set(data) - {"density", "thermal_conductivity"}
+    if unknown or missing:
+        what = [f"unknown key {key}" for key in sorted(unknown)] + [f"no key {key}" for key in sorted(missing)]
+        raise InputError(f"{path}: {', '.join(what)}; a lubricant has the keys {', '.join(sorted(KEYS))}")
+    try:
+        arrays = {
+            key: np.array(data[key], dtype=float) if key in data else None
+            for key in ("temperature", "dynamic_viscosity", "pressure_viscosity", "density")
+        }
+        conductivity = float(data.get("thermal_conductivity", THERMAL_CONDUCTIVITY))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: temperature and properties must be lists of numbers: {error}") from error
+    temperature, viscosity, pressure = (
+        np.asarray(arrays[k]) for k in ("temperature", "dynamic_viscosity", "pressure_viscosity")
+    )
+    return Lubricant(
+        path.stem,
+        str(data["title"]),
+        str(data["source"]),
+        temperature,
+        viscosity,
+        1e-9 * pressure,
+        arrays["density"],
+        conductivity,
+    )

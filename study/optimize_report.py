@@ -1,0 +1,77 @@
+"""The report of an optimal modification as text: the terms, before and after, and how far to trust it."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from tabulate import tabulate
+
+ROWS = (
+    ("greatest line load [N/mm]", "max_line_load", 0),
+    ("greatest pressure [MPa]", "max_pressure", 0),
+    ("line load at the edges [N/mm]", "max_end_load", 0),
+    ("transmission error, peak to peak [urad]", "peak_to_peak", 1),
+)
+
+
+def optimization_text(tree: xr.DataTree) -> str:
+    """Report of a result of ``optimize``."""
+    record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
+    values = surface["coefficient"].values
+    terms = [(str(name), f"{value:+.2f}") for name, value in zip(surface["term"].values, values, strict=True)]
+    extent = np.abs(surface["modification"].values).max()
+    parts = [
+        f"Modification, up to {extent:.1f} um",
+        tabulate(terms, headers=("term", "um"), disable_numparse=True, colalign=("left", "right")),
+    ]
+    torques = [f"{torque:g}" for torque in record["torque"].values]
+    for number in range(record.sizes["assembly"]):
+        here = record.isel(assembly=number)
+        rows = [
+            (label, *(_change(here[name].values[:, t], digits) for t in range(len(torques))))
+            for label, name, digits in ROWS
+        ]
+        title = "case's own assembly" if number == 0 else f"assembly {number}: {_errors(here)}"
+        parts.append(f"Before -> after, {title}")
+        headers = ("torque [N m]", *torques)
+        parts.append(
+            tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
+        )
+    return "\n\n".join([*parts, *notes(tree)])
+
+
+def notes(tree: xr.DataTree) -> list[str]:
+    """What a user must know: limits that are passed, a search that was cut short, the surface at its limit."""
+    record = tree["optimization"].to_dataset()
+    after = record.sel(stage="after").max("assembly")
+    found = []
+    ripple, limit = after["peak_to_peak"].values, record.attrs["transmission_error_limit_urad"]
+    if np.any(ripple > limit):
+        found.append(
+            f"Warning: the peak to peak limit of {limit:g} urad is passed, {ripple.max():.2f} urad: allow more, or "
+            "terms of a higher order"
+        )
+    ends, most = after["max_end_load"].values, np.atleast_1d(record.attrs["end_load_limit_N_per_mm"])
+    if np.any(ends > most):
+        worst = int(np.argmax(ends - most))
+        found.append(
+            f"Warning: the line load at the edges is {ends[worst]:.0f} N/mm at {after['torque'].values[worst]:g} N m, "
+            f"above its limit of {most[worst]:.0f} N/mm"
+        )
+    if not record.attrs["converged"]:
+        found.append("Note: the search ended before nothing was left to gain; more programmes may find more")
+    greatest = record.attrs["largest_modification_um"]
+    if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
+        found.append(f"Note: the modification reaches its limit of {greatest:g} um")
+    return found
+
+
+def _change(both: np.ndarray, digits: int) -> str:
+    return f"{both[0]:.{digits}f} -> {both[1]:.{digits}f}"
+
+
+def _errors(here: xr.Dataset) -> str:
+    names = {"E": "offset_error", "P": "pinion_axial_error", "G": "gear_axial_error"}
+    errors = [f"{key} {here[name].item():+g} mm" for key, name in names.items() if here[name].item()]
+    sigma = np.degrees(here["shaft_angle_error"].item())
+    return ", ".join([*errors, *([f"Sigma {sigma:+g} deg"] if sigma else [])]) or "none"

@@ -1,0 +1,96 @@
+"""Picture of power loss and efficiency: over the mesh cycle, and over every operating condition that varies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from .friction_maps import chosen_condition
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes
+from .transmission_error import two_cycles
+
+Array = NDArray[Any]
+
+AXES = {
+    "speed": "speed of the pinion [1/min]",
+    "torque": "torque at the pinion [N m]",
+    "temperature": "oil temperature [°C]",
+    "roughness": "RMS roughness [µm]",
+}
+UNITS = {"speed": "/ min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
+COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
+MOST_CURVES = 5
+
+
+def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float]) -> None:
+    """Curves of a quantity along one operating condition, one for each value of another, the rest as given."""
+    fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
+    here = quantity.isel(fixed).transpose(by, along)
+    order = np.argsort(here[along].values)
+    chosen = evenly_chosen(here[by].values, MOST_CURVES)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
+    for index, colour in zip(chosen, shades, strict=True):
+        label = f"{here[by].values[index]:.4g} {UNITS[by]}"
+        axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
+    plain_axes(axes)
+    axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
+    legend_beside(axes)
+
+
+def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> None:
+    """Power loss over two mesh cycles, as part of the input power, one curve a torque."""
+    fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
+    loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
+    torques = friction["torque"].values
+    chosen = evenly_chosen(torques, MOST_CURVES)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
+    for index, colour in zip(chosen, shades, strict=True):
+        times, values = two_cycles(loss[index])
+        axes.plot(times, values, color=colour, linewidth=1.6, label=f"{torques[index]:.4g} N m")
+    plain_axes(axes)
+    axes.set_xlim(0, 2)
+    axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+    axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
+    legend_beside(axes)
+
+
+def draw(tree: xr.DataTree) -> Figure:
+    """Draw the picture of a result with friction; what is not on an axis is at the middle one of its values."""
+    friction = tree["friction"].to_dataset()
+    at = chosen_condition(friction)
+    varied = [name for name in AXES if friction.sizes[name] > 1]
+    count = 1 + len(varied)
+    rows = -(-count // 2)
+    note = f"oil {friction.attrs['oil']}, coefficient {friction.attrs['friction_coefficient']}"
+    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note)
+    panels = figure.subplots(rows, 2, squeeze=False)
+    for axes in panels.flat[count:]:
+        axes.set_visible(False)
+    over_the_cycle(panels.flat[0], friction, at)
+    title(panels.flat[0], at, ("torque",))
+    for axes, along in zip(panels.flat[1:], varied, strict=False):
+        by = COMPANION[along]
+        curves(axes, 100.0 * friction["efficiency"], along, by, at)
+        axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
+        title(axes, at, (along, by))
+    return figure
+
+
+def legend_beside(axes: Axes) -> None:
+    """A legend to the right of the axes."""
+    axes.legend(
+        fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
+        handlelength=1.6, borderaxespad=0.4,
+    )  # fmt: skip
+
+
+def title(axes: Axes, at: dict[str, float], varied: tuple[str, ...]) -> None:
+    """The conditions that are held, above a panel."""
+    held = ", ".join(f"{at[name]:.4g} {UNITS[name]}" for name in AXES if name not in varied)
+    axes.set_title(held, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

@@ -1,0 +1,167 @@
+"""Picture of friction on the gear flank: velocities, slide-to-roll, radius, lambda ratio and friction coefficient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from ...contact.curves import boundary_distance
+from ...friction import FrictionModel
+from ...friction.kinematics import action_fields, axes_of, surface_velocities
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
+from .tooth_view import ToothView, draw_flank, fine_grid
+
+Array = NDArray[Any]
+
+SHADES = {"rolling_velocity": "Blues", "sliding_velocity": "Oranges", "slide_to_roll": "Purples",
+          "equivalent_radius": "Greys", "lambda_ratio": "Greens", "friction_coefficient": "YlOrRd"}  # fmt: skip
+NAMES = {
+    "rolling_velocity": "rolling velocity [m/s]",
+    "sliding_velocity": "sliding velocity [m/s]",
+    "slide_to_roll": "slide-to-roll ratio",
+    "equivalent_radius": "equivalent radius [mm]",
+    "lambda_ratio": "lambda ratio",
+    "friction_coefficient": "friction coefficient",
+}
+CONVENTIONS = ("rolling_frame", "sliding_of_ratio")
+GRID = (121, 61)
+LEVELS = 7
+ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
+
+
+@dataclass(frozen=True)
+class FlankMap:
+    """Values on the gear flank.
+
+    Parameters
+    ----------
+    points
+        Fractions (2, n).
+    values
+        (n).
+    smooth
+        Whether they are known all over the common flank, or where there is load alone.
+    """
+
+    points: Array
+    values: Array
+    smooth: bool
+
+
+def velocity_maps(
+    tree: xr.DataTree, view: ToothView, speed: float, model: FrictionModel | None = None
+) -> dict[str, FlankMap]:
+    """Rolling and sliding velocity [m/s] at a speed of the pinion [1/min], and slide-to-roll, all over the flank."""
+    model = model or FrictionModel()
+    ease_off = tree["ease_off"].to_dataset()
+    grid = fine_grid(GRID).reshape(2, -1)
+    found = surface_velocities(axes_of(ease_off), action_fields(ease_off), grid)
+    omega = speed * 2.0 * np.pi / 60.0
+    fields = {
+        "rolling_velocity": np.abs(model.rolling(found)) * omega,
+        "sliding_velocity": found.sliding_speed * omega,
+        "slide_to_roll": model.slide_to_roll(found),
+    }
+    inside = boundary_distance(view.fields, grid) >= -0.05  # a little beyond: the outline cuts it off
+    return {name: FlankMap(grid, np.where(inside, values, np.nan), True) for name, values in fields.items()}
+
+
+def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
+    """A field over (mesh_position, segment) where there is load at one torque.
+
+    Parameters
+    ----------
+    loaded
+        The group ``loaded`` at one torque.
+    field
+        Values; NaN where there is none.
+    """
+    order = ("mesh_position", "segment")
+    values = field.transpose(*order).values
+    chosen = np.isfinite(values) & (loaded["force"].transpose(*order).values > 0.0)
+    points = np.stack([loaded[n].transpose(*order).values[chosen] for n in ("lengthwise", "profile")])
+    return FlankMap(points, values[chosen], False)
+
+
+def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, levels: Array | None = None) -> None:
+    """Shade a map between named contour lines; nothing where it has too few points."""
+    x, y = view.place(flank_map.points)
+    finite = np.isfinite(flank_map.values)
+    if np.sum(finite) < 4 or np.ptp(flank_map.values[finite]) == 0.0:
+        x, y = view.place(np.array([0.5, 0.5]))
+        text = "the same everywhere" if np.any(finite) else "no values"
+        axes.text(x, y, text, ha="center", va="center", fontsize=SMALL_SIZE, color=GREY)
+        return
+    values = flank_map.values
+    if levels is None:
+        levels = np.asarray(MaxNLocator(LEVELS).tick_values(*np.percentile(values[finite], ENDS[flank_map.smooth])))
+    lines: ContourSet
+    if flank_map.smooth:
+        shape = GRID
+        known = np.ma.masked_invalid(values.reshape(shape))
+        plane = (x.reshape(shape), y.reshape(shape), known)
+        shading = axes.contourf(*plane, levels=levels, cmap=colours, extend="both", zorder=1)
+        shading.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
+        lines = axes.contour(*plane, levels=levels, colors=INK, linewidths=0.5, zorder=2)
+        lines.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
+    else:
+        mesh = Triangulation(x[finite], y[finite])
+        axes.tricontourf(mesh, values[finite], levels=levels, cmap=colours, extend="both", zorder=1)
+        lines = axes.tricontour(mesh, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
+    axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE - 0.5, inline_spacing=1)
+
+
+def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
+    """One quantity on an empty flank, with its name and range above."""
+    draw_flank(axes, view, labels=(False, False))
+    axes.tick_params(bottom=False, left=False, labelleft=False)
+    draw_values(axes, view, flank_map, SHADES[name], levels)
+    axes.set_title(NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    finite = flank_map.values[np.isfinite(flank_map.values)]
+    if finite.size:
+        extent = f"{finite.min():.3g} to {finite.max():.3g}"
+        axes.set_title(extent, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
+    """The middle of torques, speeds, temperatures and roughnesses."""
+    middle = {name: friction[name].values for name in ("torque", "speed", "temperature", "roughness")}
+    return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
+
+
+def draw(tree: xr.DataTree, view: ToothView) -> Figure:
+    """Draw the picture of a result with friction, at the middle one of its conditions."""
+    friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
+    at = chosen_condition(friction)
+    index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
+    here, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
+    maps = velocity_maps(tree, view, at["speed"], FrictionModel(**{n: friction.attrs[n] for n in CONVENTIONS}))
+    force = here["force"] if "force" in here else under_load["force"]
+    touching = under_load.assign(force=force)
+    maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
+    for name in ("lambda_ratio", "friction_coefficient"):
+        if name in here:
+            maps[name] = loaded_map(touching, here[name])
+    conditions = (
+        f"{torque_name(at['torque'])}, {at['speed']:g} / min, {friction.attrs['oil']} at {at['temperature']:g} °C, "
+        f"roughness {at['roughness']:.3g} µm"
+    )
+    rows = -(-len(maps) // 2)
+    height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)
+    figure = page(tree, "Sliding, rolling and friction, gear flank", height, conditions)
+    panels = figure.subplots(rows, 2, squeeze=False)
+    for axes in panels.flat[len(maps) :]:
+        axes.set_visible(False)
+    for axes, (name, values) in zip(panels.flat, maps.items(), strict=False):
+        panel(axes, view, name, values)
+    return figure

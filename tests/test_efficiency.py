@@ -1,0 +1,450 @@
+"""Power loss and efficiency of whole pairs: balances, limits, and the claims of the dissertation's chapter 5."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from test_friction_kinematics import spur
+
+import easeoff
+from easeoff.cases.model import ContactTable
+from easeoff.contact.solvers import Status
+from easeoff.core.errors import InputError
+from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses
+from easeoff.friction.contacts import loaded_contacts
+from easeoff.friction.feedback import friction_torques
+from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
+from easeoff.study.cli import main
+from easeoff.study.show import summary
+
+POSITIONS = 6
+CONTACT = ContactTable(
+    torques=(100.0, 500.0, 1000.0),
+    mesh_positions=POSITIONS,
+    segments_per_line=15,
+    lengthwise_nodes=21,
+    profile_nodes=15,
+)
+OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
+
+
+def analysed(name: str, **options: Any) -> Analysis:
+    case = easeoff.read_case(name).model_copy(update={"contact": CONTACT})
+    return analyze_in_full(case, **options)
+
+
+@pytest.fixture(scope="module")
+def analysis() -> Analysis:
+    return analysed("fh-design-a")
+
+
+@pytest.fixture(scope="module")
+def tree(analysis: Analysis) -> xr.DataTree:
+    return analysis.tree
+
+
+@pytest.fixture(scope="module")
+def result(tree: xr.DataTree) -> xr.Dataset:
+    return friction(tree, OPERATION)
+
+
+def test_losses_add_up(tree: xr.DataTree, result: xr.Dataset) -> None:
+    """Kolivand 2009, Eq. 5.12 to 5.14, from the labelled fields alone."""
+    loaded = tree["loaded"].to_dataset()
+    sliding = result["friction_coefficient"] * loaded["force"] * result["sliding_velocity"]
+    xr.testing.assert_allclose(sliding.sum("segment").mean("mesh_position"), result["mean_sliding_loss"])
+    xr.testing.assert_allclose(
+        result["power_loss"].sum("segment"), result["mesh_power_loss"].transpose(..., "roughness")
+    )
+    xr.testing.assert_allclose(result["mesh_power_loss"].mean("mesh_position"), result["mean_power_loss"])
+    xr.testing.assert_allclose(result["mean_sliding_loss"] + result["mean_rolling_loss"], result["mean_power_loss"])
+    power = result["torque"] * result["speed"] * 2.0 * np.pi / 60.0
+    xr.testing.assert_allclose(result["efficiency"], 1.0 - result["mean_power_loss"] / power)
+    xr.testing.assert_allclose(result["mesh_efficiency"], 1.0 - result["mesh_power_loss"] / power)
+    xr.testing.assert_allclose(
+        result["mean_friction_coefficient"],
+        result["mean_sliding_loss"]
+        * POSITIONS
+        / (loaded["force"] * result["sliding_velocity"]).sum(["segment", "mesh_position"]),
+    )
+    assert np.all(result["power_loss"].notnull() == (loaded["force"] > 0.0))
+
+
+def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -> None:
+    """Film, lambda and coefficient of one segment, from its pressure, radius and velocities."""
+    loaded = tree["loaded"].to_dataset()
+    here = loaded.isel(torque=1, mesh_position=3)
+    segment = int(np.nanargmax(here["pressure"].values))
+    values = result.isel(torque=1, mesh_position=3, segment=segment).sel(speed=1500.0, temperature=90.0)
+    arguments = {
+        "hertz_pressure": 1e6 * here["pressure"].values[segment],
+        "equivalent_radius": 1e-3 * here["equivalent_radius"].values[segment],
+        "rolling_velocity": float(values["rolling_velocity"]),
+        "slide_to_roll": float(values["slide_to_roll"]),
+        "contact_modulus": 1e6 * loaded.attrs["contact_modulus_MPa"],
+    }
+    for number, roughness in enumerate(OPERATION.roughnesses):
+        pair = (1e-6 * roughness[0], 1e-6 * roughness[1])
+        conditions = easeoff.friction.contact_conditions(**arguments, roughness=pair)
+        found = values.isel(roughness=number)
+        assert found["film_thickness"] == pytest.approx(1e6 * float(conditions.film_thickness))
+        assert found["lambda_ratio"] == pytest.approx(float(conditions.lambda_ratio))
+        expected = float(easeoff.friction.friction_coefficient(**arguments, roughness=pair))
+        assert found["friction_coefficient"] == pytest.approx(expected)
+        assert found["formula_flags"] == easeoff.friction.formula_flags(conditions)
+
+
+def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree) -> None:
+    """The line load that film and traction take from the pressure is force over length."""
+    contacts = loaded_contacts(tree)
+    conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
+    np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
+
+
+def test_one_call_for_all_conditions_is_many_calls(tree: xr.DataTree, result: xr.Dataset) -> None:
+    one = friction(tree, Operation(1500.0, 50.0, (0.8, 0.4)))
+    many = result.sel(speed=[1500.0], temperature=[50.0]).isel(roughness=[1])
+    xr.testing.assert_allclose(one, many)
+
+
+def test_blocks_change_nothing(tree: xr.DataTree, result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(losses, "BLOCK", 100)
+    xr.testing.assert_allclose(friction(tree, OPERATION), result, rtol=1e-13)
+
+
+def test_fields_can_be_left_out(tree: xr.DataTree, result: xr.Dataset) -> None:
+    lean = friction(tree, OPERATION, segment_fields=False)
+    assert "power_loss" not in lean
+    xr.testing.assert_identical(lean["efficiency"], result["efficiency"])
+
+
+def test_constant_coefficient_is_proportional_and_knows_no_speed(tree: xr.DataTree) -> None:
+    single, double = (friction(tree, OPERATION, FrictionModel(mu)) for mu in (0.04, 0.08))
+    xr.testing.assert_allclose(double["mean_sliding_loss"], 2.0 * single["mean_sliding_loss"])
+    xr.testing.assert_allclose(
+        single["mean_friction_coefficient"], xr.full_like(single["mean_friction_coefficient"], 0.04)
+    )
+    share = (single["mean_sliding_loss"] / single["input_power"]).transpose("torque", ...).values
+    np.testing.assert_allclose(share, np.broadcast_to(share[:, :1, :1, :1], share.shape), rtol=1e-12)
+
+
+def test_without_friction_only_rolling_is_lost(tree: xr.DataTree) -> None:
+    found = friction(tree, OPERATION, FrictionModel(0.0))
+    np.testing.assert_array_equal(found["mean_sliding_loss"], 0.0)
+    assert np.all(found["mean_rolling_loss"] > 0.0)
+    # One per cent of the loss or so at 1500 / min.
+    whole = friction(tree, OPERATION)
+    share = (whole["mean_rolling_loss"] / whole["mean_power_loss"]).sel(speed=1500.0, torque=500.0)
+    assert np.all(share < 0.03)
+
+
+def test_roughnesses_can_change_places(tree: xr.DataTree) -> None:
+    one, other = (friction(tree, Operation(1000.0, 90.0, pair)) for pair in ((0.3, 0.9), (0.9, 0.3)))
+    np.testing.assert_allclose(one["efficiency"], other["efficiency"], rtol=1e-13)
+    assert one["roughness"].item() == pytest.approx(np.sqrt((0.3**2 + 0.9**2) / 2))
+    assert one["roughness_pinion"].item() == 0.3
+
+
+def test_velocities_are_in_proportion_to_speed(result: xr.Dataset) -> None:
+    for name in ("sliding_velocity", "sliding_along", "sliding_across", "rolling_velocity"):
+        per_turn = (result[name] / result["speed"]).values
+        np.testing.assert_allclose(per_turn, np.broadcast_to(per_turn[..., :1], per_turn.shape), rtol=1e-12)
+    whole = np.hypot(result["sliding_along"], result["sliding_across"])
+    np.testing.assert_allclose(whole, result["sliding_velocity"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", list(COEFFICIENTS))
+def test_every_model_gives_a_possible_efficiency(tree: xr.DataTree, name: str) -> None:
+    found = friction(tree, OPERATION, FrictionModel(name, film="dowson_higginson", thermal_factor="murch_wilson"))
+    assert np.all((found["efficiency"] > 0.95) & (found["efficiency"] < 0.9995))
+    assert ("formula_flags" in found) == name.startswith("kolivand")
+    assert found.attrs["friction_coefficient"] == name
+
+
+def test_whole_sliding_raises_the_ratio_and_leaves_the_loss_to_the_coefficient(
+    tree: xr.DataTree, result: xr.Dataset
+) -> None:
+    other = friction(tree, OPERATION, FrictionModel(sliding_of_ratio="whole"))
+    expected = result["sliding_velocity"].isel(speed=0) / result["rolling_velocity"].isel(speed=0)
+    np.testing.assert_allclose(other["slide_to_roll"], expected, rtol=1e-12)
+    constant, again = (
+        friction(tree, OPERATION, FrictionModel(0.05, sliding_of_ratio=s))["efficiency"] for s in ("across", "whole")
+    )
+    xr.testing.assert_allclose(constant, again)
+
+
+def test_frames_of_rolling_differ_by_the_lines_motion_alone(tree: xr.DataTree, result: xr.Dataset) -> None:
+    other = friction(tree, OPERATION, FrictionModel(rolling_frame="contact_line"))
+    xr.testing.assert_identical(other["sliding_across"], result["sliding_across"])
+    ratio = other["rolling_velocity"] / result["rolling_velocity"]
+    assert float(ratio.min()) > 0.9
+    assert float(ratio.max()) < 1.3
+
+
+def test_unsolved_positions_are_nan(tree: xr.DataTree) -> None:
+    loaded = tree["loaded"].to_dataset().copy(deep=True)
+    loaded["status"][1, 2] = Status.NOT_CERTIFIED
+    for name in ("force", "pressure"):
+        loaded[name][1, 2] = np.nan
+    found = friction(xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded}), OPERATION)
+    assert np.all(found["mesh_power_loss"].isel(torque=1, mesh_position=2).isnull())
+    assert np.all(found["efficiency"].isel(torque=1).isnull())
+    assert np.all(found["efficiency"].isel(torque=[0, 2]).notnull())
+
+
+def test_a_stored_result_gives_the_same(tree: xr.DataTree, result: xr.Dataset, tmp_path: Path) -> None:
+    whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": result})
+    whole.attrs = tree.attrs
+    easeoff.write_result(whole, tmp_path / "result.nc")
+    read = easeoff.read_result(tmp_path / "result.nc")
+    xr.testing.assert_allclose(read["friction"].to_dataset(), result)
+    xr.testing.assert_allclose(friction(read, OPERATION), result)
+    assert all("units" in v.attrs or v.dtype.kind == "u" for v in read["friction"].to_dataset().variables.values())
+
+
+def test_analyze_adds_the_group(result: xr.Dataset) -> None:
+    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
+    found = easeoff.analyze(case, speed=1500.0, temperature=90.0, roughness=[0.2, 0.8])["friction"].to_dataset()
+    expected = result["efficiency"].sel(speed=[1500.0], temperature=[90.0]).isel(roughness=[0, 2])
+    xr.testing.assert_allclose(found["efficiency"], expected)
+    assert "friction" not in easeoff.analyze(case, torques=[100.0]).children
+
+
+def test_spur_gears_lose_what_the_textbook_says() -> None:
+    """One tooth pair at a time, constant coefficient: loss over input = mu (1 + 1/R) mean|s| / base radius."""
+    radius, ratio, angle, torque, count = 0.05, 2.5, 0.35, 80.0, 40
+    ease_off, _ = spur(radius, ratio, angle)
+    profile = (np.arange(count) + 0.5) / count
+    distance = 12e-3 * (profile - 0.5)  # from the pitch point along the path of contact
+    force = torque / (radius * np.cos(angle))
+    cycle = ("torque", "mesh_position", "segment")
+    fields = {"force": force, "pressure": 800.0, "length": 20.0, "equivalent_radius": 12.0, "lengthwise": 0.5}
+    data: dict[str, Any] = {name: (cycle, np.full((1, count, 1), value)) for name, value in fields.items()}
+    data["profile"] = (cycle, profile.reshape(1, count, 1))
+    data["status"] = (cycle[:2], np.zeros((1, count), dtype=np.int8))
+    coords = {"torque": [torque], "mesh_position": np.arange(count) / count}
+    loaded = xr.Dataset(data, coords, {"contact_modulus_MPa": 2.27e5})
+    tree = xr.DataTree.from_dict({"ease_off": ease_off, "loaded": loaded})
+    found = friction(tree, Operation([500.0, 2000.0]), FrictionModel(0.06))
+    expected = 0.06 * (1.0 + 1.0 / ratio) * np.mean(np.abs(distance)) / (radius * np.cos(angle))
+    np.testing.assert_allclose(found["mean_sliding_loss"] / found["input_power"], expected, rtol=1e-10)
+
+
+# --- the dissertation's claims
+
+
+@pytest.fixture(scope="module")
+def designs() -> dict[str, xr.Dataset]:
+    operation = Operation([250.0, 1500.0, 3000.0], [50.0, 75.0, 90.0, 100.0], [0.1, 0.5, 0.8, 1.3])
+    return {letter: friction(analysed(f"fh-design-{letter}").tree, operation) for letter in "ab"}
+
+
+@pytest.mark.parametrize(
+    ("letter", "rolling", "sliding"), [("a", (0.5, 3.5), (1.0, 2.0)), ("b", (1.0, 4.5), (1.5, 3.0))]
+)
+def test_velocities_of_the_designs(
+    designs: dict[str, xr.Dataset], letter: str, rolling: tuple[float, float], sliding: tuple[float, float]
+) -> None:
+    """Figures 5.5 to 5.7 at 1500 / min: the ranges of their contours, of which the lines lie within the flank."""
+    found = designs[letter].sel(speed=1500.0)
+    for name, (low, high) in {"rolling_velocity": rolling, "sliding_velocity": sliding}.items():
+        values = found[name]
+        assert float(values.min()) > low - 0.3
+        assert float(values.max()) < high + 0.3
+    assert 0.6 < float(found["slide_to_roll"].max()) < 0.9
+
+
+def test_lambda_and_coefficient_of_the_designs(designs: dict[str, xr.Dataset]) -> None:
+    """Figures 5.9 and 5.10 at 1500 / min, 500 N m, 90 degC, 0.8 um: 0.1 to 0.3, and 0.01 to 0.06."""
+    for found in designs.values():
+        here = found.sel(speed=1500.0, torque=500.0, temperature=90.0, roughness=0.8)
+        assert 0.1 < float(here["lambda_ratio"].median()) < 0.3
+        assert 0.01 < float(here["mean_friction_coefficient"]) < 0.06
+
+
+def test_claims_on_efficiency(designs: dict[str, xr.Dataset]) -> None:
+    """A ahead of B everywhere, by about 1.5 %; smooth ahead of rough; oil; torque (Kolivand 2009, section 5.3)."""
+    a, b = (100.0 * designs[letter]["efficiency"] for letter in "ab")
+    at = {"temperature": 90.0, "roughness": 0.8}
+    assert np.all(a > b)
+    assert 1.0 < float((a - b).sel(at).mean()) < 2.0
+    for efficiency in (a, b):
+        here = efficiency.sel(torque=500.0, speed=1500.0)
+        for drawn in (efficiency.sel(at), here.sel(temperature=[50.0, 75.0, 100.0])):  # figures 5.11 and 5.12
+            assert float(drawn.min()) > 95.5
+            assert float(drawn.max()) < 99.5
+        assert np.all(here.diff("roughness") < 0.0)
+        assert np.all(here.sel(roughness=0.1).diff("temperature") > 0.0)
+        assert np.all(here.sel(roughness=0.5).diff("temperature") < 0.0)
+        assert np.all(efficiency.sel(at).sel(speed=250.0).diff("torque") > 0.0)
+        assert np.all(efficiency.sel(at).sel(speed=3000.0).diff("torque") < 0.0)
+        assert np.all(efficiency.sel(at).sel(speed=[1500.0, 3000.0]).diff("speed") > 0.0)
+
+
+# --- friction fed back
+
+
+@pytest.fixture(scope="module")
+def fed_back(analysis: Analysis) -> xr.Dataset:
+    return friction_feedback(analysis.tree, analysis.cases, Operation([250.0, 1500.0], 90.0, [0.2, 0.8]))
+
+
+def test_power_in_is_power_out_and_losses(analysis: Analysis, fed_back: xr.Dataset) -> None:
+    assert float(abs(fed_back["energy_balance"]).max()) < 1e-10
+    ratio = 41 / 12
+    out = fed_back["output_torque"] * fed_back["speed"] * 2.0 * np.pi / 60.0 / ratio
+    xr.testing.assert_allclose(out / fed_back["input_power"], fed_back["mesh_efficiency"].transpose(*out.dims))
+    # Without feedback the balance is off by the friction's torque.
+    without = friction(analysis.tree, Operation(1500.0, 90.0, 0.8))
+    difference = 100.0 * (fed_back["efficiency"] - without["efficiency"])
+    assert 0.05 < float(difference.max()) < 0.5
+
+
+def test_balance_holds_with_the_forces_taken_apart(analysis: Analysis, fed_back: xr.Dataset) -> None:
+    """Torque of the pinion, from forces, lever arms and surface velocities of every segment."""
+    loaded = analysis.tree["loaded"].to_dataset()
+    at = {"speed": 1500.0, "temperature": 90.0, "roughness": 0.8}
+    here = fed_back.sel(at)
+    replaced = loaded.assign(force=here["force"].transpose(*loaded["force"].dims))
+    contacts = loaded_contacts(
+        xr.DataTree.from_dict({"ease_off": analysis.tree["ease_off"].to_dataset(), "loaded": replaced})
+    )
+    index = tuple(contacts.index)
+    pinion_arm, gear_arm = contacts.friction_arms
+    np.testing.assert_allclose(pinion_arm - gear_arm, contacts.velocities.sliding_speed, atol=1e-12)
+    friction_force = here["friction_coefficient"].values[index] * contacts.force
+    normal = 1e-3 * (here["force"] * loaded["lever_arm"]).sum("segment").values * 12 / 41
+    torque = normal.copy()
+    np.add.at(torque, index[:2], friction_force * pinion_arm)
+    rolling = float(fed_back["mean_rolling_loss"].sel(at).sel(torque=500.0)) / (1500 * 2 * np.pi / 60)
+    np.testing.assert_allclose(torque[1], 500.0, atol=4.0 * rolling)
+
+
+def test_forces_are_those_of_the_contact_at_the_torque_that_is_left(analysis: Analysis, fed_back: xr.Dataset) -> None:
+    loaded = analysis.tree["loaded"].to_dataset()
+    here = fed_back.sel(speed=1500.0, temperature=90.0, roughness=0.8, torque=500.0).isel(mesh_position=2)
+    left = 1e-3 * float((here["force"] * loaded["lever_arm"].sel(torque=500.0).isel(mesh_position=2)).sum()) * 12 / 41
+    assert left < 500.0
+    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
+    again = easeoff.analyze(case, torques=[left])["loaded"].to_dataset().isel(torque=0, mesh_position=2)
+    force = here["force"].transpose("segment").values
+    np.testing.assert_allclose(force, again["force"].values, atol=1e-7 * np.nanmax(force))
+
+
+def test_feedback_without_friction_is_the_frictionless_contact(analysis: Analysis) -> None:
+    operation = Operation(1e-3, 90.0, 0.8)  # at a crawl the rolling traction vanishes
+    found = friction_feedback(analysis.tree, analysis.cases, operation, FrictionModel(0.0))
+    force = found["force"].squeeze().transpose(*analysis.tree["loaded/force"].dims)
+    np.testing.assert_allclose(force, analysis.tree["loaded/force"], atol=1e-5 * np.nanmax(force))
+    taken, passed = friction_torques(loaded_contacts(analysis.tree), operation, FrictionModel(0.0))
+    assert np.max(taken - passed) < 1e-4
+
+
+def test_friction_that_takes_the_whole_torque_is_no_result(analysis: Analysis) -> None:
+    found = friction_feedback(analysis.tree, analysis.cases, Operation(1000.0, 90.0, 0.8), FrictionModel(5.0))
+    assert np.all(found["efficiency"].isnull())
+    assert np.all(found["mesh_power_loss"].isnull())
+
+
+def test_feedback_needs_no_particular_solver(analysis: Analysis, fed_back: xr.Dataset) -> None:
+    found = friction_feedback(analysis.tree, analysis.cases, Operation(1500.0, 90.0, 0.8), solver="daqp")
+    expected = fed_back.sel(speed=[1500.0], roughness=[0.8])
+    xr.testing.assert_allclose(found["efficiency"], expected["efficiency"], rtol=1e-9)
+
+
+# --- what a user can get wrong, and the command line
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"speed": 0.0}, "speed = 0: must be above 0"),
+        ({"speed": [1000.0, np.nan]}, "speed = nan"),
+        ({"speed": "fast"}, "speed = 'fast'"),
+        ({"speed": []}, r"speed = \[\]"),
+        ({"speed": [500.0, 500.0]}, "comes twice"),
+        ({"roughness": -0.1}, "roughness = -0.1"),
+        ({"roughness": (0.1, 0.2, 0.3)}, "tuple"),
+        ({"roughness": ["rough"]}, "rough"),
+        ({"temperature": -300.0}, "temperature = -300"),
+        ({"oil": "butter"}, "butter"),
+    ],
+)
+def test_impossible_conditions_are_named(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Operation(**({"speed": 1000.0} | given))
+
+
+def test_unknown_models_are_named() -> None:
+    for options, message in (
+        ({"coefficient": "sand"}, "sand"),
+        ({"film": "thick"}, "film = 'thick'"),
+        ({"thermal_factor": "hot"}, "thermal_factor = 'hot'"),
+        ({"rolling_frame": "moon"}, "rolling_frame = 'moon'"),
+        ({"sliding_of_ratio": "up"}, "sliding_of_ratio = 'up'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            FrictionModel(**options)  # type: ignore[arg-type]
+
+
+def test_conditions_need_a_speed() -> None:
+    assert operation_of(None, oil=None) is None
+    with pytest.raises(InputError, match="oil and roughness without a speed"):
+        operation_of(None, oil="75w90", roughness=0.4, temperature=None)
+    with pytest.raises(InputError, match="friction_feedback need the speed"):
+        analysed("fh-design-a", friction_feedback=True)
+
+
+def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.DataTree) -> None:
+    with pytest.raises(InputError, match="temperature = 120"):
+        analysed("fh-design-a", operation=Operation(1000.0, 120.0))
+    found = friction(tree, Operation(1000.0, [100.0, 120.0]), FrictionModel(out_of_range="clamp"))
+    assert found["temperature_clamped"].values.tolist() == [0, 1]
+    np.testing.assert_allclose(found["efficiency"].isel(temperature=0), found["efficiency"].isel(temperature=1))
+    touching = found["friction_coefficient"].notnull()
+    assert np.all((found["formula_flags"].isel(temperature=1) & 128).values[touching.isel(temperature=1)] == 128)
+
+
+def test_command_line(tmp_path: Path) -> None:
+    out = tmp_path / "out.nc"
+    options = ["--torque", "200", "--speed", "500:1500:3", "--roughness", "0.8/0.4,0.2", "--temperature", "60,90"]
+    made = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(out), *options, "--oil", "mil-l-23699"])
+    assert made.exit_code == 0, made.output
+    group = easeoff.read_result(out)["friction"].to_dataset()
+    assert group["speed"].values.tolist() == [500.0, 1000.0, 1500.0]
+    assert group["roughness_gear"].values.tolist() == [0.4, 0.2]
+    assert group.attrs["oil"] == "mil-l-23699"
+    shown = CliRunner().invoke(main, ["show", str(out)]).output
+    assert "0.8/0.4" in shown
+    assert f"{100 * group['efficiency'].values[0, 2, 1, 0]:.2f}" in shown
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--oil", "75w90"], "without a speed"),
+        (["--friction-feedback"], "go with --speed"),
+        (["--speed", "fast"], "FROM:TO:COUNT"),
+        (["--speed", "1:2:3:4"], "FROM:TO:COUNT"),
+        (["--speed", "-5"], "speed = -5"),
+        (["--speed", "500", "--roughness", "0.8/x"], "PINION/GEAR"),
+        (["--speed", "500", "--temperature", "400"], "temperature = 400"),
+        (["--speed", "500", "--friction-model", "sand"], "sand"),
+    ],
+)
+def test_mistakes_on_the_command_line(tmp_path: Path, options: list[str], message: str) -> None:
+    found = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc"), *options])
+    assert found.exit_code == 2
+    assert message in found.output
+    assert not list(tmp_path.iterdir())
+
+
+def test_report_with_feedback_says_so(tree: xr.DataTree, fed_back: xr.Dataset) -> None:
+    whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": fed_back})
+    whole.attrs = tree.attrs
+    assert "fed back to the forces: oil 75w90" in summary(whole)

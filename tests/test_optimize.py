@@ -1,0 +1,179 @@
+"""Optimising a whole case: what it promises is what an ordinary analysis of the modified case gives."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import easeoff
+from easeoff.cases import Case, read_case
+from easeoff.cases.conversion import elastic_model
+from easeoff.contact.modified_contact import ModifiedContact
+from easeoff.contact.solvers import Status
+from easeoff.core.errors import InputError
+from easeoff.geometry import Misalignment
+from easeoff.geometry.modification import terms
+from easeoff.geometry.pair import pair_geometry
+from easeoff.study.analysis import prepared_pair
+from easeoff.study.cli import main
+from easeoff.study.fitted_settings import recorded_modification
+from easeoff.study.optimize import optimize
+
+COARSE = {"mesh_positions": 6, "segments_per_line": 11, "lengthwise_nodes": 11, "profile_nodes": 9}
+AWAY = Misalignment(offset=0.05, pinion_axial=-0.05)
+
+
+@cache
+def coarse_case() -> Case:
+    case = read_case("fm-11x41")
+    coarse = case.contact.model_copy(update={**COARSE, "torques": (50.0, 250.0)})
+    return case.model_copy(update={"contact": coarse})
+
+
+@cache
+def optimized(objective: str = "peak_load", **options: Any) -> xr.DataTree:
+    return optimize(coarse_case(), objective=objective, order=2, **options)
+
+
+def line_load(tree: xr.DataTree) -> Any:
+    return (tree["loaded"]["force"] / tree["loaded"]["length"]).max(("mesh_position", "segment")).values
+
+
+@pytest.mark.parametrize("objective", ["peak_load", "peak_pressure", "even_load"])
+def test_figures_are_those_of_ordinary_analyses(objective: str) -> None:
+    tree = optimized(objective)
+    record = tree["optimization"].isel(assembly=0)
+    fresh = easeoff.analyze(coarse_case(), modification=recorded_modification(tree))
+    for stage, analysis in (("before", easeoff.analyze(coarse_case())), ("after", fresh)):
+        loaded = analysis["loaded"]
+        assert np.all(loaded["status"].values == Status.CERTIFIED)
+        here = record.sel(stage=stage)
+        np.testing.assert_allclose(here["max_line_load"], line_load(analysis), rtol=1e-10)
+        np.testing.assert_allclose(here["max_pressure"], loaded["max_pressure"], rtol=1e-10)
+        np.testing.assert_allclose(here["peak_to_peak"], loaded["peak_to_peak"], rtol=1e-7)
+        square = (loaded["force"] ** 2 / loaded["length"]).sum(("mesh_position", "segment"))
+        np.testing.assert_allclose(here["load_norm"], np.sqrt(square), rtol=1e-10)
+        assert np.all(here["least_line_load"] <= here["max_line_load"])
+    np.testing.assert_allclose(tree["loaded"]["force"], fresh["loaded"]["force"], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("objective", "name"),
+    [("peak_load", "max_line_load"), ("peak_pressure", "max_pressure"), ("even_load", "load_norm")],
+)
+def test_every_torque_gains_and_no_edge_loses(objective: str, name: str) -> None:
+    record = optimized(objective)["optimization"].to_dataset()
+    before, after = record.sel(stage="before"), record.sel(stage="after")
+    gain = (after[name] / before[name]).max().item()
+    assert gain < 0.97
+    assert np.all(after["max_end_load"] <= before["max_end_load"])
+    assert record.attrs["converged"] == 1
+    taken = record.isel(programme=np.flatnonzero(record["accepted"]))
+    assert np.abs(taken["fresh_objective"].values - gain).min() < 1e-9
+    # Near the end the programmes promise what comes true; the local compliance makes the difference.
+    last = taken.isel(programme=-1)
+    assert last["promised_objective"].item() == pytest.approx(last["fresh_objective"].item(), rel=2e-3)
+
+
+def test_limit_of_transmission_error_is_kept_and_costs_load() -> None:
+    free = optimized()["optimization"].sel(stage="after")
+    limit = 0.85 * free["peak_to_peak"].max().item()
+    tight = optimized(transmission_error=limit)["optimization"].sel(stage="after")
+    assert np.all(tight["peak_to_peak"] <= limit)
+    assert tight["max_line_load"].sum() > free["max_line_load"].sum()
+
+
+def test_further_assembly_counts_as_much_as_the_own_one() -> None:
+    tree = optimized(misalignments=(AWAY,))
+    record = tree["optimization"].to_dataset()
+    assert record["offset_error"].values[1] == 0.05
+    other = easeoff.analyze(coarse_case(), misalignment=AWAY, modification=recorded_modification(tree))
+    np.testing.assert_allclose(record["max_line_load"].sel(stage="after", assembly=1), line_load(other), rtol=1e-10)
+    worst = record["max_line_load"].max("assembly")
+    assert np.all(worst.sel(stage="after") < worst.sel(stage="before"))
+    # The one found for the own assembly alone does worse in the worst of both.
+    alone = easeoff.analyze(coarse_case(), misalignment=AWAY, modification=recorded_modification(optimized()))
+    ratio = np.maximum(line_load(alone), line_load(optimized())) / worst.sel(stage="before").values
+    assert (worst.sel(stage="after") / worst.sel(stage="before")).max() <= ratio.max() + 1e-3
+
+
+def test_slopes_of_the_gear_are_differences_of_its_analyses() -> None:
+    """All that is left is that a modification also changes the curvature, and with it the local compliance."""
+    case, names = coarse_case(), terms(2)
+    pair, settings = prepared_pair(case, "drive", None), case.contact
+    contact = ModifiedContact.of(
+        pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes)),
+        pair.assembly.pinion_teeth,
+        pair.assembly.ratio,
+        settings.mesh_positions,
+        torques=np.array([250.0]),
+        model=elastic_model(case),
+        segments_per_line=settings.segments_per_line,
+        names=names,
+    )
+    loads = contact.loads(np.zeros(5))
+    assert loads is not None
+    for j, unit in enumerate(np.eye(5)):
+        ahead, behind = contact.loads(0.01 * unit), contact.loads(-0.01 * unit)
+        assert ahead is not None
+        assert behind is not None
+        on = loads.line_load > 5.0
+        rate = (ahead.line_load - behind.line_load)[on] / 0.02
+        error = np.abs(loads.line_load_slope[on, j] - rate)
+        assert np.median(error) < 0.005 * np.abs(rate).max()
+        assert error.max() < 0.08 * np.abs(rate).max()
+        # The zero of the rotation moves with the first contact, which is no change of form.
+        turned = loads.rotation_slope[:, j] - (ahead.rotation - behind.rotation) / 0.02
+        assert np.ptp(turned) < 0.02 * np.ptp(loads.rotation_slope[:, j])
+
+
+def test_result_is_a_result(tmp_path: Path) -> None:
+    easeoff.write_result(optimized(), tmp_path / "best.nc")
+    tree = easeoff.read_result(tmp_path / "best.nc")
+    assert recorded_modification(tree) == recorded_modification(optimized())
+    for group in ("modification", "optimization"):
+        for variable in tree[group].variables.values():
+            assert "long_name" in variable.attrs
+
+
+def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
+    from easeoff.cases import write_case
+
+    write_case(coarse_case(), tmp_path / "case.toml", "A coarse case.")
+    arguments = ["optimize", str(tmp_path / "case.toml"), "-o", str(tmp_path / "best.nc"), "--torque", "250"]
+    arguments += ["--order", "2", "--end-load", "inf", "--misalignment", "E=0.02", "--fitted-case"]
+    outcome = CliRunner().invoke(main, [*arguments, str(tmp_path / "fitted.toml")])
+    assert outcome.exit_code == 0, outcome.output
+    assert "assembly 1: E +0.02 mm" in outcome.output
+    record = easeoff.read_result(tmp_path / "best.nc")["optimization"].to_dataset()
+    assert math.isinf(np.max(record.attrs["end_load_limit_N_per_mm"]))
+    before, after = record["max_line_load"].values[:, 0, 0]
+    assert after < 0.9 * before
+    # Real settings keep most of the gain.
+    fitted = easeoff.analyze(read_case(tmp_path / "fitted.toml"), torques=[250.0])
+    assert line_load(fitted)[0] < 0.5 * (before + after)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"objective": "noise"}, "objective = 'noise'"),
+        ({"order": 1}, "order = 1: allowed are 2, 3, 4"),
+        ({"transmission_error": 0.0}, "transmission_error = 0.0: must be a peak to peak above 0 urad"),
+        ({"end_load": -1.0}, "end_load = -1.0"),
+        ({"largest": math.inf}, "largest = inf: must be above 0 and up to 1000 um"),
+        ({"programmes": 0}, "programmes = 0"),
+        ({"torques": [-5.0]}, "every torque must be a positive number"),
+        ({"flank": "left"}, "flank = 'left'"),
+    ],
+)
+def test_mistakes_are_named(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        optimize(coarse_case(), **options)
