@@ -19,6 +19,7 @@ from .bricks import brick_gradients, gauss_rule, shape_functions
 
 Array = NDArray[Any]
 ROOT_SHARE = 0.35  # of the bricks from the fillet's middle to the tip are looked at; the stress falls off above
+COLUMNS = 512  # sets of forces at a time, to bound the memory
 COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
@@ -40,6 +41,10 @@ class RootStress:
 
     def largest(self, forces: Array) -> Array:
         """Largest tensile stress (s, n) [MPa] at each station, for n sets of forces (k, n) [N] on the nodes."""
+        parts = [self._largest(forces[:, start : start + COLUMNS]) for start in range(0, forces.shape[1], COLUMNS)]
+        return np.concatenate([np.empty((self.lengthwise.size, 0)), *parts], axis=1)
+
+    def _largest(self, forces: Array) -> Array:
         stress = np.einsum("spck,kn->spnc", self.stress, forces, optimize=True)
         tensor = np.empty((*stress.shape[:-1], 3, 3))
         for component, (i, j) in enumerate(COMPONENTS):
