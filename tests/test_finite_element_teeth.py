@@ -33,6 +33,7 @@ from easeoff.geometry import GearPair, pair_geometry
 from easeoff.geometry.flank_surface import solve_flank
 from easeoff.geometry.pair import bodies
 from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, graded, tooth_lattice
+from easeoff.study.show import summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)
@@ -293,6 +294,9 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     history = stress["root_stress_history"].max(["mesh_position", "pair"])
     np.testing.assert_array_equal(stress["max_root_stress"], history)
     np.testing.assert_allclose(stress["root_stress"].max("lengthwise"), history, rtol=0.05)
+    shown = summary(tree).splitlines()
+    expected = ["300", *(f"{value:.0f}" for value in stress["max_root_stress"].values[0])]
+    assert shown[-1].split() == expected
 
 
 def test_condensed_teeth_stand_in_for_the_shells() -> None:
