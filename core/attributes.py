@@ -52,6 +52,19 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
         "distance from the end of the edge radius along the blade that cuts here, the smaller of both members",
     ),
     "status": ("", "why a node or a solution can or cannot be used"),
+    # deviations
+    "deviation": (
+        "um",
+        "deviation from the designed flank along its outward normal, positive where there is more metal",
+    ),
+    "measured_position": ("mm", "measured point of the flank in the member's frame"),
+    "extrapolated": ("1", "1 where a deviation is taken beyond its outermost nodes, 0 elsewhere"),
+    "pinion_deviation": (
+        "um",
+        "deviation of the pinion flank at the conjugate point, positive where there is more metal",
+    ),
+    "gear_deviation": ("um", "deviation of the gear flank, positive where there is more metal"),
+    "ease_off_change": ("um", "change of the ease-off by the deviations, along the normal"),
     # teeth
     "shell_height": ("mm", "height above the root line where the line of the contact force meets the tooth's middle"),
     "shell_arc": ("mm", "distance from the toe along the tooth trace where the force meets the tooth's middle"),
@@ -111,6 +124,13 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "root_stress": ("MPa", "largest tensile stress around the loaded side's fillet over the mesh cycle"),
     "root_stress_history": ("MPa", "largest tensile stress around the loaded side's fillet, anywhere along the face"),
     "max_root_stress": ("MPa", "largest tensile stress in the root over face and mesh cycle"),
+    # wear
+    "step": ("1", "step of the wear, 0 at the start"),
+    "wear_depth": ("um", "metal worn off along the normal, on the member's own flank"),
+    "revolutions": ("1", "revolutions of the pinion"),
+    "largest_depth": ("um", "largest depth of wear on the flank"),
+    "removed_volume": ("mm3", "volume worn off one tooth, from force and sliding"),
+    "depth_integral": ("mm3", "volume worn off one tooth, as the integral of the depth over the flank"),
     # optimal modification
     "term": ("", "term of the modification, in fractions from -1 to 1 lengthwise and up the profile"),
     "coefficient": ("um", "coefficient of a term"),

@@ -5,6 +5,11 @@ from .basic_settings import blank_section, formate_gear, generated_gear
 from .blade import Blade
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
+from .corrective_settings import Correction, corrective_settings
+from .deviated_ease_off import deviated_ease_off
+from .deviated_surface import deviated_pair
+from .deviation import Deviation, deviation_from_dataset, deviation_from_formula
+from .flank_errors import FlankErrors, fit_flank_errors
 from .flank_surface import NodeStatus
 from .generating_surface import GeneratingSurface
 from .machine import MachineSettings
@@ -19,7 +24,10 @@ __all__ = [
     "BlankDesign",
     "BlankDimensions",
     "BlankSection",
+    "Correction",
+    "Deviation",
     "EaseOffTarget",
+    "FlankErrors",
     "GearPair",
     "GeneratingSurface",
     "MachineSettings",
@@ -32,7 +40,13 @@ __all__ = [
     "blank_dimensions",
     "blank_section",
     "conjugate_pinion",
+    "corrective_settings",
+    "deviated_ease_off",
+    "deviated_pair",
+    "deviation_from_dataset",
+    "deviation_from_formula",
     "ease_off",
+    "fit_flank_errors",
     "fit_pinion",
     "flank",
     "formate_gear",

@@ -59,6 +59,8 @@ class EaseOff:
         where no flank is cut.
     status
         ``NodeStatus`` of the node and of its conjugate point.
+    part
+        Which of the pinion surface's ``flank_parts`` the conjugate point belongs to.
     """
 
     motion: ConjugateMotion
@@ -76,6 +78,7 @@ class EaseOff:
     pinion_profile: Array
     blade_distance: Array
     status: NDArray[np.int8]
+    part: NDArray[np.int8]
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -102,11 +105,13 @@ def conjugate_motion(
     GeometryError
         If the mean point has no conjugate position.
     """
-    mean = mean_parameters(surface, section)
-    position, normal, _ = surface.evaluate(mean)
+    # Of the designed flank: a deviation does not move the zero of the roll angle.
+    designed = surface.designed
+    mean = mean_parameters(designed, section)
+    position, normal, _ = designed.evaluate(mean)
     # The pinion pushes along its outward normal; that is the sense in which this flank drives.
     sense = float(np.sign(position[0] * normal[1] - position[1] * normal[0])[0])
-    motion = ConjugateMotion(surface, assembly, sense)
+    motion = ConjugateMotion(designed, assembly, sense)
     roots = motion.roots(*motion.pinion_point(mean))
     if not np.isfinite(roots[0][0]):
         raise GeometryError(
@@ -118,7 +123,7 @@ def conjugate_motion(
         point = motion.in_gear(motion.action_point(mean, root)[0], root)[:, 0]
         misses.append(np.hypot(point[2] - gear_middle[0], np.hypot(point[0], point[1]) - gear_middle[1]))
     choice = int(np.argmin(misses))
-    return replace(motion, branch=(1.0, -1.0)[choice], center=float(roots[choice][0]))
+    return replace(motion, surface=surface, branch=(1.0, -1.0)[choice], center=float(roots[choice][0]))
 
 
 SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 of it
@@ -127,13 +132,13 @@ SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 o
 def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array]:
     """Second and third derivative of the gap by the pinion rotation, at a fixed place on the gear."""
     arguments = np.concatenate([parameters, rotation[None]])
-    curvature, first, second = _gap_curvature(motion, arguments)
+    curvature, first, second = gap_curvature(motion, arguments)
     along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
-    ahead, behind = (_gap_curvature(motion, arguments + sign * along)[0] for sign in (1.0, -1.0))
+    ahead, behind = (gap_curvature(motion, arguments + sign * along)[0] for sign in (1.0, -1.0))
     return curvature, (ahead - behind) / (2.0 * SKEW_STEP)
 
 
-def _gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
+def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
     """Second derivative of the gap by the pinion rotation at a fixed place on the gear, at any rotation.
 
     Parameters
@@ -259,9 +264,9 @@ def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     angles = [s.angle - 2 * np.pi * turns for s, turns in zip(surfaces, whole_turns, strict=True)]
     parts = motion.surface.flank_parts
     choice = deepest(parts, [s.blade_distance for s in surfaces], angles)
-    arrays = [field.name for field in fields(EaseOff) if field.name not in ("motion", "angle")]
+    arrays = [field.name for field in fields(EaseOff) if field.name not in ("motion", "angle", "part")]
     picked = {name: pick([getattr(s, name) for s in surfaces], choice) for name in arrays}
-    return EaseOff(motion=motion, angle=pick(angles, choice), **picked)
+    return EaseOff(motion=motion, angle=pick(angles, choice), part=choice, **picked)
 
 
 def _place(motion: ConjugateMotion, parameters: Array) -> Array:
@@ -323,4 +328,5 @@ def _classified(
         pinion_profile=known(profile),
         blade_distance=known(distance),
         status=status,
+        part=np.zeros(status.shape, dtype=np.int8),
     )

@@ -60,6 +60,11 @@ class GeneratingSurface:
         return self if part == self.part else replace(self, part=part)
 
     @property
+    def designed(self) -> GeneratingSurface:
+        """The surface without what the flank as made departs from it."""
+        return self
+
+    @property
     def flank_parts(self) -> tuple[GeneratingSurface, ...]:
         """Surfaces of the sections that cut the flank, all but the edge radius, from the tip of the blade upwards."""
         return tuple(self.on(name) for name in self.blade.sections if name != "edge")

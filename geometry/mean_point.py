@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
 from .flank_surface import solve_flank
-from .generating_surface import GeneratingSurface
+from .generating_surface import GeneratingSurface, Hand
 from .iso23509.dimensions import MemberBlank
 from .section import BlankSection
+
+Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -59,17 +63,33 @@ def mean_point_angles(surface: GeneratingSurface, section: BlankSection, member:
     axial = member.mean_cone_distance * cosine - member.pitch_apex
     radial = member.mean_cone_distance * sine
     flank = solve_flank(surface, section, np.array([axial]), np.array([radial]))
-    position, normal = flank.position[:, 0], flank.normal[:, 0].copy()
+    position, normal = flank.position[:, 0], flank.normal[:, 0]
     if not np.all(np.isfinite(position)):
         raise GeometryError("the flank does not pass through the mean point of its blank")
-    side = 1.0 if surface.hand == "right" else -1.0
+    return angles_of_normal(position, normal, member.pitch_angle, surface.hand)
+
+
+def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: Hand) -> MeanPointAngles:
+    """Angles of a flank at a point, from its outward normal.
+
+    Parameters
+    ----------
+    position, normal
+        Point [mm] and unit normal (3) in the member's frame.
+    pitch_angle
+        Of the cone whose elements the spiral angle is measured against [rad].
+    hand
+        Hand of spiral of the member.
+    """
+    sine, cosine = math.sin(pitch_angle), math.cos(pitch_angle)
+    side = 1.0 if hand == "right" else -1.0
     azimuth = math.atan2(side * position[1], position[0])
     towards_axis = np.array([math.cos(azimuth), math.sin(azimuth)])
-    normal[1] *= side
-    outward = float(towards_axis @ normal[:2])
-    around = float(towards_axis[0] * normal[1] - towards_axis[1] * normal[0])
-    along_element = sine * outward + cosine * normal[2]
-    off_cone = cosine * outward - sine * normal[2]
+    across = np.array([normal[0], side * normal[1]])
+    outward = float(towards_axis @ across)
+    around = float(towards_axis[0] * across[1] - towards_axis[1] * across[0])
+    along_element = sine * outward + cosine * float(normal[2])
+    off_cone = cosine * outward - sine * float(normal[2])
     # The trace is at right angles to the normal; towards the heel of a right-hand member the azimuth grows along it.
     return MeanPointAngles(
         spiral_angle=math.atan(-along_element / around),

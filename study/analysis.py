@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -25,7 +25,9 @@ from ..contact.unloaded import unloaded_contact
 from ..core.errors import InputError
 from ..geometry.assembly import Misalignment
 from ..geometry.modification import Modification, modified_ease_off
-from ..geometry.pair import FlankName, GearPair, pair_geometry
+from ..geometry.pair import FlankName, GearPair
+from ..geometry.tooth_flanks import MemberName
+from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations
 
 if TYPE_CHECKING:
     from ..friction import FrictionModel, Lubricant, Operation
@@ -62,6 +64,8 @@ def analyze_in_full(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
     modification: Modification | None = None,
     solver: str = "auto",
     operation: Operation | None = None,
@@ -83,7 +87,8 @@ def analyze_in_full(
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     teeth = finite_elements(case, pair)
-    geometry = pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes))
+    departures = flank_deviations(pair, deviations or {})
+    geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
     if modification is not None:
         geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
@@ -102,7 +107,9 @@ def analyze_in_full(
         **options,
     )
     groups = {
-        "/": xr.Dataset(attrs=_provenance(case, pair, flank, solver, modification)),
+        "/": xr.Dataset(
+            attrs=_provenance(case, pair, flank, solver, modification) | deviation_attributes(departures, deviated),
+        ),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
         "/teeth": geometry.teeth,
@@ -127,6 +134,8 @@ def analyze(
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
     modification: Modification | None = None,
     solver: str = "auto",
     speed: Numbers | None = None,
@@ -150,6 +159,11 @@ def analyze(
         Torques at the pinion [N m]; the case's own if left out.
     misalignment
         Assembly errors; the case's own if left out.
+    deviations
+        What the flanks depart from the designed ones: for ``pinion``, ``gear`` or both a ``Deviation``, a dataset, or
+        the file of a measured grid.
+    deviated
+        How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
     modification
         Added to the ease-off.
     solver
@@ -191,6 +205,8 @@ def analyze(
         flank=flank,
         torques=torques,
         misalignment=misalignment,
+        deviations=deviations,
+        deviated=deviated,
         modification=modification,
         solver=solver,
         operation=operation_of(speed, temperature=temperature, roughness=roughness, oil=oil),

@@ -1,7 +1,19 @@
-"""Geometry that leaves the package: nominal points for measuring machines, surfaces for CAD, meshes."""
+"""Geometry that leaves and enters the package: points and grids for measuring machines, surfaces for CAD, meshes."""
 
 from .cmm import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
+from .measured import flank_deviation, measured_grid, read_measured_grid, write_measured_grid
 from .mesh import write_mesh
 from .step import write_step
 
-__all__ = ["EdgeMargins", "cmm_points", "read_cmm_points", "write_cmm_points", "write_mesh", "write_step"]
+__all__ = [
+    "EdgeMargins",
+    "cmm_points",
+    "flank_deviation",
+    "measured_grid",
+    "read_cmm_points",
+    "read_measured_grid",
+    "write_cmm_points",
+    "write_measured_grid",
+    "write_mesh",
+    "write_step",
+]

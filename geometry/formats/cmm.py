@@ -226,7 +226,7 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         if suffix == ".csv":
             temporary.write_text(cmm_csv.text(dataset), encoding="utf-8")
         else:
-            plain = {str(name): {"_FillValue": None} for name in ("position", "normal")}
+            plain = {str(name): {"_FillValue": None} for name in dataset.data_vars}
             dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=plain)
 
 
@@ -243,24 +243,32 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     InputError
         If there is no such file, or it holds no such points; for a text file with the number of the line.
     """
-    suffix = _suffix(path)
     source = Path(path)
+    text = _suffix(path) == ".csv"
+    dataset = labelled(cmm_csv.parsed(content(source), str(source))) if text else opened(source)
+    check_points(dataset, source, FORMAT)
+    return dataset
+
+
+def content(source: Path) -> str:
+    """A text file. Raises InputError if there is none, or it is no text."""
     if not source.is_file():
         raise InputError(f"{source}: there is no such file")
-    if suffix == ".csv":
-        try:
-            text = source.read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{source} cannot be read as text: {error}") from error
-        dataset = labelled(cmm_csv.parsed(text, str(source)))
-    else:
-        try:
-            with xr.open_dataset(source, engine="netcdf4", decode_times=False) as opened:
-                dataset = opened.load()
-        except (OSError, ValueError, RuntimeError) as error:
-            raise InputError(f"{source} is not a netCDF file that can be read: {error}") from error
-    _check(dataset, source)
-    return dataset
+    try:
+        return source.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{source} cannot be read as text: {error}") from error
+
+
+def opened(source: Path) -> xr.Dataset:
+    """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
+    if not source.is_file():
+        raise InputError(f"{source}: there is no such file")
+    try:
+        with xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
+            return file.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{source} is not a netCDF file that can be read: {error}") from error
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
@@ -270,9 +278,10 @@ def _suffix(path: str | os.PathLike[str]) -> str:
     return suffix
 
 
-def _check(dataset: xr.Dataset, source: Path) -> None:
-    if dataset.attrs.get("format") != FORMAT:
-        raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {FORMAT!r}")
+def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
+    """Refuse a dataset that holds no nominal points, or is not of this kind."""
+    if dataset.attrs.get("format") != kind:
+        raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {kind!r}")
     version = str(dataset.attrs.get("format_version", "not given"))
     if version not in map(str, range(1, FORMAT_VERSION + 1)):
         raise InputError(f"{source} is of format version {version}; this program reads up to {FORMAT_VERSION}")

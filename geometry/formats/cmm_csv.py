@@ -1,4 +1,7 @@
-"""Measuring points as text: comment lines ``# key: value``, one line of column names, one line a point."""
+"""Measuring points as text: comment lines ``# key: value``, one line of column names, one line a point.
+
+A measured grid has one more column, ``deviation``; or three more, the measured coordinates.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,10 @@ import xarray as xr
 from ...core.errors import InputError
 
 COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
+DEVIATION = "deviation"
+MEASURED = ("measured_x", "measured_y", "measured_z")
+HEADINGS = (COLUMNS, (*COLUMNS, DEVIATION), (*COLUMNS, *MEASURED))
+Points = dict[tuple[str, int, int], list[float]]
 _WHOLE = ("format_version", "number_of_teeth")
 _REAL_ENDINGS = ("_mm", "_rad")
 
@@ -17,12 +24,13 @@ _REAL_ENDINGS = ("_mm", "_rad")
 def text(dataset: xr.Dataset) -> str:
     """The file of a dataset of measuring points; numbers with every digit that is needed to read them back exactly."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
-    lines.append(",".join(COLUMNS))
     position, normal = dataset["position"].values, dataset["normal"].values
+    extra = dataset[DEVIATION].values[..., None] if DEVIATION in dataset else np.zeros((*position.shape[:3], 0))
+    lines.append(",".join(HEADINGS[extra.shape[-1]]))
     for f, flank in enumerate(dataset["flank"].values):
         for r, row in enumerate(dataset["row"].values):
             for c, column in enumerate(dataset["column"].values):
-                numbers = [repr(float(value)) for value in (*position[f, r, c], *normal[f, r, c])]
+                numbers = [repr(float(value)) for value in (*position[f, r, c], *normal[f, r, c], *extra[f, r, c])]
                 lines.append(",".join([str(flank), str(row), str(column), *numbers]))
     return "\n".join(lines) + "\n"
 
@@ -43,8 +51,8 @@ def parsed(content: str, source: str) -> xr.Dataset:
         If a line cannot be used; with its number.
     """
     attributes: dict[str, Any] = {}
-    points: dict[tuple[str, int, int], list[float]] = {}
-    heading = False
+    points: Points = {}
+    heading: tuple[str, ...] = ()
     for number, line in enumerate(content.splitlines(), start=1):
         where = f"{source}, line {number}"
         stripped = line.strip()
@@ -56,11 +64,14 @@ def parsed(content: str, source: str) -> xr.Dataset:
                 raise InputError(f"{where}: {stripped!r}: a comment line has the form '# key: value'")
             attributes[key.strip()] = _attribute(key.strip(), value.strip(), where)
         elif not heading:
-            if tuple(name.strip() for name in stripped.split(",")) != COLUMNS:
-                raise InputError(f"{where}: expected the column names {','.join(COLUMNS)}")
-            heading = True
+            heading = tuple(name.strip() for name in stripped.split(","))
+            if heading not in HEADINGS:
+                raise InputError(
+                    f"{where}: expected the column names {','.join(COLUMNS)}; of a measured grid also {DEVIATION} or "
+                    f"{','.join(MEASURED)}"
+                )
         else:
-            place, values = _point(stripped, where)
+            place, values = _point(stripped, heading, where)
             if place in points:
                 raise InputError(
                     f"{where}: a second point of the {place[0]} flank in row {place[1]}, column {place[2]}"
@@ -68,7 +79,7 @@ def parsed(content: str, source: str) -> xr.Dataset:
             points[place] = values
     if not points:
         raise InputError(f"{source}: there are no points in it")
-    return _dataset(points, attributes, source)
+    return gridded(points, attributes, source)
 
 
 def _attribute(key: str, value: str, where: str) -> Any:
@@ -80,10 +91,10 @@ def _attribute(key: str, value: str, where: str) -> Any:
         raise InputError(f"{where}: {key}: {value!r} is no number") from error
 
 
-def _point(line: str, where: str) -> tuple[tuple[str, int, int], list[float]]:
+def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
     cells = [cell.strip() for cell in line.split(",")]
-    if len(cells) != len(COLUMNS):
-        raise InputError(f"{where}: {len(cells)} values, expected {len(COLUMNS)} ({','.join(COLUMNS)})")
+    if len(cells) != len(heading):
+        raise InputError(f"{where}: {len(cells)} values, expected {len(heading)} ({','.join(heading)})")
     try:
         row, column = int(cells[1]), int(cells[2])
         values = [float(cell) for cell in cells[3:]]
@@ -95,12 +106,28 @@ def _point(line: str, where: str) -> tuple[tuple[str, int, int], list[float]]:
         raise InputError(f"{where}: row {row}, column {column}: both are counted from 1")
     if not np.all(np.isfinite(values)):
         raise InputError(f"{where}: a value is no finite number")
-    if abs(float(np.linalg.norm(values[3:])) - 1.0) > 1e-6:
-        raise InputError(f"{where}: the normal ({', '.join(cells[6:])}) is not of length 1")
+    if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
+        raise InputError(f"{where}: the normal ({', '.join(cells[6:9])}) is not of length 1")
     return (cells[0], row, column), values
 
 
-def _dataset(points: dict[tuple[str, int, int], list[float]], attributes: dict[str, Any], source: str) -> xr.Dataset:
+def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:
+    """The dataset of a complete grid.
+
+    Parameters
+    ----------
+    points
+        Position, normal, and either nothing more, the deviation or the measured position, by (flank, row, column).
+    attributes
+        Attributes of the dataset.
+    source
+        Name of the file, for messages.
+
+    Raises
+    ------
+    InputError
+        If a point of the grid is missing.
+    """
     flanks = sorted({place[0] for place in points})
     rows, columns = max(place[1] for place in points), max(place[2] for place in points)
     if len(points) != len(flanks) * rows * columns:
@@ -115,10 +142,18 @@ def _dataset(points: dict[tuple[str, int, int], list[float]], attributes: dict[s
             f"{source}: the grid has {rows} rows and {columns} columns, but the {missing[0]} flank has no point in row "
             f"{missing[1]}, column {missing[2]}"
         )
-    values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, 2, 3)
+    values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, -1)
     grid = ("flank", "row", "column", "xyz")
+    more: dict[int, dict[str, Any]] = {
+        1: {DEVIATION: (grid[:3], values[..., -1])},
+        3: {"measured_position": (grid, values[..., 6:])},
+    }
     return xr.Dataset(
-        {"position": (grid, values[..., 0, :]), "normal": (grid, values[..., 1, :])},
+        {
+            "position": (grid, values[..., :3]),
+            "normal": (grid, values[..., 3:6]),
+            **more.get(values.shape[-1] - 6, {}),
+        },
         coords={
             "flank": flanks,
             "row": np.arange(1, rows + 1),

@@ -13,6 +13,7 @@ from ...core.errors import EaseoffError
 from .cases import cases
 from .compare import compare
 from .convert import convert
+from .correct import correct
 from .design import design
 from .exit_codes import EXIT_MISTAKE
 from .export import export
@@ -46,5 +47,5 @@ def main() -> None:
     """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
 
 
-for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert):
+for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct):
     main.add_command(_command)

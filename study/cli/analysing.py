@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import misalignment, torques
+from .options import deviations, misalignment, torques
 
 # Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
 if TYPE_CHECKING:
-    from ...friction import FrictionModel, Operation
     from ..analysis import Analysis
 
 _OPTIONS = (
@@ -35,6 +34,21 @@ _OPTIONS = (
         metavar="E=..,P=..,G=..,Sigma=..",
         help="Assembly errors in mm (Sigma in degrees); the case's own if left out.",
     ),
+    click.option(
+        "--deviation",
+        "deviations",
+        multiple=True,
+        callback=deviations,
+        metavar="MEMBER=FILE",
+        help="Measured grid of the pinion or the gear, a file or a shipped one; may be given for both.",
+    ),
+    click.option(
+        "--deviated",
+        type=click.Choice(["ease_off", "surface"]),
+        default="ease_off",
+        show_default=True,
+        help="Update the ease-off for the deviations, or compute with the deviating flanks themselves.",
+    ),
     click.option("--solver", default="auto", show_default=True, help="Contact solver."),
 )
 
@@ -46,17 +60,18 @@ def analysis_options(command: Any) -> Any:
     return command
 
 
-def analysed(
-    case: str,
-    flank: Any,
-    torques: Any,
-    misalignment: Any,
-    solver: str,
-    operation: Operation | None = None,
-    friction_model: FrictionModel | None = None,
-    friction_feedback: bool = False,
-) -> Analysis:
-    """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal."""
+def analysed(case: str, *, torques: Any, **options: Any) -> Analysis:
+    """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal.
+
+    Parameters
+    ----------
+    case
+        Name or path of the case.
+    torques
+        Torques at the pinion [N m]; the case's own if ``None``.
+    **options
+        The other arguments of ``analyze_in_full``.
+    """
     from tqdm import tqdm
 
     from ...cases import read_case
@@ -65,17 +80,7 @@ def analysed(
     checked = read_case(case)
     total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
     with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
-        return analyze_in_full(
-            checked,
-            flank=flank,
-            torques=torques,
-            misalignment=misalignment,
-            solver=solver,
-            operation=operation,
-            friction_model=friction_model,
-            friction_feedback=friction_feedback,
-            progress=lambda: _step(bar),
-        )
+        return analyze_in_full(checked, torques=torques, progress=lambda: _step(bar), **options)
 
 
 def _step(bar: Any) -> None:

@@ -50,6 +50,19 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
     return Misalignment(values["E"], values["P"], values["G"], math.radians(values["Sigma"]))
 
 
+def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+    """Files of measured grids by member."""
+    values: dict[str, str] = {}
+    for text in texts:
+        member, equals, file = text.partition("=")
+        if not equals or not file or member not in ("pinion", "gear"):
+            raise click.BadParameter(f"{text!r}: give pinion=FILE or gear=FILE")
+        if member in values:
+            raise click.BadParameter(f"{text!r}: a second one for the {member}")
+        values[member] = file
+    return values
+
+
 def nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
     """Nodes lengthwise and along the profile."""
     if text is None:

@@ -13,13 +13,13 @@ from .analysing import analysed, analysis_options
 @click.command()
 @analysis_options
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
-def problems(case: str, flank: Any, torques: Any, misalignment: Any, solver: str, output: Path) -> None:
+def problems(case: str, output: Path, **options: Any) -> None:
     """Write the contact problems of every torque and mesh position of CASE, for other solvers."""
     from ...contact.exchange import write_problems
     from ...core.files import check_writable
 
     check_writable(output)
-    analysis = analysed(case, flank, torques, misalignment, solver)
+    analysis = analysed(case, **options)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values

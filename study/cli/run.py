@@ -37,17 +37,16 @@ from .options import numbers, roughnesses
 @click.option("--friction-feedback", is_flag=True, help="Let friction take its part of the torque from the forces.")
 def run(
     case: str,
-    flank: Any,
-    torques: Any,
-    misalignment: Any,
-    solver: str,
     output: Path,
     plots: Path | None,
     speed: Any,
+    oil: str | None,
+    temperature: Any,
+    roughness: Any,
     friction_model: str | None,
     clamp_temperature: bool,
     friction_feedback: bool,
-    **conditions: Any,
+    **options: Any,
 ) -> None:
     """Analyse CASE, a shipped name or a file, and write the result."""
     from ...core.files import check_writable
@@ -55,14 +54,15 @@ def run(
     from ..result import write_result
     from ..show import uncertified
 
-    operation = operation_of(speed, **conditions)
+    operation = operation_of(speed, temperature=temperature, roughness=roughness, oil=oil)
     if operation is None and (friction_model is not None or clamp_temperature or friction_feedback):
         raise click.UsageError("--friction-model, --clamp-temperature and --friction-feedback go with --speed")
     check_writable(output)
     if plots is not None:
         check_writable(plots / "picture.png")
     model = None if operation is None else _model(friction_model, clamp_temperature)
-    analysis = analysed(case, flank, torques, misalignment, solver, operation, model, friction_feedback)
+    friction = {"operation": operation, "friction_model": model, "friction_feedback": friction_feedback}
+    analysis = analysed(case, **options, **friction)
     write_result(analysis.tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:

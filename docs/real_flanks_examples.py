@@ -1,0 +1,69 @@
+"""The two examples of chapter 4 as measured grids, written into ``cases/deviations`` by ``make_real_flanks.py``.
+
+The dissertation prints greatest deviations and pictures, no values. These are **made to resemble** what it says: where
+the greatest deviations are, how large, and that they compensate one another. All numbers are round and chosen once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import easeoff
+from easeoff.cases import gear_pair
+from easeoff.geometry.formats import EdgeMargins, cmm_points, measured_grid, write_measured_grid
+from easeoff.geometry.tooth_flanks import named_member
+
+Array = NDArray[Any]
+FOLDER = Path(easeoff.__file__).parent / "cases" / "deviations"
+NARROW = EdgeMargins(1.0, 1.0, 0.3, 0.3)
+MADE = "made to resemble Kolivand 2009, {}, of which greatest deviations and places are known; not measured"
+
+
+def dent(lengthwise: float, profile: float, depth: float) -> Callable[[Array, Array], Array]:
+    """A dent of worn metal [um], 0.4 of the face and 0.25 of the height wide."""
+    return lambda t, h: -depth * np.exp(-(((t - lengthwise) / 0.4) ** 2) - ((h - profile) / 0.25) ** 2)
+
+
+def global_error(*coefficients: float) -> Callable[[Array, Array], Array]:
+    """A surface of second order [um] with a little of what a measurement adds to it; metal missing as counted there."""
+
+    def form(t: Array, h: Array) -> Array:
+        x, y = 2.0 * t - 1.0, 2.0 * h - 1.0
+        terms = (np.ones_like(x), x, y, x**2, x * y)
+        missing = sum(c * term for c, term in zip(coefficients, terms, strict=True))
+        return np.asarray(-(missing + 0.6 * np.sin(7.0 * t + 2.0) * np.cos(9.0 * h)))
+
+    return form
+
+
+# (case, member, rows, columns, margins, form, where in the dissertation)
+EXAMPLES: dict[str, tuple[str, str, tuple[int, int], EdgeMargins | None, Callable[[Array, Array], Array], str]] = {
+    # Worn at the pinion's tip, and so at the gear's root; the gear worn elsewhere.
+    "fm-11x41-worn-pinion": ("fm-11x41", "pinion", (15, 25), NARROW, dent(0.3, 0.9, 10), "Fig. 4.5"),
+    "fm-11x41-worn-gear": ("fm-11x41", "gear", (15, 25), NARROW, dent(0.6, 0.45, 5), "Fig. 4.5"),
+    # Greatest at heel and top of the pinion, at toe and root of the gear.
+    "fh-12x41-45-measured-pinion": (
+        "fh-12x41-45", "pinion", (5, 9), None, global_error(22, 18, 6, 8, -4), "Fig. 4.10",
+    ),
+    "fh-12x41-45-measured-gear": (
+        "fh-12x41-45", "gear", (5, 9), None, global_error(10, -10, 3, 2, 6), "Fig. 4.10",
+    ),
+}  # fmt: skip
+
+
+def write_examples() -> None:
+    """Write the grids of the drive flanks."""
+    for name, (case, who, size, margins, form, where) in EXAMPLES.items():
+        member = named_member(gear_pair(easeoff.read_case(case), "drive"), who)
+        points = cmm_points(member, *size, margins)
+        place = points["position"].values
+        fractions = member.section.fractions(place[..., 2], np.hypot(place[..., 0], place[..., 1]))
+        grid = measured_grid(points, np.round(form(*fractions), 1) + 0.0)
+        rounded = {k: grid[k].round(7) for k in ("position",)}
+        titled = {"member": who, "title": f"{who} of {case}", "source": MADE.format(where)}
+        write_measured_grid(grid.assign(rounded).assign_attrs(titled), FOLDER / f"{name}.csv")

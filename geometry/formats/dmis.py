@@ -1,0 +1,126 @@
+"""Measured points in the Dimensional Measuring Interface Standard, DMIS (ANSI/DMIS 105.2, ISO 22093).
+
+Of the language only what a grid of points takes: ``F(label)=FEAT/POINT,CART,x,y,z,i,j,k`` for a nominal point with its
+outward normal, ``FA(label)=FEAT/POINT,CART,...`` for the measured one, ``UNITS/MM`` or ``UNITS/INCH``, comments after
+``$$`` and lines continued by ``$``. Other statements are passed over. Labels tell flank, row and column:
+``CONCAVE_R1_C1`` for the root at the toe.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import xarray as xr
+
+from ...core.errors import InputError
+from . import cmm_csv
+
+LABEL = re.compile(r"(CONCAVE|CONVEX)\D+(\d+)\D+(\d+)")
+FEATURE = re.compile(r"(FA?)\(([^)]*)\)\s*=\s*FEAT/POINT,CART,(.*)", re.IGNORECASE)
+UNITS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
+
+
+def text(dataset: xr.Dataset) -> str:
+    """The file of a measured grid: every nominal point as ``F``, every measured one as ``FA``."""
+    title = str(dataset.attrs.get("title", "measured grid")).replace("'", "")
+    lines = [f"DMISMD/'{title}',05.2", "UNITS/MM,ANGDEC"]
+    position, normal = dataset["position"].values, dataset["normal"].values
+    measured = position + 1e-3 * dataset["deviation"].values[..., None] * normal
+    for f, flank in enumerate(dataset["flank"].values):
+        for r, row in enumerate(dataset["row"].values):
+            for c, column in enumerate(dataset["column"].values):
+                label = f"{str(flank).upper()}_R{row}_C{column}"
+                direction = normal[f, r, c]
+                for kind, place in (("F", position[f, r, c]), ("FA", measured[f, r, c])):
+                    numbers = ",".join(f"{value:.10f}" for value in (*place, *direction))
+                    lines.append(f"{kind}({label})=FEAT/POINT,CART,{numbers}")
+    return "\n".join([*lines, "ENDFIL", ""])
+
+
+def parsed(content: str, source: str) -> xr.Dataset:
+    """The dataset of a DMIS file, with the measured positions.
+
+    Parameters
+    ----------
+    content
+        The text.
+    source
+        Name of the file, for messages.
+
+    Raises
+    ------
+    InputError
+        If a line cannot be used, a label does not tell row and column, or a point was not measured; with its number.
+    """
+    scale: float | None = None
+    features: dict[str, dict[tuple[str, int, int], list[float]]] = {"F": {}, "FA": {}}
+    for number, line in _statements(content):
+        where = f"{source}, line {number}"
+        if line.upper().startswith("UNITS/"):
+            unit = line[6:].split(",")[0].strip().upper()
+            if unit not in UNITS:
+                raise InputError(f"{where}: unit {unit!r}: allowed are {', '.join(UNITS)}")
+            scale = UNITS[unit]
+        found = FEATURE.fullmatch(line)
+        if found is None:
+            continue
+        if scale is None:
+            raise InputError(f"{where}: a point before any UNITS/ statement: say in what unit it is")
+        kind, label = found[1].upper(), found[2].strip().upper()
+        place = LABEL.search(label)
+        if place is None:
+            raise InputError(f"{where}: label {label!r}: expected flank, row and column as in CONCAVE_R1_C1")
+        key = (place[1].lower(), int(place[2]), int(place[3]))
+        if key in features[kind]:
+            raise InputError(f"{where}: a second {kind}({label})")
+        features[kind][key] = _numbers(found[3], scale, where)
+    return _combined(features["F"], features["FA"], source)
+
+
+def _statements(content: str) -> list[tuple[int, str]]:
+    """Numbered statements, comments left out and continued lines joined."""
+    result: list[tuple[int, str]] = []
+    open_line = False
+    for number, raw in enumerate(content.splitlines(), start=1):
+        line = raw.split("$$")[0].strip()
+        if not line:
+            continue
+        continued = line.endswith("$")
+        part = line.rstrip("$").strip()
+        if open_line:
+            first, begun = result[-1]
+            result[-1] = (first, begun + part)
+        else:
+            result.append((number, part))
+        open_line = continued
+    return result
+
+
+def _numbers(cells: str, scale: float, where: str) -> list[float]:
+    try:
+        values = [float(cell) for cell in cells.split(",")]
+    except ValueError as error:
+        raise InputError(f"{where}: {cells!r}: {error}") from error
+    if len(values) not in (3, 6):
+        raise InputError(f"{where}: {len(values)} numbers, expected x,y,z,i,j,k")
+    return [scale * v for v in values[:3]] + values[3:]
+
+
+def _combined(nominal: cmm_csv.Points, actual: cmm_csv.Points, source: str) -> xr.Dataset:
+    if not actual:
+        raise InputError(f"{source}: no measured points (FA(...)=FEAT/POINT,CART,...) in it")
+    points: cmm_csv.Points = {}
+    for key, measured in actual.items():
+        name = f"{key[0].upper()}_R{key[1]}_C{key[2]}"
+        if len(nominal.get(key, [])) != 6:
+            raise InputError(f"{source}: FA({name}) has no nominal point F({name}) with its normal")
+        points[key] = [*nominal[key], *measured[:3]]
+    missing = [key for key in nominal if key not in actual]
+    if missing:
+        flank, row, column = missing[0]
+        raise InputError(
+            f"{source}: {len(missing)} points were not measured, the first {flank}, row {row}, col. {column}"
+        )
+    attributes: dict[str, Any] = {"length_unit": "mm"}
+    return cmm_csv.gridded(points, attributes, source)

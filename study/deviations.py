@@ -1,0 +1,121 @@
+"""Deviations of a case's flanks, from wherever the user has them, and the geometry of the pair with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+import xarray as xr
+
+from ..core.errors import InputError
+from ..geometry.deviated_ease_off import deviated_ease_off
+from ..geometry.deviated_surface import deviated_pair
+from ..geometry.deviation import Deviation, deviation_from_dataset
+from ..geometry.formats.measured import SUFFIXES, flank_deviation, read_measured_grid
+from ..geometry.pair import GearPair, PairGeometry, pair_geometry
+from ..geometry.tooth_flanks import MemberName, named_member
+
+Source = Deviation | xr.Dataset | str | Path
+Deviated = Literal["ease_off", "surface"]
+
+
+def shipped_deviations() -> list[str]:
+    """Names of the measured grids that come with the package."""
+    folder = resources.files("easeoff.cases").joinpath("deviations")
+    return sorted(f.name.removesuffix(".csv") for f in folder.iterdir() if f.name.endswith(".csv"))
+
+
+def measured_file(name_or_path: str | Path) -> xr.Dataset:
+    """A measured grid that comes with the package (by name), or of a file (by path).
+
+    Raises
+    ------
+    InputError
+        If there is neither, or the file cannot be used.
+    """
+    name = str(name_or_path)
+    if name in shipped_deviations():
+        with resources.as_file(resources.files("easeoff.cases").joinpath("deviations", f"{name}.csv")) as path:
+            return read_measured_grid(path)
+    if not Path(name).suffix and not Path(name).exists():
+        raise InputError(
+            f"deviation {name!r}: there is no such file ({', '.join(SUFFIXES)}), and the shipped ones are: "
+            f"{', '.join(shipped_deviations())}"
+        )
+    return read_measured_grid(name_or_path)
+
+
+def flank_deviations(pair: GearPair, sources: Mapping[MemberName, Source]) -> dict[str, Deviation]:
+    """Deviations of the loaded flanks of a pair.
+
+    Parameters
+    ----------
+    pair
+        The pair, seen from the flanks in contact.
+    sources
+        By member: a ``Deviation``, a dataset (a measured grid, or ``deviation`` over lengthwise and profile), the path
+        of a measured grid, or the name of a shipped one.
+
+    Raises
+    ------
+    InputError
+        If a source cannot be used, or does not belong to that flank.
+    """
+    found = {}
+    for name, source in sources.items():
+        member = named_member(pair, name)
+        grid = measured_file(source) if isinstance(source, str | Path) else source
+        if isinstance(grid, xr.Dataset):
+            measured = "row" in grid.dims
+            found[str(name)] = (
+                flank_deviation(grid, member) if measured else deviation_from_dataset(member.section, grid)
+            )
+        elif grid.section != member.section:
+            raise InputError(f"the deviation of the {name} was made for another blank: use the section of this member")
+        else:
+            found[str(name)] = grid
+    return found
+
+
+def deviated_geometry(
+    pair: GearPair, nodes: tuple[int, int], deviations: Mapping[str, Deviation], deviated: Deviated = "ease_off"
+) -> PairGeometry:
+    """The geometry of a pair whose flanks deviate.
+
+    Parameters
+    ----------
+    pair
+        The designed pair.
+    nodes
+        Grid nodes lengthwise and along the profile.
+    deviations
+        By member.
+    deviated
+        ``ease_off``: the ease-off of the designed flanks is updated; ``surface``: the flanks themselves deviate.
+
+    Raises
+    ------
+    InputError
+        If the way is unknown; and as ``pair_geometry``.
+    """
+    if deviated not in get_args(Deviated):
+        raise InputError(f"deviated = {deviated!r}: allowed are {', '.join(get_args(Deviated))}")
+    if not deviations:
+        return pair_geometry(pair, nodes)
+    pinion, gear = deviations.get("pinion"), deviations.get("gear")
+    if deviated == "surface":
+        return pair_geometry(deviated_pair(pair, pinion=pinion, gear=gear), nodes)
+    designed = pair_geometry(pair, nodes)
+    return replace(designed, ease_off=deviated_ease_off(pair, designed.ease_off, pinion=pinion, gear=gear))
+
+
+def deviation_attributes(deviations: Mapping[str, Deviation], deviated: str) -> dict[str, float | str]:
+    """What a result says about the deviations it was made with, as netCDF attributes."""
+    if not deviations:
+        return {}
+    largest = {f"largest_deviation_{n}_um": 1e3 * float(np.max(np.abs(d.value))) for n, d in deviations.items()}
+    return {"deviated": deviated, **largest}

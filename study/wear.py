@@ -1,0 +1,245 @@
+"""Wear over many revolutions, the contact computed anew as the flanks change; lapping is wear with its own coefficient.
+
+Archard's law alone is not more than a law of proportion: the coefficient is the user's. It gathers lubrication,
+materials and, in lapping, the compound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..cases.conversion import elastic_model, finite_elements
+from ..cases.model import Case
+from ..cases.reading import read_case
+from ..contact.loaded import loaded_contact, loaded_fields
+from ..contact.segments import lines_in_mesh
+from ..contact.wear import MEMBERS, engagement, integral, on_flank, rolling_fields, touched
+from ..core.attributes import labelled
+from ..core.errors import InputError
+from ..geometry.assembly import Misalignment
+from ..geometry.deviated_ease_off import deviated_ease_off
+from ..geometry.deviation import Deviation
+from ..geometry.ease_off_surface import compute
+from ..geometry.pair import FlankName, GearPair, PairGeometry, grid, pair_geometry
+from ..geometry.rolling import rolling
+from ..geometry.tooth_flanks import MemberName, named_member
+from .analysis import prepared_pair
+from .deviations import Source, flank_deviations
+
+Array = NDArray[Any]
+WEAR_NODES = (49, 33)  # of either flank
+
+
+@dataclass(frozen=True)
+class WearLaw:
+    """How flanks wear, and how far to follow them.
+
+    Parameters
+    ----------
+    pinion_coefficient, gear_coefficient
+        Depth per pressure and sliding way [mm^2/N]: Archard's dimensional coefficient. 1e-12 mm^2/N = 1e-18 m^2/N.
+    revolutions
+        Revolutions of the pinion after which to stop.
+    largest_step
+        Largest depth in one step [um]; between steps the contact is computed anew. The error is of first order in it.
+    largest_depth
+        Depth at which to stop before that [um]; none if left out.
+
+    Raises
+    ------
+    InputError
+        If a number cannot be used.
+    """
+
+    pinion_coefficient: float
+    gear_coefficient: float
+    revolutions: float
+    largest_step: float = 0.5
+    largest_depth: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            coefficient = name.endswith("coefficient")
+            if value is None and name == "largest_depth":
+                continue
+            if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not coefficient):
+                raise InputError(f"{name} = {value}: must be {'zero or more' if coefficient else 'greater than zero'}")
+        if max(self.pinion_coefficient, self.gear_coefficient) > 1e-3:
+            raise InputError(
+                f"wear coefficients {self.pinion_coefficient:g} and {self.gear_coefficient:g}: give them in mm^2/N, "
+                "1e-12 for a well lubricated gear"
+            )
+
+
+def wear(
+    case: Case | str | Path,
+    law: WearLaw,
+    *,
+    torque: float,
+    flank: FlankName = "drive",
+    misalignment: Misalignment | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    solver: str = "auto",
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Wear of both flanks of a pair at one torque.
+
+    Parameters
+    ----------
+    case
+        A checked case, or what ``read_case`` takes.
+    law
+        Coefficients, step and stop.
+    torque
+        Torque at the pinion [N m].
+    flank, misalignment, deviations, solver
+        As in ``analyze``; deviations are those at the start.
+    progress
+        Called after every step with the pinion's revolutions.
+
+    Returns
+    -------
+    xr.Dataset
+        ``wear_depth`` and the flank's whole ``deviation`` (step, member, lengthwise, profile) on either member's own
+        flank, the latter continued where nothing touches, to go on from. Over ``step``, 0 at the start: revolutions,
+        largest depths, removed volume by Archard's law and by integral of the depth, peak to peak and greatest pressure
+        of the loaded contact. Attribute ``stop`` says why it ended.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range.
+    GeometryError
+        If the flanks do not meet, or a contact cannot be solved.
+    """
+    checked = case if isinstance(case, Case) else read_case(case)
+    pair = prepared_pair(checked, flank, misalignment)
+    run = _Run(checked, pair, law, torque, solver, flank_deviations(pair, deviations or {}))
+    history = [run.state()]
+    while run.stop is None:
+        run.step()
+        history.append(run.state())
+        if progress is not None:
+            progress(run.revolutions)
+    result = xr.concat(history, "step", combine_attrs="override").assign_coords(step=np.arange(len(history)))
+    result.attrs = {"stop": run.stop, "title": checked.title, "flank": flank, "torque_Nm": torque, **_attributes(law)}
+    return labelled(result)
+
+
+def _attributes(law: WearLaw) -> dict[str, float]:
+    names = {"revolutions": "", "largest_step": "_um", "largest_depth": "_um"}
+    return {f"{n}{names.get(n, '_mm2_per_N')}": float(v) for n, v in vars(law).items() if v is not None}
+
+
+class _Run:
+    """A pair that wears; what the next step starts from."""
+
+    def __init__(
+        self, case: Case, pair: GearPair, law: WearLaw, torque: float, solver: str, start: dict[str, Deviation]
+    ) -> None:
+        self.case, self.pair, self.law, self.torque, self.solver, self.start = case, pair, law, torque, solver, start
+        settings = case.contact
+        self.nodes = (settings.lengthwise_nodes, settings.profile_nodes)
+        self.model = elastic_model(case, finite_elements(case, pair))
+        self.designed: PairGeometry = pair_geometry(pair, self.nodes)
+        surface = compute(pair.gear.flank(*grid(self.nodes)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+        motion = {name: value.reshape(self.nodes) for name, value in vars(rolling(surface)).items()}
+        self.motion = rolling_fields(self.designed.ease_off, motion)
+        self.t, self.h = grid(WEAR_NODES)
+        flanks = {name: named_member(pair, name).flank(self.t, self.h) for name in MEMBERS}
+        self.positions = {n: np.moveaxis(f.position.reshape(3, *WEAR_NODES), 0, -1) for n, f in flanks.items()}
+        self.depth = {name: np.zeros(WEAR_NODES) for name in MEMBERS}
+        self.volume = dict.fromkeys(MEMBERS, 0.0)
+        self.revolutions = 0.0
+        self.stop: str | None = None
+        self.touched: dict[str, NDArray[np.bool_]] = {}
+        self._solve()
+
+    def _deviation(self, name: str) -> Deviation:
+        """The flank as it is now."""
+        section = named_member(self.pair, name).section
+        t, h = np.meshgrid(self.t, self.h, indexing="ij")
+        start = self.start[name].at(t, h) if name in self.start else 0.0
+        axial, radial = section.points(t, h)
+        return Deviation(section, axial, radial, start - self.depth[name])
+
+    def _solve(self) -> None:
+        """The contact of the flanks as they are now, and what an engagement takes off them."""
+        settings, designed = self.case.contact, self.designed
+        now = {name: self._deviation(name) for name in MEMBERS}
+        ease_off = deviated_ease_off(self.pair, designed.ease_off, pinion=now["pinion"], gear=now["gear"])
+        fields = loaded_fields(designed.flanks, ease_off, designed.teeth)
+        pitch = self.pair.assembly.pinion_pitch
+        self.loaded, _ = loaded_contact(
+            fields,
+            designed.teeth,
+            lines_in_mesh(fields, pitch, settings.mesh_positions),
+            ratio=self.pair.assembly.ratio,
+            torques=np.array([self.torque]),
+            model=self.model,
+            segments_per_line=settings.segments_per_line,
+            solver=self.solver,
+        )
+        once = engagement(self.loaded, self.motion, pitch, settings.segments_per_line)
+        if not self.touched:
+            self.touched = {name: touched(once, name, self.t, self.h) for name in MEMBERS}
+        # A tooth of the gear meets the pinion once in a revolution of the gear.
+        per_revolution = {
+            "pinion": self.law.pinion_coefficient,
+            "gear": self.law.gear_coefficient / self.pair.assembly.ratio,
+        }
+        self.rate = {name: k * on_flank(once, name, self.t, self.h) for name, k in per_revolution.items()}
+        self.volume_rate = {name: k * once.work for name, k in per_revolution.items()}
+
+    def step(self) -> None:
+        """As many revolutions as the step control allows."""
+        law = self.law
+        fastest = max(float(np.max(rate[self.touched[n]])) for n, rate in self.rate.items())
+        if fastest == 0.0:
+            self.stop = "nothing wears"
+            return
+        revolutions = min(1e-3 * law.largest_step / fastest, law.revolutions - self.revolutions)
+        if law.largest_depth is not None:
+            left = min(self._until(1e-3 * law.largest_depth, name) for name in MEMBERS)
+            if left <= revolutions:
+                revolutions, self.stop = left, "largest depth reached"
+        for name in MEMBERS:
+            self.depth[name] = self.depth[name] + revolutions * self.rate[name]
+            self.volume[name] += revolutions * self.volume_rate[name]
+        self.revolutions += revolutions
+        if self.stop is None and self.revolutions >= law.revolutions * (1.0 - 1e-12):
+            self.stop = "all revolutions done"
+        self._solve()
+
+    def _until(self, depth: float, name: str) -> float:
+        """Revolutions until a flank is as deep as this [mm], at the present rate."""
+        where = self.touched[name] & (self.rate[name] > 0.0)
+        left = (depth - self.depth[name][where]) / self.rate[name][where]
+        return max(float(np.min(left, initial=np.inf)), 0.0)
+
+    def state(self) -> xr.Dataset:
+        """Where the wear stands."""
+        own = ("member", "lengthwise", "profile")
+        # Beyond the contact lines the depth is continued for the sake of the splines; nothing wears there.
+        depth = {name: np.where(self.touched[name], self.depth[name], 0.0) for name in MEMBERS}
+        integrals = [integral(depth[n], self.positions[n], self.t, self.h) for n in MEMBERS]
+        return xr.Dataset(
+            {
+                "wear_depth": (own, 1e3 * np.stack([depth[n] for n in MEMBERS])),
+                "deviation": (own, 1e3 * np.stack([self._deviation(n).value for n in MEMBERS])),
+                "revolutions": ((), self.revolutions),
+                "largest_depth": ("member", [1e3 * float(depth[n].max()) for n in MEMBERS]),
+                "removed_volume": ("member", [self.volume[n] for n in MEMBERS]),
+                "depth_integral": ("member", integrals),
+                "peak_to_peak": ((), float(self.loaded["peak_to_peak"][0])),
+                "max_pressure": ((), float(self.loaded["max_pressure"][0])),
+            },
+            coords={"member": list(MEMBERS), "lengthwise": self.t, "profile": self.h},
+        )

@@ -1,0 +1,259 @@
+"""Measured grids: what is written is read, other units and forms mean the same, and every mix-up is told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from deviations import GEAR_ERRORS
+
+import easeoff
+from easeoff.cases import gear_pair
+from easeoff.core.errors import InputError
+from easeoff.geometry import GearPair
+from easeoff.geometry.deviation import deviation_from_formula
+from easeoff.geometry.formats import (
+    cmm_points,
+    flank_deviation,
+    measured_grid,
+    read_measured_grid,
+    write_cmm_points,
+    write_measured_grid,
+)
+from easeoff.geometry.tooth_flanks import tooth_angle
+from easeoff.study.cli import main
+
+FORMS = (".csv", ".nc", ".dmi")
+
+
+@cache
+def pair() -> GearPair:
+    return gear_pair(easeoff.read_case("fm-11x41"), "drive")
+
+
+@cache
+def points(rows: int = 5, columns: int = 9) -> xr.Dataset:
+    return cmm_points(pair().gear, rows, columns, tooth_angle=tooth_angle(pair(), "gear"))
+
+
+@cache
+def grid(rows: int = 5, columns: int = 9) -> xr.Dataset:
+    """Both flanks of the gear, the convex one with the errors of the tests."""
+    nominal = points(rows, columns)
+    place = nominal["position"].values
+    fractions = pair().gear.section.fractions(place[..., 2], np.hypot(place[..., 0], place[..., 1]))
+    return measured_grid(nominal, GEAR_ERRORS(*fractions)).assign_attrs(member="gear")
+
+
+@pytest.mark.parametrize("suffix", FORMS)
+@pytest.mark.parametrize("size", [(5, 9), (3, 7), (12, 4)])
+def test_a_grid_of_any_size_is_read_as_it_was_written(suffix: str, size: tuple[int, int], tmp_path: Path) -> None:
+    path = tmp_path / f"gear{suffix}"
+    write_measured_grid(grid(*size), path)
+    again = read_measured_grid(path)
+    tolerance = 2e-7 if suffix == ".dmi" else 0.0  # of um; DMIS holds coordinates, here to 1e-10 mm
+    np.testing.assert_allclose(again["deviation"].values, grid(*size)["deviation"].values, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(again["position"].values, grid(*size)["position"].values, rtol=0, atol=1e-10)
+    deviation = flank_deviation(again, pair().gear)
+    formula = deviation_from_formula(pair().gear.section, GEAR_ERRORS)
+    t, h = np.array([0.2, 0.5, 0.85]), np.array([0.8, 0.5, 0.3])
+    np.testing.assert_allclose(deviation.at(t, h), formula.at(t, h), rtol=0, atol=1e-5)
+
+
+def csv(tmp_path: Path) -> Path:
+    """The grid as a text file."""
+    path = tmp_path / "gear.csv"
+    write_measured_grid(grid(), path)
+    return path
+
+
+def rewritten(tmp_path: Path, change: Callable[[list[str]], list[str]]) -> Path:
+    """A text file whose cells went through a function, a list for each point."""
+    path = csv(tmp_path)
+    head = [line for line in path.read_text().splitlines() if line.startswith("#")]
+    body = [line.split(",") for line in path.read_text().splitlines() if not line.startswith("#")]
+    changed = [body[0], *(change(cells) for cells in body[1:])]
+    path.write_text("\n".join([*head, *(",".join(cells) for cells in changed)]) + "\n")
+    return path
+
+
+def test_a_file_of_nominal_points_can_be_filled_in(tmp_path: Path) -> None:
+    """The way of the workshop: `easeoff export`, measure, add a column."""
+    path = tmp_path / "gear.csv"
+    write_cmm_points(points(), path)
+    values = iter(grid()["deviation"].values.ravel())
+    lines = path.read_text().splitlines()
+    filled = [
+        line if line.startswith("#") else f"{line},{'deviation' if line.startswith('flank') else float(next(values))!r}"
+        for line in lines
+    ]
+    path.write_text("\n".join(filled).replace(",'deviation'", ",deviation"))
+    np.testing.assert_array_equal(read_measured_grid(path)["deviation"].values, grid()["deviation"].values)
+
+
+def test_measured_coordinates_stand_for_the_deviations(tmp_path: Path) -> None:
+    path = csv(tmp_path)
+    lines = path.read_text().splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("flank,"))
+    lines[start] = lines[start].replace("deviation", "measured_x,measured_y,measured_z")
+    for i in range(start + 1, len(lines)):
+        cells = lines[i].split(",")
+        place, normal, d = np.array(cells[3:6], float), np.array(cells[6:9], float), float(cells[9])
+        lines[i] = ",".join([*cells[:9], *(repr(float(v)) for v in place + 1e-3 * d * normal)])
+    path.write_text("\n".join(lines))
+    np.testing.assert_allclose(
+        read_measured_grid(path)["deviation"].values, grid()["deviation"].values, rtol=0, atol=1e-9
+    )
+    lines[-1] = ",".join([*lines[-1].split(",")[:9], "1.0", "2.0", "3.0"])
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match="beside the normals"):
+        read_measured_grid(path)
+
+
+def test_millimetres_are_read_if_said_and_noticed_if_not(tmp_path: Path) -> None:
+    def in_mm(cells: list[str]) -> list[str]:
+        return [*cells[:9], repr(1e-3 * float(cells[9]))]
+
+    path = rewritten(tmp_path, in_mm)
+    with pytest.raises(InputError, match=r"less than can be measured. If the values are in mm, say so"):
+        read_measured_grid(path)
+    path.write_text(path.read_text().replace("# deviation_unit: um", "# deviation_unit: mm"))
+    np.testing.assert_allclose(
+        read_measured_grid(path)["deviation"].values, grid()["deviation"].values, rtol=1e-12, atol=1e-12
+    )
+    path.write_text(path.read_text().replace("# deviation_unit: mm", "# deviation_unit: inch"))
+    with pytest.raises(InputError, match="allowed are um and mm"):
+        read_measured_grid(path)
+
+
+def test_nanometres_are_noticed(tmp_path: Path) -> None:
+    path = rewritten(tmp_path, lambda cells: [*cells[:9], repr(1e3 * float(cells[9]))])
+    with pytest.raises(InputError, match="up to 1000 um are allowed"):
+        read_measured_grid(path)
+
+
+def test_a_hole_in_the_grid_is_refused(tmp_path: Path) -> None:
+    path = rewritten(tmp_path, lambda cells: [*cells[:9], "nan" if cells[:3] == ["convex", "2", "4"] else cells[9]])
+    with pytest.raises(InputError, match=r"line .*no finite number"):
+        read_measured_grid(path)
+    holed = grid()["deviation"].values.copy()
+    holed[1, 1, 3] = np.nan
+    with pytest.raises(InputError, match="convex flank in row 2, column 4"):
+        measured_grid(points(), holed)
+    path = csv(tmp_path)
+    path.write_text("\n".join(path.read_text().splitlines()[:-1]))
+    with pytest.raises(InputError, match="no point in row 5, column 9"):
+        read_measured_grid(path)
+
+
+def test_a_grid_of_another_size_is_refused() -> None:
+    with pytest.raises(InputError, match=r"5 rows x 9 columns.*rows and columns seem to be exchanged"):
+        measured_grid(points(), grid()["deviation"].values.transpose(0, 2, 1))
+    with pytest.raises(InputError, match="5 rows x 9 columns"):
+        measured_grid(points(), np.ones((2, 4, 9)))
+
+
+def test_exchanged_or_reversed_rows_and_columns_are_noticed(tmp_path: Path) -> None:
+    exchanged = rewritten(tmp_path, lambda cells: [cells[0], cells[2], cells[1], *cells[3:]])
+    with pytest.raises(InputError, match="rows and columns of the measured grid are exchanged"):
+        flank_deviation(read_measured_grid(exchanged), pair().gear)
+    reversed_columns = rewritten(tmp_path, lambda cells: [*cells[:2], str(10 - int(cells[2])), *cells[3:]])
+    with pytest.raises(InputError, match=r"columns.*wrong way.*toe to heel"):
+        flank_deviation(read_measured_grid(reversed_columns), pair().gear)
+    reversed_rows = rewritten(tmp_path, lambda cells: [cells[0], str(6 - int(cells[1])), *cells[2:]])
+    with pytest.raises(InputError, match=r"rows.*wrong way.*root to tip"):
+        flank_deviation(read_measured_grid(reversed_rows), pair().gear)
+
+
+def test_a_flank_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+    path = rewritten(tmp_path, lambda cells: ["left", *cells[1:]])
+    with pytest.raises(InputError, match="flank 'left': allowed are 'concave' and 'convex'"):
+        read_measured_grid(path)
+    only = grid().sel(flank=["concave"])
+    with pytest.raises(InputError, match="no convex flank, which is the one in contact; it has concave"):
+        flank_deviation(only, pair().gear)
+
+
+def test_the_grid_of_another_gear_is_refused() -> None:
+    with pytest.raises(InputError, match="no points of the concave flank of this case"):
+        flank_deviation(grid(), pair().pinion)
+    other = gear_pair(easeoff.read_case("nasa-12x36"), "drive").gear
+    with pytest.raises(InputError, match="no points of the convex flank of this case"):
+        flank_deviation(grid(), other)
+    inches = grid().assign(position=grid()["position"] / 25.4)
+    with pytest.raises(InputError, match="and in mm"):
+        flank_deviation(inches, pair().gear)
+
+
+def test_files_of_other_programs_are_refused_with_a_way_out(tmp_path: Path) -> None:
+    for name, reason in (("a.xml", "VDI/VDE 2610"), ("a.gde", "not public"), ("a.qif", "23952"), ("a.xlsx", "")):
+        with pytest.raises(InputError, match=rf"read and written as .*{reason}.*easeoff export"):
+            read_measured_grid(tmp_path / name)
+    with pytest.raises(InputError, match="there is no such file"):
+        read_measured_grid(tmp_path / "missing.csv")
+    write_cmm_points(points(), tmp_path / "nominal.csv")
+    with pytest.raises(InputError, match="nothing measured: add a column 'deviation'"):
+        read_measured_grid(tmp_path / "nominal.csv")
+
+
+def test_a_dmis_file_of_another_hand_is_read(tmp_path: Path) -> None:
+    """Inches, comments, continued lines, other statements, other separators in the labels."""
+    path = tmp_path / "gear.dmi"
+    write_measured_grid(grid(), path)
+    lines = (
+        path.read_text().replace("UNITS/MM", "UNITS/INCH").replace("_R", " row ").replace("_C", " col ").splitlines()
+    )
+    for i, line in enumerate(lines):
+        if "=FEAT" in line:
+            head, *cells = line.split(",")
+            inches = [f"{float(v) / 25.4:.12f}" for v in cells[1:4]]
+            lines[i] = f"{head},{cells[0]},{','.join(inches)},$ $$ continued\n{','.join(cells[4:])} $$ normal"
+    lines.insert(2, "MODE/PROG,MAN")
+    path.write_text("\n".join(lines))
+    again = read_measured_grid(path)
+    np.testing.assert_allclose(again["deviation"].values, grid()["deviation"].values, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("UNITS/MM,ANGDEC", "", "before any UNITS"),
+        ("UNITS/MM", "UNITS/YARD", "unit 'YARD'"),
+        ("F(CONCAVE_R1_C1)", "F(POINT1)", "expected flank, row and column"),
+        ("F(CONCAVE_R1_C2)", "F(CONCAVE_R1_C1)", "a second F"),
+        ("FA(CONCAVE_R2_C3)=FEAT/POINT", "FA(CONCAVE_R2_C3)=FEAT/PLANE", "1 points were not measured"),
+    ],
+)
+def test_mistakes_in_a_dmis_file_are_named(old: str, new: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "gear.dmi"
+    write_measured_grid(grid(), path)
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(InputError, match=message):
+        read_measured_grid(path)
+
+
+def test_the_command_line_takes_measured_grids(tmp_path: Path) -> None:
+    write_measured_grid(grid(), tmp_path / "gear.csv")
+    out = tmp_path / "out.nc"
+    common = ["run", "fm-11x41", "--torque", "200", "-o", str(out)]
+    done = CliRunner().invoke(main, [*common, "--deviation", f"gear={tmp_path / 'gear.csv'}"])
+    assert done.exit_code == 0, done.output
+    tree = easeoff.read_result(out)
+    by_python = easeoff.analyze("fm-11x41", torques=[200.0], deviations={"gear": grid()})
+    assert tree.attrs["largest_deviation_gear_um"] == pytest.approx(np.max(np.abs(grid()["deviation"].values[1])))
+    np.testing.assert_array_equal(
+        tree["loaded"]["transmission_error"].values, by_python["loaded"]["transmission_error"].values
+    )
+    for text, message in (
+        ("gear.csv", "give pinion=FILE or gear=FILE"),
+        ("gear=nowhere", "there is no such file"),
+        (f"pinion={tmp_path / 'gear.csv'}", "no points of the concave flank"),
+    ):
+        wrong = CliRunner().invoke(main, [*common, "--deviation", text])
+        assert wrong.exit_code == 2
+        assert message in wrong.output.replace("\n", " ")

@@ -1,0 +1,112 @@
+"""The two examples of the dissertation's chapter 4: shipped grids, sizes and trends of its Tables 4.2 and 4.4."""
+
+from __future__ import annotations
+
+import importlib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import easeoff
+from easeoff.study.cli import main
+from easeoff.study.deviations import measured_file, shipped_deviations
+
+DOCS = Path(__file__).parents[1] / "docs"
+GREATEST = {  # um of missing metal; Kolivand 2009, sections 4.5.1 and 4.5.2
+    "fm-11x41-worn-pinion": 10.0,
+    "fm-11x41-worn-gear": 5.0,
+    "fh-12x41-45-measured-pinion": 50.0,
+    "fh-12x41-45-measured-gear": 25.0,
+}
+CASES = {"worn": "fm-11x41", "measured": "fh-12x41-45"}
+
+
+@cache
+def analysed(example: str, deviating: bool) -> xr.DataTree:
+    case = CASES[example]
+    files: Any = {m: f"{case}-{example}-{m}" for m in ("pinion", "gear")} if deviating else None
+    return easeoff.analyze(case, torques=[200.0], deviations=files)
+
+
+def growth(example: str) -> tuple[float, float]:
+    """Peak to peak with deviations over that without: unloaded, and at 200 N m."""
+    trees = [analysed(example, deviating) for deviating in (True, False)]
+    unloaded = [float(tree["unloaded"].attrs["peak_to_peak"]) for tree in trees]
+    loaded = [float(tree["loaded"].to_dataset()["peak_to_peak"][0]) for tree in trees]
+    return unloaded[0] / unloaded[1], loaded[0] / loaded[1]
+
+
+def test_every_shipped_grid_has_the_greatest_deviation_of_the_dissertation() -> None:
+    assert shipped_deviations() == sorted(GREATEST)
+    for name, wanted in GREATEST.items():
+        grid = measured_file(name)
+        missing = -grid["deviation"].values[0]
+        # At the edge of the flank; the 5 x 9 grid keeps a tenth clear of it.
+        assert 0.75 * wanted < missing.max() <= wanted + 1.0
+        assert "made to resemble" in grid.attrs["source"]
+        if "measured" in name:
+            assert missing.shape == (5, 9)
+    # Greatest at heel and top of the pinion, and at toe and root of the gear.
+    pinion = -measured_file("fh-12x41-45-measured-pinion")["deviation"].values[0]
+    gear = -measured_file("fh-12x41-45-measured-gear")["deviation"].values[0]
+    assert np.unravel_index(pinion.argmax(), pinion.shape) == (4, 8)
+    assert np.unravel_index(gear.argmax(), gear.shape) == (0, 0)
+
+
+def test_the_shipped_grids_are_those_of_the_script(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """If not: run docs/make_real_flanks.py."""
+    monkeypatch.syspath_prepend(DOCS)
+    examples = importlib.import_module("real_flanks_examples")
+    shipped = examples.FOLDER
+    monkeypatch.setattr(examples, "FOLDER", tmp_path)
+    examples.write_examples()
+    for name in GREATEST:
+        made, there = (easeoff.geometry.formats.read_measured_grid(f / f"{name}.csv") for f in (tmp_path, shipped))
+        np.testing.assert_array_equal(made["deviation"].values, there["deviation"].values)
+        np.testing.assert_allclose(made["position"].values, there["position"].values, rtol=0, atol=2e-7)
+
+
+def test_worn_flanks_lower_both_errors_and_relieve_the_edge() -> None:
+    """Table 4.2: 21.1 to 15.0 and 14.2 to 10.2 urad; figure 4.9: less pressure at the gear's root."""
+    unloaded, loaded = growth("worn")
+    assert 0.6 < unloaded < 0.95
+    assert 0.6 < loaded < 0.95
+    roots = []
+    for deviating in (False, True):
+        here = analysed("worn", deviating)["loaded"].to_dataset()
+        roots.append(float(here["pressure"].where(here["profile"] < 0.3).max()))
+    assert roots[1] < 0.95 * roots[0]
+
+
+def test_the_measured_deviation_raises_both_errors() -> None:
+    """Table 4.4: 36.9 to 61.5 and 23.9 to 29.8 urad."""
+    unloaded, loaded = growth("measured")
+    assert 1.3 < unloaded < 2.2
+    assert 1.1 < loaded < 2.0
+
+
+def test_the_update_stands_up_to_the_surfaces_on_both_examples() -> None:
+    for example, case in CASES.items():
+        files: Any = {m: f"{case}-{example}-{m}" for m in ("pinion", "gear")}
+        exact = easeoff.analyze(case, torques=[200.0], deviations=files, deviated="surface")
+        update = analysed(example, True)
+        swing = [t["unloaded"].attrs["peak_to_peak"] for t in (update, exact)]
+        assert swing[0] == pytest.approx(swing[1], abs=0.6)
+        ours, theirs = (float(t["loaded"].to_dataset()["max_pressure"][0]) for t in (update, exact))
+        assert ours == pytest.approx(theirs, rel=0.02)
+        assert np.all(exact["loaded"]["status"].values == 0)
+
+
+def test_the_command_line_names_errors_and_corrections() -> None:
+    done = CliRunner().invoke(main, ["correct", "fh-12x41-45", "--deviation", "gear=fh-12x41-45-measured-gear"])
+    assert done.exit_code == 0, done.output
+    for word in ("twist", "pressure_angle", "machine_root_angle", "after the correction"):
+        assert word in done.output
+    missing = CliRunner().invoke(main, ["correct", "fh-12x41-45", "--deviation", "gear=nothing"])
+    assert missing.exit_code == 2
+    assert "the shipped ones are: fh-12x41-45-measured-gear" in missing.output

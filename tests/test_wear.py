@@ -1,0 +1,179 @@
+"""Wear: what is worn off is what Archard's law says, whichever way it is added up, and the steps converge."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import easeoff
+from easeoff.cases import Case
+from easeoff.contact.fields import FlankFields
+from easeoff.contact.wear import Engagement, engagement, on_flank, rolling_fields, touched
+from easeoff.core.errors import GeometryError, InputError
+from easeoff.geometry import pair_geometry
+from easeoff.geometry.ease_off_surface import compute
+from easeoff.geometry.pair import grid
+from easeoff.geometry.rolling import rolling
+from easeoff.study.analysis import prepared_pair
+from easeoff.study.wear import WearLaw, wear
+
+SEGMENTS = 15
+NODES = (21, 15)
+
+
+@cache
+def small_case(mesh_positions: int = 8) -> Case:
+    case = easeoff.read_case("fm-11x41")
+    coarse = {"lengthwise_nodes": 21, "profile_nodes": 15, "segments_per_line": SEGMENTS}
+    contact = case.contact.model_copy(update={**coarse, "mesh_positions": mesh_positions})
+    return case.model_copy(update={"contact": contact})
+
+
+@cache
+def moving_fields() -> FlankFields:
+    pair = prepared_pair(small_case(), "drive", None)
+    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
+    return rolling_fields(pair_geometry(pair, NODES).ease_off, motion)
+
+
+@cache
+def one_engagement(mesh_positions: int) -> tuple[Engagement, xr.Dataset]:
+    case = small_case(mesh_positions)
+    pair = prepared_pair(case, "drive", None)
+    tree = easeoff.analyze(case, torques=[200.0])
+    loaded = tree["loaded"].to_dataset()
+    return engagement(loaded, moving_fields(), pair.assembly.pinion_pitch, SEGMENTS), loaded
+
+
+@cache
+def worn(largest_step: float, pinion: float = 1e-12, gear: float = 1e-12) -> xr.Dataset:
+    return wear(small_case(), WearLaw(pinion, gear, 3e7, largest_step), torque=200.0)
+
+
+def test_sliding_is_that_of_the_friction() -> None:
+    """Two computations of their own: here from the conjugate motion, there from velocities at the segments."""
+    case, speed = small_case(), 1000.0
+    tree = easeoff.analyze(case, torques=[200.0], speed=speed)
+    found = tree["friction"].to_dataset()["sliding_velocity"].isel(speed=0).values
+    loaded = tree["loaded"].to_dataset().isel(torque=0)
+    use = np.isfinite(loaded["length"].values)
+    place = np.stack([loaded[name].values[use] for name in ("lengthwise", "profile")])
+    sliding = moving_fields().evaluate(["sliding"], place)["sliding"]
+    np.testing.assert_allclose(1e-3 * sliding * speed * np.pi / 30.0, found[use], rtol=1e-3)
+
+
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_depth_times_area_is_force_times_sliding(member: str) -> None:
+    """The volume of a tooth from line loads, area by area, is that from forces and ways."""
+    found, _ = one_engagement(8)
+    assert float(np.sum(found.passing[member] * found.area[member])) == pytest.approx(found.work, rel=1e-12)
+
+
+def test_the_lines_sweep_the_whole_common_flank() -> None:
+    """Areas swept by the lines add up to the area of the flank between them, on either member."""
+    found, _ = one_engagement(32)
+    pair = prepared_pair(small_case(), "drive", None)
+    for member in ("pinion", "gear"):
+        t, h = np.linspace(0, 1, 101), np.linspace(0, 1, 67)
+        flank = getattr(pair, member).flank(t, h)
+        position = np.moveaxis(flank.position.reshape(3, 101, 67), 0, -1)
+        density = np.linalg.norm(np.cross(np.gradient(position, t, axis=0), np.gradient(position, h, axis=1)), axis=-1)
+        inside = touched(found, member, t, h)
+        area = float(np.sum(density[inside])) * (t[1] - t[0]) * (h[1] - h[0])
+        assert float(np.sum(found.area[member])) == pytest.approx(area, rel=0.03)
+
+
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_the_field_on_the_flank_keeps_the_volume(member: str) -> None:
+    found, _ = one_engagement(32)
+    t, h = np.linspace(0, 1, 201), np.linspace(0, 1, 133)
+    field = on_flank(found, member, t, h)
+    i, j = (np.round(f * (n - 1)).astype(int) for f, n in zip(found.place[member], (201, 133), strict=True))
+    at_samples = field[np.clip(i, 0, 200), np.clip(j, 0, 132)]
+    assert float(np.sum(found.area[member] * at_samples)) == pytest.approx(found.work, rel=5e-3)
+    assert np.all(field >= 0.0)
+
+
+def test_removed_volume_is_the_integral_of_the_depth() -> None:
+    history = worn(0.5)
+    removed, integrated = history["removed_volume"].values[1:], history["depth_integral"].values[1:]
+    np.testing.assert_allclose(integrated, removed, rtol=0.04)
+    # Both teeth of one engagement lose the same; the gear's meets as many times fewer as it has more teeth.
+    np.testing.assert_allclose(removed[:, 1], removed[:, 0] * 11 / 41, rtol=1e-12)
+
+
+def test_halving_the_step_halves_the_error() -> None:
+    """First order: successive differences of the depth at the same revolutions halve."""
+    depths = [worn(step)["wear_depth"].values[-1] for step in (2.0, 1.0, 0.5)]
+    assert worn(2.0).sizes["step"] < worn(1.0).sizes["step"] < worn(0.5).sizes["step"]
+    coarse, fine = (float(np.sqrt(np.mean((a - b) ** 2))) for a, b in (depths[:2], depths[1:]))
+    assert 1.5 < coarse / fine < 2.5
+    for step in (2.0, 1.0, 0.5):
+        history = worn(step)
+        assert history["revolutions"].values[-1] == pytest.approx(3e7, rel=1e-12)
+        assert np.max(np.diff(history["wear_depth"].values, axis=0)) <= step * (1.0 + 1e-9)
+        assert history.attrs["stop"] == "all revolutions done"
+
+
+def test_wear_begins_in_proportion_to_the_coefficient() -> None:
+    """Twice the coefficient for half the revolutions is the same, lapping or not; none wears nothing."""
+    first = wear(small_case(), WearLaw(1e-12, 2e-12, 1e6, 5.0), torque=200.0)
+    second = wear(small_case(), WearLaw(2e-6, 4e-6, 0.5, 5.0), torque=200.0)
+    np.testing.assert_allclose(second["wear_depth"].values, first["wear_depth"].values, rtol=1e-10, atol=1e-12)
+    still = wear(small_case(), WearLaw(0.0, 0.0, 1e6), torque=200.0)
+    assert still.attrs["stop"] == "nothing wears"
+    assert np.all(still["wear_depth"].values == 0.0)
+
+
+def test_a_run_goes_on_from_where_another_ended() -> None:
+    """As lapping does from one position to the next: the deviations left are those to start from."""
+    law = WearLaw(1e-12, 1e-12, 4e6, 10.0)
+    first = wear(small_case(), law, torque=200.0)
+    step = float(first["largest_depth"].max())
+    whole = wear(small_case(), WearLaw(1e-12, 1e-12, 8e6, step), torque=200.0)
+    left: Any = {m: first[["deviation"]].isel(step=-1).sel(member=m) for m in ("pinion", "gear")}
+    second = wear(small_case(), law, torque=200.0, deviations=left)
+    both = first["removed_volume"].values[-1] + second["removed_volume"].values[-1]
+    np.testing.assert_allclose(both, whole["removed_volume"].values[-1], rtol=1e-3)
+    np.testing.assert_allclose(second["deviation"].values[-1], whole["deviation"].values[-1], rtol=0, atol=0.03)
+
+
+def test_it_stops_at_the_largest_depth() -> None:
+    law = WearLaw(1e-12, 0.0, 1e12, 1.0, 1.7)
+    history = wear(small_case(), law, torque=200.0)
+    assert history.attrs["stop"] == "largest depth reached"
+    assert float(history["largest_depth"].max()) == pytest.approx(1.7, rel=1e-9)
+    assert np.all(history["wear_depth"].sel(member="gear").values == 0.0)
+
+
+def test_wear_takes_where_load_and_sliding_are() -> None:
+    found, loaded = one_engagement(8)
+    force = loaded["force"].isel(torque=0).values
+    present = np.isfinite(loaded["length"].isel(torque=0).values)
+    np.testing.assert_array_equal(found.passing["gear"] > 0.0, force[present] > 0.0)
+    history = worn(0.5)
+    assert np.all(np.diff(history["wear_depth"].values, axis=0) >= -1e-12)
+    assert history["wear_depth"].attrs["units"] == "um"
+
+
+def test_bad_input_is_refused() -> None:
+    for arguments, message in (
+        ((-1.0, 1.0, 1.0), "pinion_coefficient = -1.0: must be zero or more"),
+        ((1e-12, 1e-12, 0.0), "revolutions = 0.0: must be greater than zero"),
+        ((1e-12, 1e-12, 1.0, np.nan), "largest_step"),
+        ((1.0, 1e-12, 1.0), "mm\\^2/N"),
+    ):
+        with pytest.raises(InputError, match=message):
+            WearLaw(*arguments)
+    found, loaded = one_engagement(8)
+    assert found.work > 0.0
+    unsolved = loaded.copy(deep=True)
+    unsolved["force"].values[0, 3] = np.nan
+    pair = prepared_pair(small_case(), "drive", None)
+    with pytest.raises(GeometryError, match="not solved at every mesh position"):
+        engagement(unsolved, moving_fields(), pair.assembly.pinion_pitch, SEGMENTS)
