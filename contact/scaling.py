@@ -100,6 +100,11 @@ class ScaledPair:
         return int(self.problem.compliance[1].shape[1])
 
     @property
+    def is_compressed(self) -> bool:
+        """Whether the compressed V is known already."""
+        return "modal_basis" in vars(self.problem)
+
+    @property
     def modal_basis(self) -> ModalBasis:
         """V compressed by blocks, in the unit of the problem."""
         basis = self.problem.modal_basis

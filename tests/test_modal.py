@@ -311,14 +311,21 @@ def test_matrix_is_never_formed(monkeypatch: pytest.MonkeyPatch) -> None:
         assert solve(problem, method="modal").status is Status.CERTIFIED
 
 
-@pytest.mark.parametrize(("size", "compiled", "first"), [(60, False, ""), (60, True, "modal"), (240, False, "modal")])
-def test_what_is_faster_comes_first(size: int, compiled: bool, first: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("size", "compiled", "compressed", "first"),
+    [(60, False, True, ""), (60, True, False, ""), (60, True, True, "modal"), (240, False, False, "modal")],
+)
+def test_what_is_faster_comes_first(
+    size: int, compiled: bool, compressed: bool, first: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Calling numpy costs the modal method more than small dense matrices cost the active set."""
     monkeypatch.setattr(native, "compiled_kernel", lambda: object() if compiled else None)
     monkeypatch.setattr(modal_newton, "compiled_kernel", lambda: None)
     along = np.linspace(-1.0, 1.0, size)
     factor = np.asarray(1e-3 * np.polynomial.legendre.legvander(along, 5), dtype=np.float64)
     problem = ContactProblem(0.01 * along**2, np.full(size, 40.0), 1e5, (np.full(size, 1e-6), factor))
+    if compressed:
+        assert problem.modal_basis is not None
     solution = solve(problem)
     assert solution.certified
     assert solution.message == first

@@ -2,7 +2,8 @@
 
 1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
    from the Winkler estimate.
-2. Primal-dual active set, from the same start. It comes first where the problem is small and numba is not installed.
+2. Primal-dual active set, from the same start. It comes first where the problem is small, unless the modes are
+   compressed already and numba is installed.
 3. Primal active set, which cannot cycle.
 4. Interior point, with an exact polish on the active set it finds.
 
@@ -29,8 +30,9 @@ from .primal_dual_active_set import primal_dual_active_set
 
 #: Methods by name, in the order of the cascade.
 METHODS = ("modal", "primal_dual_active_set", "primal_active_set", "interior_point")
-#: Number of segments up to which the dense active set is faster than the modal method without numba.
-DENSE_WITHOUT_NUMBA = 200
+#: Number of segments up to which the dense active set is faster than numpy's part of the modal method: compressing the
+#: modes, and without numba the iteration.
+DENSE_FIRST = 200
 
 
 def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[str, Any]) -> Iterator[ScaledAnswer]:
@@ -59,7 +61,8 @@ def answers(problem: ScaledProblem, active: NDArray[np.bool_], settings: dict[st
 
 
 def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
-    if problem.separation.size > DENSE_WITHOUT_NUMBA or compiled_kernel() is not None:
+    ready = problem.pair is not None and problem.pair.is_compressed and compiled_kernel() is not None
+    if problem.separation.size > DENSE_FIRST or ready:
         return METHODS
     modal, dense, *others = METHODS
     return (dense, modal, *others)
