@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from ..contact.bending import ElasticModel
 from ..contact.compliance import ElasticFoundation, Material
+from ..contact.compliance.finite_elements.members import FiniteElementTooth, finite_element_tooth
 from ..core.errors import GeometryError, InputError
 from ..geometry.assembly import Assembly, Misalignment
 from ..geometry.basic_settings import blank_section
@@ -171,15 +172,44 @@ def ease_off_target(table: TargetTable) -> EaseOffTarget:
     return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
-def elastic_model(case: Case) -> ElasticModel:
-    """How the teeth of a case give way."""
-    table = case.compliance
+def materials(case: Case) -> tuple[Material, Material]:
+    """Materials of pinion and gear."""
     pinion, gear = (
         Material(member.material.elastic_modulus, member.material.poisson_ratio) for member in (case.pinion, case.gear)
     )
+    return pinion, gear
+
+
+def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
+    """Teeth of pinion and gear by finite elements, or ``None`` if the case wants shells.
+
+    Raises
+    ------
+    GeometryError
+        If a tooth cannot be filled with bricks.
+    """
+    table = case.compliance
+    if table.model == "shell":
+        return None
+    pinion, gear = materials(case)
+    options: dict[str, Any] = {"fineness": table.fineness, "rim_depth": table.rim_depth}
+    return finite_element_tooth(pair, "pinion", pinion, **options), finite_element_tooth(pair, "gear", gear, **options)
+
+
+def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
+    """How the teeth of a case give way: as shells, or by the teeth from ``finite_elements``."""
+    table = case.compliance
+    pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
     return ElasticModel(
-        pinion, gear, table.shell_form, (table.profile_modes, table.lengthwise_modes), table.shear_factor, foundation
+        pinion,
+        gear,
+        table.shell_form,
+        (table.profile_modes, table.lengthwise_modes),
+        table.shear_factor,
+        table.plate,
+        foundation,
+        None if teeth is None else (teeth[0].flank, teeth[1].flank),
     )
 
 

@@ -130,12 +130,30 @@ class ContactTable(Table):
 class ComplianceTable(Table):
     """Models of the elastic tooth."""
 
+    model: Literal["shell", "fe"] = "shell"
     shell_form: Literal["five_field", "thesis"] = "five_field"
+    plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
     shear_factor: Number = number("shear correction factor", "1", default=1.0, gt=0, le=1)
     root: Literal["weber", "odonnell", "clamped"] = "weber"
     root_factor: Number = number("multiplies the flexibility of the root", "1", default=1.0, gt=0, le=10)
+    rim_depth: Number | None = number(
+        "finite elements: depth of the elastic body below the root; 1.2 times the tooth's height if left out",
+        "mm",
+        default=None,
+        gt=0,
+        lt=1000,
+    )
+    fineness: Number = number(
+        "finite elements: multiplies the number of bricks in every direction", "1", default=1.0, ge=0.2, le=4
+    )
+
+    @model_validator(mode="after")
+    def _plate_of_the_form(self) -> Self:
+        if self.plate == "fitted" and self.shell_form == "thesis":
+            raise ValueError('plate = "fitted": the shell_form "thesis" stands for an even plate; use "five_field"')
+        return self
 
 
 class TargetTable(Table):

@@ -10,8 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .bending import ElasticModel, shells, tooth_fields, whitened_loads
-from .compliance import Shell, WeberLineContact
+from .bending import ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
+from .compliance import WeberLineContact
 from .curves import contact_fields
 from .fields import FlankFields
 from .line_contact_batch import LineContacts, solve_line_contacts
@@ -32,7 +32,7 @@ def all_segments(
     model: ElasticModel,
     mesh: MeshLines,
     count: int,
-    pair_of_shells: tuple[Shell, Shell] | None = None,
+    elastic: tuple[ElasticTooth, ElasticTooth] | None = None,
 ) -> list[Segments | None]:
     """Segments of every mesh position, with their compliance.
 
@@ -48,8 +48,8 @@ def all_segments(
         Contact lines from ``segments.lines_in_mesh``.
     count
         Segments per contact line.
-    pair_of_shells
-        ``bending.shells`` of these teeth, where they are known.
+    elastic
+        ``bending.elastic_teeth`` of these teeth, where they are known.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def all_segments(
     means = [np.reshape(v, shape) @ weights for v in averaged]
     place = np.reshape(points, (2, *shape)) @ weights
     per_segment = np.reshape(points, (2, -1, weights.size))
-    whitened = whitened_loads(pair_of_shells or shells(teeth, model), fields, per_segment, weights).T
+    whitened = whitened_loads(elastic or elastic_teeth(teeth, model), fields, per_segment, weights).T
     length = np.repeat(lines.length / count, count).reshape(shape[:2])
     result: list[Segments | None] = []
     for k in range(mesh.rotations.size):
@@ -83,7 +83,7 @@ def all_segments(
         lengths = length[chosen].ravel()
         radii = 1.0 / np.maximum(curvature, SMALLEST_CURVATURE)
         depth_p, depth_g = (np.maximum(depth, SMALLEST_DEPTH) for depth in (pinion_depth, gear_depth))
-        contact = WeberLineContact(lengths, radii, depth_p, depth_g, model.pinion, model.gear)
+        contact = WeberLineContact(lengths, radii, depth_p, depth_g, model.pinion, model.gear, model.foot_correction)
         result.append(Segments(pairs, place[:, chosen].reshape(2, -1), angles, arms, lengths, radii, bending, contact))
     return result
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ..geometry.modification import Modification, basis, modified_ease_off
 from ..geometry.pair import PairGeometry
-from .bending import ElasticModel, shells
-from .compliance import Shell
+from .bending import ElasticModel, ElasticTooth, elastic_teeth
 from .fields import FlankFields
 from .load_response import LinearLoads, held_in_contact, linear_loads, stacked
 from .loaded import all_segments, loaded_fields, solve_all
@@ -146,13 +145,13 @@ class ModifiedContact:
         return stacked(parts)
 
     @cached_property
-    def _shells(self) -> tuple[Shell, Shell]:
-        return shells(self.geometry.teeth, self.model)
+    def _elastic(self) -> tuple[ElasticTooth, ElasticTooth]:
+        return elastic_teeth(self.geometry.teeth, self.model)
 
     def _segments(self, coefficients: Array) -> tuple[list[Segments | None], list[Array]]:
         ease_off = modified_ease_off(self.geometry.ease_off, self.modification(coefficients))
         fields, count = _fields(self.geometry, ease_off), self.segments_per_line
-        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count, self._shells)
+        segments = all_segments(fields, self.geometry.teeth, self.model, self.mesh, count, self._elastic)
         return segments, separation_slopes(fields, self.mesh, count, self.names)
 
     def _linear(

@@ -77,6 +77,9 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "trace_radius": ("mm", "radius of the tooth trace at mid face"),
     "tooth_height": ("mm", "tooth height above the root cone"),
     "plate_thickness": ("mm", "normal thickness of the plate that stands for the tooth"),
+    "fitted_thickness": ("mm", "normal thickness of the plate with a bulge that stands for the tooth"),
+    "bulge": ("mm", "what the plate with a bulge is thicker at mid height than an even taper"),
+    "fanning": ("mm-1", "growth of the tooth trace's length per height, over its length at mid height"),
     "shell_axis": ("", "axis of the plate that stands for the tooth"),
     "tooth_end": ("", "end of the tooth"),
     "plate_edge": ("", "edge of the plate"),
@@ -117,6 +120,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # root stress
+    "root_stress": ("MPa", "largest tensile stress around the loaded side's fillet over the mesh cycle"),
+    "root_stress_history": ("MPa", "largest tensile stress around the loaded side's fillet, anywhere along the face"),
+    "max_root_stress": ("MPa", "largest tensile stress in the root over face and mesh cycle"),
     # wear
     "step": ("1", "step of the wear, 0 at the start"),
     "wear_depth": ("um", "metal worn off along the normal, on the member's own flank"),

@@ -40,7 +40,13 @@ MEANINGS = {
     "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "torques": ("torques at the pinion, one or more", "N m"),
+    "model": ("`fe` for finite elements, see [finite elements](finite_elements.md)", ""),
     "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
+    "plate": (
+        "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
+        "dissertation's",
+        "",
+    ),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),
 }
 

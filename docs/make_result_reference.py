@@ -12,15 +12,16 @@ from pathlib import Path
 import xarray as xr
 
 import easeoff
-from easeoff.cases.model import ContactTable
+from easeoff.cases.model import ComplianceTable, ContactTable
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
 def coarse_analysis() -> xr.DataTree:
-    """A quick analysis: the same variables as any other, few numbers."""
-    case = easeoff.read_case("nasa-12x36").model_copy(update={"contact": COARSE})
+    """A quick analysis with finite elements and friction: the variables of any other too, few numbers."""
+    changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
+    case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
     return easeoff.analyze(case, speed=1500.0, friction_feedback=True)
 
 

@@ -171,6 +171,9 @@ def teeth_dataset(
     data["trace_radius"] = ("member", [b.trace_radius for b in bodies])
     data["tooth_height"] = (("member", "tooth_end"), np.stack([b.height for b in bodies]))
     data["plate_thickness"] = (("member", "tooth_end", "plate_edge"), np.stack([b.thickness for b in bodies]))
+    data["fitted_thickness"] = (("member", "tooth_end", "plate_edge"), np.stack([b.fitted_thickness for b in bodies]))
+    data["bulge"] = (("member", "tooth_end"), np.stack([b.bulge for b in bodies]))
+    data["fanning"] = ("member", [b.fanning for b in bodies])
     coords = {
         "member": ["pinion", "gear"],
         "lengthwise": lengthwise,

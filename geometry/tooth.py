@@ -74,6 +74,12 @@ class ToothBody:
         Tooth height above the root cone at toe and heel (2) [mm].
     thickness
         Normal thickness at (toe/heel, root cone/tip) (2, 2) [mm] of the evenly varying plate that fits best.
+    fitted_thickness
+        The same of the plate that fits best with a bulge.
+    bulge
+        What that plate is thicker at mid height than an even taper, at toe and heel (2) [mm].
+    fanning
+        How much longer the trace becomes per height, over its length at mid height [1/mm].
     """
 
     section: BlankSection
@@ -85,6 +91,9 @@ class ToothBody:
     convex: bool
     height: Array
     thickness: Array
+    fitted_thickness: Array
+    bulge: Array
+    fanning: float
 
     @property
     def trace_length(self) -> float:
@@ -208,16 +217,16 @@ def tooth_body(
     middle_azimuth = fit(_azimuth(front) + 0.5 * turn * angle)
     middle_normal = np.stack([fit(component) for component in normal])
     arc, radius, convex = _trace(section, middle_azimuth, middle_normal)
-    heights, plate = _plate(section, nodes, axial[usable], radial[usable], thickness[usable])
-    return ToothBody(section, fit(0.5 * angle), middle_normal, turn, arc, radius, convex, heights, plate)
+    heights, plate, fitted, bulge = _plate(section, nodes, axial[usable], radial[usable], thickness[usable])
+    fanning = _fanning(section, middle_azimuth)
+    half = fit(0.5 * angle)
+    return ToothBody(section, half, middle_normal, turn, arc, radius, convex, heights, plate, fitted, bulge, fanning)
 
 
 def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array, float, bool]:
     """Arc length series, radius at mid face, and on which side of the middle surface the trace's centre lies."""
     x = np.polynomial.chebyshev.chebpts2(33)
-    axial, radial = section.points(0.5 * (x + 1), np.full_like(x, 0.5))
-    swing = legendre.legval2d(x, np.zeros_like(x), azimuth)
-    curve = legendre.legfit(x, np.stack([radial * np.cos(swing), radial * np.sin(swing), axial], axis=1), 8)
+    curve = _curve(section, azimuth, x, 0.5)
     first, second = legendre.legder(curve), legendre.legder(curve, 2)
     speed = np.linalg.norm(legendre.legval(x, first), axis=0)
     arc = legendre.legint(legendre.legfit(x, speed, 8))
@@ -227,17 +236,45 @@ def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array,
     return arc, 1.0 / max(abs(curvature), 1e-9), curvature < 0.0
 
 
-def _plate(section: BlankSection, nodes: Array, axial: Array, radial: Array, thickness: Array) -> tuple[Array, Array]:
-    """Height at toe and heel, and the evenly varying thickness (toe/heel, root/tip) that fits best."""
+def _curve(section: BlankSection, azimuth: Array, x: Array, height: float) -> Array:
+    """Legendre series of the middle surface's points along the trace at one profile fraction, fitted at ``x``."""
+    axial, radial = section.points(0.5 * (x + 1), np.full_like(x, height))
+    swing = legendre.legval2d(x, np.full_like(x, 2.0 * height - 1.0), azimuth)
+    points = np.stack([radial * np.cos(swing), radial * np.sin(swing), axial], axis=1)
+    return np.asarray(legendre.legfit(x, points, 8))
+
+
+def _fanning(section: BlankSection, azimuth: Array) -> float:
+    """Growth of the trace's length from root to tip, over its length at mid height and the height [1/mm]."""
+    x, weights = legendre.leggauss(32)
+    lengths = [
+        float(weights @ np.linalg.norm(legendre.legval(x, legendre.legder(_curve(section, azimuth, x, h))), axis=0))
+        for h in (0.0, 0.5, 1.0)
+    ]
+    corners = section.corners
+    height = float(
+        np.mean([section.height_above_root(*end[1]) - section.height_above_root(*end[0]) for end in corners])
+    )
+    return (lengths[2] - lengths[0]) / (lengths[1] * height)
+
+
+def _plate(
+    section: BlankSection, nodes: Array, axial: Array, radial: Array, thickness: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Height at toe and heel, the even thickness (toe/heel, root/tip) that fits best, and the best one with a bulge."""
     corners = section.corners
     heights = section.height_above_root(corners[:, 1, 0], corners[:, 1, 1])
     along = nodes[0]
     up = section.height_above_root(axial, radial) / (heights[0] * (1 - along) + heights[1] * along)
     matrix = np.stack([(1 - along) * (1 - up), (1 - along) * up, along * (1 - up), along * up], axis=1)
+    bulged = np.concatenate([matrix, (4.0 * up * (1.0 - up))[:, None] * np.stack([1 - along, along], axis=1)], axis=1)
     plate = np.reshape(np.linalg.lstsq(matrix, thickness, rcond=None)[0], (2, 2))
+    found = np.linalg.lstsq(bulged, thickness, rcond=None)[0]
+    fitted, bulge = np.reshape(found[:4], (2, 2)), np.maximum(found[4:], 0.0)
     # A tooth that ends in a point keeps a plate with a narrow edge.
-    plate[:, 1] = np.maximum(plate[:, 1], NARROWEST_EDGE * plate[:, 0])
-    return np.asarray(heights), plate
+    for corners in (plate, fitted):
+        corners[:, 1] = np.maximum(corners[:, 1], NARROWEST_EDGE * corners[:, 0])
+    return np.asarray(heights), plate, fitted, np.asarray(bulge)
 
 
 def _azimuth(flank: Flank) -> Array:

@@ -179,7 +179,9 @@ class ToothSurface:
     root_lands: tuple[Array, Array]
 
 
-def tooth_surface(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> ToothSurface:
+def tooth_surface(
+    pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21), fillet_nodes: int = FILLET_NODES
+) -> ToothSurface:
     """The real tooth of one member, with the thickness of its teeth as in ``pair.bodies``.
 
     Parameters
@@ -190,6 +192,8 @@ def tooth_surface(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)
         ``"pinion"`` or ``"gear"``.
     nodes
         Nodes lengthwise and up the flank.
+    fillet_nodes
+        Nodes up the fillet.
 
     Raises
     ------
@@ -203,7 +207,9 @@ def tooth_surface(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)
         raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
     t = np.linspace(0.0, 1.0, nodes[0])
     placed = placed_flanks(which, tooth_angle(pair, member))
-    front, back = (tooth_side(p.surface, p.section, t, nodes[1]).turned(p.rotation) for p in placed.values())
+    front, back = (
+        tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()
+    )
     turn = into_tooth(front.flank, front.flank_normal)
     tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)
     if np.any(tips <= 0.0):

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..cases.conversion import elastic_model, gear_pair
+from ..cases.conversion import elastic_model, finite_elements, gear_pair
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.loaded_cases import LoadedCase
+from ..contact.root_stress import root_stress
 from ..contact.segments import lines_in_mesh
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
@@ -85,6 +86,7 @@ def analyze_in_full(
         raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
+    teeth = finite_elements(case, pair)
     departures = flank_deviations(pair, deviations or {})
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
     if modification is not None:
@@ -98,7 +100,7 @@ def analyze_in_full(
         mesh,
         ratio=pair.assembly.ratio,
         torques=np.array(settings.torques if torques is None else torques, dtype=float),
-        model=elastic_model(case),
+        model=elastic_model(case, teeth),
         segments_per_line=settings.segments_per_line,
         solver=solver,
         progress=progress,
@@ -114,6 +116,8 @@ def analyze_in_full(
         "/unloaded": unloaded,
         "/loaded": loaded,
     }
+    if teeth is not None:
+        groups["/root_stress"] = root_stress(fields, teeth, cases, loaded)
     tree = xr.DataTree.from_dict(groups)
     if operation is not None:
         if friction_feedback:
@@ -182,7 +186,8 @@ def analyze(
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``, and if a speed is given ``friction``;
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; with finite elements ``root_stress``, and
+        if a speed is given ``friction``;
         where it came from in the attributes.
 
     Raises

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import elastic_model
+from ..cases.conversion import elastic_model, finite_elements
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.load_response import LinearLoads, stacked
@@ -158,7 +158,7 @@ def _contact(case: Case, pair: GearPair, torques: Array, names: tuple[str, ...],
         pair.assembly.ratio,
         settings.mesh_positions,
         torques=torques,
-        model=elastic_model(case),
+        model=elastic_model(case, finite_elements(case, pair)),
         segments_per_line=settings.segments_per_line,
         names=names,
         solver=solver,

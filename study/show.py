@@ -140,6 +140,14 @@ def summary(tree: xr.DataTree) -> str:
         "",
         tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)),
     ]
+    if "root_stress" in tree.children:
+        greatest = tree["root_stress"].to_dataset()["max_root_stress"]
+        table = [
+            (f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values
+        ]
+        headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
+        parts += ["", "Greatest root stress, finite elements", ""]
+        parts += [tabulate(table, headers=headers, disable_numparse=True, colalign=("right",) * 3)]
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""

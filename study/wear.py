@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import elastic_model
+from ..cases.conversion import elastic_model, finite_elements
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
@@ -147,6 +147,7 @@ class _Run:
         self.case, self.pair, self.law, self.torque, self.solver, self.start = case, pair, law, torque, solver, start
         settings = case.contact
         self.nodes = (settings.lengthwise_nodes, settings.profile_nodes)
+        self.model = elastic_model(case, finite_elements(case, pair))
         self.designed: PairGeometry = pair_geometry(pair, self.nodes)
         surface = compute(pair.gear.flank(*grid(self.nodes)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
         motion = {name: value.reshape(self.nodes) for name, value in vars(rolling(surface)).items()}
@@ -182,7 +183,7 @@ class _Run:
             lines_in_mesh(fields, pitch, settings.mesh_positions),
             ratio=self.pair.assembly.ratio,
             torques=np.array([self.torque]),
-            model=elastic_model(self.case),
+            model=self.model,
             segments_per_line=settings.segments_per_line,
             solver=self.solver,
         )

@@ -44,6 +44,7 @@ WITH_CODE = (
     "real_flanks",
     "friction",
     "optimal_modification",
+    "finite_elements",
     "mixed_ehl",
 )
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from easeoff.contact.compliance.foundation import ElasticFoundation
 from easeoff.contact.compliance.kinematics import ShellForm, shell_kinematics
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.polynomials import PolynomialFamily, polynomial_family, rooted_polynomials
@@ -239,6 +240,49 @@ def test_unsupported_tooth_has_exactly_six_motions_without_energy(radius: float)
     eigenvalues = np.linalg.eigvalsh(stiffness)
     assert np.abs(eigenvalues[:6]).max() < 1e-14 * eigenvalues[-1]
     assert eigenvalues[6] > 1e-5 * eigenvalues[-1]
+
+
+@pytest.mark.parametrize("fanning", [0.02, -0.02])
+def test_fanning_heights_keep_the_six_motions(fanning: float) -> None:
+    """A flat plate in polar coordinates: displacements along fanning heights and bent traces are still a plate's."""
+    tooth = ToothDimensions(
+        30.0, math.inf, 8.0, 10.0, 4.0, 5.0, 2.0, 3.0, bulge_toe=0.5, bulge_heel=0.3, fanning=fanning
+    )
+    kinematics = shell_kinematics("five_field", 0.0, fanning)
+    functions = TrialFunctions(tooth.largest_height, tooth.trace_length, 4, 11, kinematics.sprung_powers, "legendre")
+    eigenvalues = np.linalg.eigvalsh(stiffness_matrix(tooth, STEEL, kinematics, functions))
+    assert np.abs(eigenvalues[:6]).max() < 1e-14 * eigenvalues[-1]
+    assert eigenvalues[6] > 1e-6 * eigenvalues[-1]
+
+
+def test_root_of_a_fanning_plate_is_shorter() -> None:
+    """A plate that is rigid against its root springs: deflection goes with the inverse of the root's length.
+
+    Not exactly: the rotation that comes with it wants another direction everywhere along the fan.
+    """
+    soft = ElasticFoundation(factor=1e5)
+    deflections = []
+    for fanning in (0.0, 0.02):
+        shell = Shell(dataclasses.replace(PLATE, fanning=fanning), STEEL, (5, 9), foundation=soft)
+        y, weights = np.polynomial.legendre.leggauss(9)
+        at_root = shell.load_vectors(np.zeros(9), 15.0 * (1.0 + y), RADIAL, 0.5 * weights)
+        deflections.append(shell.compliance(at_root[None])[0, 0])
+    assert deflections[1] / deflections[0] == pytest.approx(1.0 / (1.0 - 0.02 * 5.0), rel=5e-3)
+
+
+def test_bulge_is_a_parabola_on_the_even_taper() -> None:
+    even = dataclasses.replace(FE_TOOTH)
+    bulged = dataclasses.replace(FE_TOOTH, bulge_toe=1.0, bulge_heel=2.0)
+    y = np.array([0.0, 22.5, 45.0])
+    for share, expected in ((0.0, 0.0), (0.25, 0.75), (0.5, 1.0), (1.0, 0.0)):
+        x = share * even.height(y)
+        np.testing.assert_allclose(bulged.thickness(x, y) - even.thickness(x, y), expected * np.array([1.0, 1.5, 2.0]))
+    with pytest.raises(InputError, match="bulge"):
+        dataclasses.replace(FE_TOOTH, bulge_heel=-8.0)
+    with pytest.raises(InputError, match="fanning"):
+        dataclasses.replace(FE_TOOTH, fanning=0.2)
+    with pytest.raises(InputError, match="parallel heights"):
+        Shell(dataclasses.replace(FE_TOOTH, fanning=0.01), STEEL, form="thesis")
 
 
 def test_compliance_is_symmetric_and_positive_semidefinite() -> None:

@@ -44,13 +44,18 @@ NUMBER_OF_ROOT_QUANTITIES = 5
 
 @dataclass(frozen=True)
 class StrainTerm:
-    """One term of a strain: coefficient(z, g) times a derivative of one field."""
+    """One term of a strain: coefficient(z, g) times a derivative of one field.
+
+    It is divided by the stretch of the trace at the height, once for each lengthwise derivative, and once if it
+    ``fans``: if it is there only because the heights fan out.
+    """
 
     strain: int
     field: int
     x_derivative: int
     y_derivative: int
     coefficient: Callable[[FloatArray, FloatArray], FloatArray]
+    fans: bool = False
 
 
 @dataclass(frozen=True)
@@ -111,8 +116,15 @@ class Kinematics:
         return max(term.y_derivative for term in self.strain_terms)
 
 
-def _five_field(curvature: float) -> Kinematics:
+def _five_field(curvature: float, fanning: float) -> Kinematics:
     w, bx, by, u0, v0 = range(5)
+    # As in polar coordinates: what moves up the tooth gets longer, and turning with the heights is no shear.
+    fan = (
+        StrainTerm(STRAIN_Y, u0, 0, 0, lambda z, g: fanning / g, fans=True),
+        StrainTerm(STRAIN_Y, bx, 0, 0, lambda z, g: fanning * z / g, fans=True),
+        StrainTerm(SHEAR_XY, v0, 0, 0, lambda z, g: -fanning * g, fans=True),
+        StrainTerm(SHEAR_XY, by, 0, 0, lambda z, g: -fanning * z, fans=True),
+    )
     terms = (
         StrainTerm(STRAIN_X, u0, 1, 0, lambda z, g: np.ones_like(z)),
         StrainTerm(STRAIN_X, bx, 1, 0, lambda z, g: z),
@@ -140,7 +152,7 @@ def _five_field(curvature: float) -> Kinematics:
         field_names=("W", "beta_x", "beta_theta", "u0", "v0"),
         clamped_powers=(1, 1, 1, 1, 1),
         sprung_powers=(0, 0, 0, 0, 0),
-        strain_terms=terms,
+        strain_terms=(*terms, *fan) if fanning else terms,
         root_terms=root,
         displacement_terms=(
             DisplacementTerm(0, u0, "one"),
@@ -178,7 +190,7 @@ def _thesis(curvature: float) -> Kinematics:
     )
 
 
-def shell_kinematics(form: ShellForm, curvature: float) -> Kinematics:
+def shell_kinematics(form: ShellForm, curvature: float, fanning: float = 0.0) -> Kinematics:
     """Return the displacement assumption of that name.
 
     Parameters
@@ -187,14 +199,19 @@ def shell_kinematics(form: ShellForm, curvature: float) -> Kinematics:
         Name of the assumption, see the module's description.
     curvature : float
         Curvature of the tooth trace, 1 / r_c [1/mm].
+    fanning : float
+        See ``ToothDimensions.fanning`` [1/mm].
 
     Raises
     ------
     InputError
-        If the name is unknown.
+        If the name is unknown, or the heights fan out in the dissertation's form, which has no displacements along
+        the height.
     """
     if form == "five_field":
-        return _five_field(curvature)
+        return _five_field(curvature, fanning)
     if form == "thesis":
+        if fanning:
+            raise InputError(f"fanning = {fanning!r}: the form 'thesis' knows parallel heights only")
         return _thesis(curvature)
     raise InputError(f"unknown shell form {form!r}; known: five_field, thesis")

@@ -114,7 +114,7 @@ class Shell:
     @property
     def kinematics(self) -> Kinematics:
         """The displacement assumption named by ``form``; made on demand, so that a shell can be pickled."""
-        return shell_kinematics(self.form, self.dimensions.trace_curvature)
+        return shell_kinematics(self.form, self.dimensions.trace_curvature, self.dimensions.fanning)
 
     @property
     def size(self) -> int:

@@ -145,7 +145,8 @@ def stiffness_matrix(
     z = thickness[..., None] * (layer - 0.5)
     metric = 1.0 + dimensions.trace_curvature * z
     area = (functions.trace_length * station_weight * height)[:, None] * level_weight
-    volume = (area * thickness)[..., None] * layer_weight * metric
+    stretch = dimensions.stretch(x, y[:, None])
+    volume = (area * stretch * thickness)[..., None] * layer_weight * metric
 
     # Strain-displacement matrix of the height functions, per lengthwise derivative of the lengthwise function.
     x_order, y_orders = kinematics.highest_x_derivative, kinematics.highest_y_derivative + 1
@@ -153,7 +154,7 @@ def stiffness_matrix(
     strain = np.zeros((*z.shape, NUMBER_OF_STRAINS, y_orders, len(powers), height_count))
     for term in kinematics.strain_terms:
         shape = over_height[powers[term.field]][term.x_derivative]
-        coefficient = term.coefficient(z, metric)
+        coefficient = term.coefficient(z, metric) / stretch[..., None] ** (term.y_derivative + term.fans)
         strain[..., term.strain, term.y_derivative, term.field, :] += coefficient[..., None] * shape[:, :, None, :]
     columns = y_orders * len(powers) * height_count
     rooted = _energy_roots(material, shear_factor) @ strain.reshape(*z.shape, NUMBER_OF_STRAINS, columns)
@@ -164,7 +165,7 @@ def stiffness_matrix(
     energy = energy.reshape(y.size, y_orders, height_unknowns, y_orders, height_unknowns)
 
     if foundation is not None:
-        length_weight = functions.trace_length * station_weight
+        length_weight = functions.trace_length * station_weight * dimensions.stretch(0.0, y)
         energy[:, 0, :, 0, :] += _root_energy(dimensions, material, kinematics, functions, foundation, y, length_weight)
 
     # Lengthwise functions: K[a n, b m] = sum over stations and derivative orders of energy[a, b] Y_n Y_m.

@@ -32,6 +32,11 @@ class ToothDimensions:
     tip_thickness_toe, tip_thickness_heel : float
         Thickness at the tip at the two ends [mm]. The dissertation has a single tip thickness: equal values give its
         Eq. 3.1a.
+    bulge_toe, bulge_heel : float
+        What the tooth is thicker at mid height than an even taper, at the two ends [mm]; a parabola over the height.
+    fanning : float
+        How much longer the trace becomes per height, over its length at mid height [1/mm]. The heights of a pinion with
+        few teeth fan out from its axis.
 
     Raises
     ------
@@ -47,13 +52,23 @@ class ToothDimensions:
     root_thickness_heel: float
     tip_thickness_toe: float
     tip_thickness_heel: float
+    bulge_toe: float = 0.0
+    bulge_heel: float = 0.0
+    fanning: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
+            if field.name in ("bulge_toe", "bulge_heel", "fanning"):
+                continue
             value = getattr(self, field.name)
             allowed = value > 0.0 and (math.isfinite(value) or field.name == "trace_radius")
             if not allowed:
                 raise InputError(f"tooth dimension {field.name} must be positive and finite [mm]; got {value!r}")
+        thinnest = self.thickness(np.linspace(0.0, 1.0, 9)[:, None] * self.height(self._ends), self._ends)
+        if not thinnest.min() > 0.0:
+            raise InputError(f"bulge_toe and bulge_heel leave no thickness somewhere: {thinnest.min():.6g} mm")
+        if not abs(self.fanning) * self.largest_height < 1.0:
+            raise InputError(f"fanning must stay below 1 / {self.largest_height:.6g} mm; got {self.fanning!r}")
         if self.trace_radius <= 0.5 * self.largest_thickness:
             raise InputError(
                 f"trace_radius must exceed half the largest tooth thickness, {0.5 * self.largest_thickness:.6g} mm; "
@@ -67,8 +82,14 @@ class ToothDimensions:
 
     @property
     def largest_thickness(self) -> float:
-        """Largest thickness anywhere on the tooth [mm]; it sits at one of the four corners."""
-        return max(self.root_thickness_toe, self.root_thickness_heel, self.tip_thickness_toe, self.tip_thickness_heel)
+        """Largest thickness anywhere on the tooth [mm]: at one of the four corners, or a little less with a bulge."""
+        corners = (self.root_thickness_toe, self.root_thickness_heel, self.tip_thickness_toe, self.tip_thickness_heel)
+        return max(corners) + max(self.bulge_toe, self.bulge_heel, 0.0)
+
+    @property
+    def _ends(self) -> NDArray[np.float64]:
+        """Arc lengths of toe and heel [mm]."""
+        return np.array([0.0, self.trace_length])
 
     @property
     def trace_curvature(self) -> float:
@@ -92,7 +113,7 @@ class ToothDimensions:
         return np.asarray(self.height_toe + (self.height_heel - self.height_toe) * fraction)
 
     def thickness(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Tooth thickness, bilinear in the relative height and the relative length (Kolivand 2009, Eq. 3.1a).
+        """Tooth thickness (Kolivand 2009, Eq. 3.1a): bilinear in the relative height and length, but for the bulge.
 
         Parameters
         ----------
@@ -108,4 +129,16 @@ class ToothDimensions:
         relative_height = np.asarray(x, dtype=np.float64) / self.height(y)
         root = self.root_thickness_toe + (self.root_thickness_heel - self.root_thickness_toe) * fraction
         tip = self.tip_thickness_toe + (self.tip_thickness_heel - self.tip_thickness_toe) * fraction
-        return np.asarray(root + (tip - root) * relative_height)
+        bulge = self.bulge_toe + (self.bulge_heel - self.bulge_toe) * fraction
+        even = root + (tip - root) * relative_height
+        return np.asarray(even + 4.0 * bulge * relative_height * (1.0 - relative_height))
+
+    def stretch(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Length along the trace at a height over that at mid height.
+
+        Parameters
+        ----------
+        x, y : array_like
+            Height above the root line and arc length from the toe [mm]; broadcast together.
+        """
+        return np.asarray(1.0 + self.fanning * (np.asarray(x, dtype=np.float64) - 0.5 * self.height(y)))

@@ -1,0 +1,312 @@
+"""Finite elements of generated teeth: cost, convergence, and the shell beside them. Prints Markdown tables.
+
+``python benchmarks/finite_elements.py [cost] [shell] [body] [split] [figure]``: all of them if none is named.
+"""
+
+from __future__ import annotations
+
+import os
+
+for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+import resource
+import sys
+import time
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.polynomial import legendre
+from tabulate import tabulate
+
+from easeoff.cases import gear_pair, read_case
+from easeoff.cases.conversion import elastic_model
+from easeoff.contact.bending import STEEL, ElasticModel, shells
+from easeoff.contact.compliance import ElasticFoundation
+from easeoff.contact.compliance.finite_elements.body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.condensed import (
+    FlankCompliance,
+    flank_loads,
+    flank_shares,
+    foot_displacements,
+    square_root,
+)
+from easeoff.contact.compliance.finite_elements.members import usual_size
+from easeoff.contact.loaded import loaded_contact, loaded_fields
+from easeoff.contact.segments import lines_in_mesh
+from easeoff.geometry import GearPair, pair_geometry
+from easeoff.geometry.pair import bodies
+from easeoff.geometry.tooth_flanks import named_member
+from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice, usual_depth
+
+CASES = ("fm-11x41", "fh-12x41-45")
+MEMBERS = ("pinion", "gear")
+IMAGE = Path(__file__).parents[1] / "docs" / "images" / "free_edge.png"
+PATCH = 2.0  # [mm]
+FORCE = 500.0  # [N]
+
+
+@dataclass
+class Tooth:
+    """A solved tooth: compliance between patches, free-edge deflection of a force at mid face and mid height."""
+
+    lattice: ToothLattice
+    dofs: int
+    matrix: np.ndarray
+    edge: np.ndarray
+    seconds: dict[str, float]
+
+
+@cache
+def pair_of(name: str) -> GearPair:
+    """A shipped pair."""
+    return gear_pair(read_case(name))
+
+
+def patches(name: str, member: str, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Quadrature points (2, n, 9) of square patches on the flank, weights, and positions with normals (2, 3, n 9)."""
+    one = named_member(pair_of(name), member)
+    t, h = (a.ravel() for a in np.meshgrid(along, up, indexing="ij"))
+    step = 1e-3
+
+    def flank(t: np.ndarray, h: np.ndarray) -> np.ndarray:
+        from easeoff.geometry.flank_surface import solve_flank
+
+        found = solve_flank(one.loaded, one.section, *one.section.points(t, h))
+        return np.stack([found.position, found.normal])
+
+    here = flank(t, h)[0]
+    sizes = [np.linalg.norm(flank(t + step * a, h + step * (1 - a))[0] - here, axis=0) / step for a in (1, 0)]
+    x, w = np.polynomial.legendre.leggauss(3)
+    a, b = (g.ravel() for g in np.meshgrid(x, x, indexing="ij"))
+    points = np.stack(
+        [t[:, None] + 0.5 * PATCH / sizes[0][:, None] * a, h[:, None] + 0.5 * PATCH / sizes[1][:, None] * b]
+    )
+    return points, np.outer(w, w).ravel() / 4.0, flank(points[0].ravel(), points[1].ravel())
+
+
+GRID = (np.linspace(0.1, 0.9, 5), np.linspace(0.15, 0.85, 4))
+MIDDLE = (np.array([0.5]), np.array([0.5]))
+
+
+@cache
+def tooth(name: str, member: str, size: LatticeSize | None = None, depth: float | None = None) -> Tooth:
+    """Solve one tooth."""
+    pair = pair_of(name)
+    clock = [time.process_time()]
+    lattice = tooth_lattice(pair, member, size or usual_size(pair, member), depth)
+    clock.append(time.process_time())
+    body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+    clock.append(time.process_time())
+    loads = flank_loads(lattice)
+    compliance = body.response(loads, foot_displacements(lattice))
+    clock.append(time.process_time())
+    seconds = dict(zip(("lattice", "assembly and factor", "solves"), np.diff(clock), strict=True))
+    compliance = 0.5 * (compliance + compliance.T)
+
+    def shares(which: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        points, weights, _ = patches(name, member, *which)
+        result = np.zeros((compliance.shape[0], points.shape[1]))
+        for k in range(points.shape[1]):
+            nodes, share = flank_shares(lattice.lengthwise, lattice.profile, points[:, k])
+            np.add.at(result[:, k], nodes.ravel(), (share * weights[:, None]).ravel())
+        return result
+
+    grid = shares(GRID)
+    middle = lattice.column.shape[1] // 2
+    surface = lattice.nodes[lattice.column[:, middle]]
+    normal = np.cross(np.gradient(surface[:, -1], axis=0), surface[:, -1] - surface[:, -3])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    normal *= -np.sign(np.sum(normal * lattice.flank_normal[:, -1], axis=1))[:, None]
+    wanted = functionals(len(lattice.nodes), lattice.column[:, middle, -1][:, None], np.ones((len(normal), 1)), normal)
+    load = type(loads)(loads @ type(loads)(shares(MIDDLE)))
+    edge = FORCE * body.response(load, wanted)[:, 0]
+    return Tooth(lattice, body.free.size, grid.T @ compliance @ grid, edge, seconds)
+
+
+def shell_of(name: str, member: str, model: ElasticModel, lengthwise: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Compliance between the same patches, and deflection of the free edge, of the shell."""
+    which = MEMBERS.index(member)
+    body = bodies(pair_of(name))[which]
+    shell = shells(pair_geometry(pair_of(name), (7, 7)).teeth, model)[which]
+
+    def vectors(where: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        points, weights, flank = patches(name, member, *where)
+        found, shape = body.shell_coordinates(*flank), points.shape[1:]
+        arc = np.clip(found.arc, 0.0, body.trace_length).reshape(shape)
+        direction = np.moveaxis(found.direction.reshape(3, *shape), 0, -1)
+        return shell.whiten(shell.load_vectors(found.height.reshape(shape), arc, direction, weights))
+
+    grid, middle = vectors(GRID), vectors(MIDDLE)
+    arc = legendre.legval(2 * lengthwise - 1, body.trace_arc) - legendre.legval(-1.0, body.trace_arc)
+    outward = np.zeros((arc.size, 3))
+    outward[:, 2] = -1.0 if body.convex else 1.0
+    edge = shell.whiten(shell.load_vectors(shell.dimensions.height(arc), np.clip(arc, 0, body.trace_length), outward))
+    return grid.T @ grid, FORCE * (edge.T @ middle)[:, 0]
+
+
+def difference(matrix: np.ndarray, edge: np.ndarray, other: Tooth) -> list[float]:
+    """Peak of the free edge, whole matrix, uniform load [%]."""
+    return [
+        100.0 * (edge.max() / other.edge.max() - 1.0),
+        100.0 * np.linalg.norm(matrix - other.matrix) / np.linalg.norm(other.matrix),
+        100.0 * (matrix.sum() / other.matrix.sum() - 1.0),
+    ]
+
+
+HEAD = ("free edge %", "matrix %", "uniform load %")
+
+
+def cost() -> None:
+    """Convergence and cost."""
+    rows = []
+    for name, member in (("fm-11x41", "gear"), ("fm-11x41", "pinion"), ("fh-12x41-45", "pinion")):
+        usual = usual_size(pair_of(name), member)
+        reference = tooth(name, member, replace(usual, upward=7, through=6, slot=3, lengthwise=usual.lengthwise + 8))
+        for label, size in (("half", usual.finer(0.5)), ("0.7", usual.finer(0.7)), ("usual", usual)):
+            one = tooth(name, member, size)
+            points = one.lattice.flank.size
+            at_200 = one.seconds["lattice"] + one.seconds["assembly and factor"] + one.seconds["solves"] * 200 / points
+            rows.append([name, member, label, one.dofs, points, *difference(one.matrix, one.edge, reference), at_200])
+        rows.append([name, member, "reference", reference.dofs, reference.lattice.flank.size, 0, 0, 0, ""])
+    print(tabulate(rows, ["case", "member", "bricks", "unknowns", "points", *HEAD, "CPU s for 200"], "github", ".1f"))
+    print(f"largest memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB")
+
+
+def shell() -> None:
+    """The shell against finite elements, per tooth and choice."""
+    models = {
+        "Weber (default)": ElasticModel(),
+        "Weber, fitted plate": ElasticModel(plate="fitted"),
+        "0.8 O'Donnell, fitted plate": ElasticModel(plate="fitted", foundation=ElasticFoundation("odonnell", 0.8)),
+        "0.8 O'Donnell": ElasticModel(foundation=ElasticFoundation("odonnell", 0.8)),
+        "clamped": ElasticModel(foundation=None),
+        "thesis form, clamped": ElasticModel(form="thesis", foundation=None),
+    }
+    rows = []
+    for name in CASES:
+        for member in MEMBERS:
+            one = tooth(name, member)
+            for label, model in models.items():
+                found = shell_of(name, member, model, one.lattice.lengthwise)
+                rows.append([name, member, label, *difference(*found, one)])
+    print(tabulate(rows, ["case", "member", "shell", *HEAD], "github", "+.1f"))
+
+
+def body() -> None:
+    """What the depth of the body does."""
+    rows = []
+    for name in CASES:
+        for member in MEMBERS:
+            one = tooth(name, member)
+            depth = usual_depth(named_member(pair_of(name), member).section)
+            for factor in (0.5, 2.0):
+                other = tooth(name, member, None, factor * depth)
+                rows.append([name, member, factor * depth, *difference(other.matrix, other.edge, one)])
+    print(tabulate(rows, ["case", "member", "depth mm", *HEAD], "github", "+.1f"))
+
+
+def split() -> None:
+    """What the choices of the split do to the loaded contact."""
+    rows = []
+    for name in CASES:
+        case, pair = read_case(name), pair_of(name)
+        geometry = pair_geometry(pair, (case.contact.lengthwise_nodes, case.contact.profile_nodes))
+        fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+        mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, case.contact.mesh_positions)
+        kernels: dict[str, list[FlankCompliance]] = {"foot": [], "same": [], "flank": []}
+        for member in MEMBERS:
+            lattice = tooth_lattice(pair, member, usual_size(pair, member))
+            solved = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+            loads, count = flank_loads(lattice), len(lattice.nodes)
+            across = lattice.column[:, lattice.column.shape[1] // 2, lattice.root_row :].reshape(-1, 1)
+            inward = -lattice.flank_normal.reshape(-1, 3)
+            for label, wanted in (
+                ("foot", foot_displacements(lattice)),
+                ("same", functionals(count, across, np.ones(across.shape), inward)),
+                ("flank", loads),
+            ):
+                factor = square_root(solved.response(loads, wanted))
+                kernels[label].append(FlankCompliance(lattice.lengthwise, lattice.profile, factor))
+        base = elastic_model(case)
+        same_height = geometry.teeth.copy(deep=True)
+        same_height["shell_height"] = _own_height(pair, geometry)
+        rim = ElasticFoundation("odonnell", 0.8)
+        with_elements = {k: replace(base, condensed=tuple(v)) for k, v in kernels.items()}
+        variants = [
+            ("finite elements, foot of the normal", with_elements["foot"], None),
+            ("the same + 0.14 q (1 - nu^2) / E", replace(with_elements["foot"], foot_correction=0.14), None),
+            ("finite elements, straight across", with_elements["same"], None),
+            ("finite elements, the flank itself (counts twice)", with_elements["flank"], None),
+            ("shell, foot of the normal (default)", base, None),
+            ("shell, fitted plate", replace(base, plate="fitted"), None),
+            ("shell, fitted plate, 0.8 O'Donnell", replace(base, plate="fitted", foundation=rim), None),
+            ("shell, same height", base, same_height),
+            ("shell, clamped", replace(base, foundation=None), None),
+        ]
+        for label, model, teeth in variants:
+            splines = fields if teeth is None else loaded_fields(geometry.flanks, geometry.ease_off, teeth)
+            loaded, _ = loaded_contact(
+                splines,
+                geometry.teeth,
+                mesh,
+                ratio=pair.assembly.ratio,
+                torques=np.array(case.contact.torques),
+                model=model,
+                segments_per_line=case.contact.segments_per_line,
+            )
+            last = loaded.isel(torque=-1)
+            numbers = [float(last[n]) for n in ("mean_level", "peak_to_peak", "max_pressure")]
+            rows.append([name, float(last["torque"]), label, *numbers])
+    print(tabulate(rows, ["case", "N m", "model", "mean urad", "peak to peak urad", "pressure MPa"], "github", ".1f"))
+
+
+def _own_height(pair: GearPair, geometry: object) -> object:
+    """Height of the contact points themselves above the root cone, as ``shell_height``."""
+    teeth = geometry.teeth  # type: ignore[attr-defined]
+    heights = teeth["shell_height"].copy(deep=True)
+    grid = [g.ravel() for g in np.meshgrid(teeth["lengthwise"], teeth["profile"], indexing="ij")]
+    gear = pair.gear.section
+    heights.loc[{"member": "gear"}] = gear.height_above_root(*gear.points(*grid)).reshape(heights.shape[1:])
+    ease_off = geometry.ease_off  # type: ignore[attr-defined]
+    on_pinion = [ease_off[n].values.ravel() for n in ("pinion_lengthwise", "pinion_profile")]
+    pinion = pair.pinion.section
+    heights.loc[{"member": "pinion"}] = pinion.height_above_root(*pinion.points(*on_pinion)).reshape(heights.shape[1:])
+    return heights
+
+
+def figure() -> None:
+    """The free edge of a tooth under one force, shell with more and more modes and finite elements (fig 3.4)."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    _, axes = plt.subplots(1, 2, figsize=(10, 3.6), sharey=True)
+    for axis, foundation in zip(axes, (None, ElasticFoundation("odonnell", 0.8)), strict=True):
+        name, member = "fm-11x41", "gear"
+        one = tooth(name, member)
+        for modes in ((5, 3), (5, 5), (5, 9), (5, 15)):
+            form = "thesis" if foundation is None else "five_field"
+            start = time.process_time()
+            model = ElasticModel(form=form, modes=modes, foundation=foundation)
+            _, edge = shell_of(name, member, model, one.lattice.lengthwise)
+            print(form, modes, f"{1e3 * edge.max():.3f} um of {1e3 * one.edge.max():.3f}", time.process_time() - start)
+            axis.plot(one.lattice.lengthwise, 1e3 * edge, "--", label=f"shell {modes[0]} x {modes[1]}")
+        axis.plot(one.lattice.lengthwise, 1e3 * one.edge, "k", label="finite elements")
+        axis.set(
+            xlabel="lengthwise fraction", title="thesis form, clamped" if foundation is None else "on root springs"
+        )
+    axes[0].set_ylabel("free-edge deflection, um")
+    axes[1].legend(fontsize=8)
+    plt.tight_layout()
+    plt.savefig(IMAGE, dpi=110)
+
+
+if __name__ == "__main__":
+    parts = {"cost": cost, "shell": shell, "body": body, "split": split, "figure": figure}
+    for part in sys.argv[1:] or parts:
+        parts[part]()
+        print()

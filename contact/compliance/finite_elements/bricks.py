@@ -1,0 +1,141 @@
+"""Quadratic bricks: shape functions, and the stiffness of all bricks at once.
+
+The stiffness of an isotropic brick needs one sum over the Gauss points only, H = sum of w (grad N)(grad N)^T; both
+Lame terms and the Laplacian are entries of H in another order. That makes the assembly one matrix product a brick.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from ....core.errors import GeometryError, InputError
+from ..material import Material
+
+Array = NDArray[Any]
+GAUSS = 3  # points in each direction: exact for a brick with straight edges
+BATCH = 256  # bricks at a time, to bound the memory
+
+
+def quadratic(x: Array) -> tuple[Array, Array]:
+    """Values and slopes (..., 3) of the parabolas through -1, 0, 1."""
+    x = np.asarray(x, dtype=float)
+    values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
+    return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
+
+
+def shape_functions(points: Array, nodes: int = 27) -> tuple[Array, Array]:
+    """Shape functions (n, 27) and their gradients (n, 27, 3) at points (n, 3) of the cube from -1 to 1.
+
+    Nodes are in the order of an array (3, 3, 3). With ``nodes = 20`` the functions are those of the serendipity brick;
+    the columns of the seven nodes it lacks are zero.
+
+    Raises
+    ------
+    InputError
+        For another number of nodes.
+    """
+    (a, da), (b, db), (c, dc) = (quadratic(points[:, k]) for k in range(3))
+
+    def product(x: Array, y: Array, z: Array) -> Array:
+        return np.asarray(np.einsum("ni,nj,nk->nijk", x, y, z).reshape(len(points), 27))
+
+    values = product(a, b, c)
+    gradients = np.stack([product(da, b, c), product(a, db, c), product(a, b, dc)], axis=2)
+    if nodes == 27:
+        return values, gradients
+    if nodes != 20:
+        raise InputError(f"a quadratic brick has 20 or 27 nodes; got {nodes}")
+    fewer = _serendipity()
+    return values @ fewer, np.einsum("nak,ab->nbk", gradients, fewer)
+
+
+@cache
+def _serendipity() -> Array:
+    """Values (27, 27) of the 20 functions at all 27 nodes, zero for the nodes they lack."""
+    place = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(27, 3)
+    values = np.zeros((27, 27))
+    for node, at in enumerate(place):
+        zero = np.flatnonzero(at == 0.0)
+        linear = np.prod(1.0 + np.delete(place, zero, axis=1) * np.delete(at, zero), axis=1)
+        if zero.size == 0:
+            values[:, node] = linear * (place @ at - 2.0) / 8.0
+        elif zero.size == 1:
+            values[:, node] = linear * (1.0 - place[:, zero[0]] ** 2) / 4.0
+    return values
+
+
+def gauss_rule(count: int = GAUSS) -> tuple[Array, Array]:
+    """Points (count^3, 3) and weights of the cube from -1 to 1."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    points = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1).reshape(-1, 3)
+    return points, np.einsum("i,j,k->ijk", w, w, w).ravel()
+
+
+def brick_gradients(corners: Array, gradients: Array) -> tuple[Array, Array]:
+    """Gradients in space (m, g, 27, 3) [1/mm] and Jacobian determinants (m, g) of bricks with nodes (m, 27, 3)."""
+    jacobian = np.einsum("mak,gal->mgkl", corners, gradients, optimize=True)
+    determinant = np.linalg.det(jacobian)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        safe = np.where((determinant == 0.0)[..., None, None], np.eye(3), jacobian)
+    return gradients @ np.linalg.inv(safe), determinant
+
+
+def stiffness(nodes: Array, cells: NDArray[np.int64], material: Material, brick_nodes: int = 27) -> csc_array:
+    """Stiffness matrix of a body of bricks.
+
+    Parameters
+    ----------
+    nodes
+        Points (n, 3) [mm].
+    cells
+        Nodes (m, 3, 3, 3) of every brick.
+    material
+        Its material.
+    brick_nodes
+        27, or 20 for the serendipity brick, which leaves rows of zeros for the nodes it lacks.
+
+    Returns
+    -------
+    csc_array
+        Symmetric (3 n, 3 n) [N/mm]; displacements in the order of the nodes, x y z fastest.
+
+    Raises
+    ------
+    GeometryError
+        If a brick is turned inside out somewhere.
+    """
+    points, weights = gauss_rule()
+    _, gradients = shape_functions(points, brick_nodes)
+    flat = cells.reshape(-1, 27)
+    young, nu = material.elastic_modulus, material.poisson_ratio
+    first, shear = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * young / (1.0 + nu)
+    used = np.flatnonzero(np.abs(gradients).sum(axis=(0, 2)) > 0.0)
+    size = 3 * used.size
+    entries = np.empty((len(flat), size, size))
+    for start in range(0, len(flat), BATCH):
+        batch = slice(start, start + BATCH)
+        spatial, determinant = brick_gradients(nodes[flat[batch]], gradients)
+        inside_out = np.flatnonzero(np.any(determinant <= 0.0, axis=1))
+        if inside_out.size:
+            where = nodes[flat[batch][inside_out[0]]].mean(axis=0)
+            raise GeometryError(
+                f"a brick near ({where[0]:.2f}, {where[1]:.2f}, {where[2]:.2f}) mm is turned inside out: the sides of "
+                "the tooth or its fillets come too close to each other"
+            )
+        root = spatial[:, :, used] * np.sqrt(weights * determinant)[:, :, None, None]
+        root = root.reshape(len(root), weights.size, size)
+        outer = (np.swapaxes(root, 1, 2) @ root).reshape(-1, used.size, 3, used.size, 3)
+        block = first * outer + shear * outer.transpose(0, 1, 4, 3, 2)
+        laplacian = shear * np.einsum("maibi->mab", outer)
+        for k in range(3):
+            block[:, :, k, :, k] += laplacian
+        entries[batch] = block.reshape(-1, size, size)
+    dofs = (3 * flat[:, used, None] + np.arange(3)).reshape(len(flat), size).astype(np.int32)
+    rows = np.broadcast_to(dofs[:, :, None], entries.shape).ravel()
+    columns = np.broadcast_to(dofs[:, None, :], entries.shape).ravel()
+    return csc_array((entries.ravel(), (rows, columns)), shape=(3 * len(nodes), 3 * len(nodes)))

@@ -1,0 +1,99 @@
+"""Root stress over a mesh cycle: what the contact forces of every case do to the roots of both teeth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from ..core.attributes import labelled
+from .bending import MEMBERS, member_points
+from .compliance.finite_elements.condensed import flank_shares
+from .compliance.finite_elements.members import FiniteElementTooth
+from .fields import FlankFields
+from .loaded_cases import LoadedCase
+from .solvers import Status
+
+Array = NDArray[Any]
+STATIONS = 41
+
+
+def root_stress(
+    fields: FlankFields,
+    teeth: tuple[FiniteElementTooth, FiniteElementTooth],
+    cases: list[LoadedCase],
+    loaded: xr.Dataset,
+) -> xr.Dataset:
+    """Largest tensile stress in the roots of the loaded sides of both members.
+
+    A tooth of either member goes through all tooth pairs of the mesh cycle; the largest over mesh positions and pairs
+    is the largest it ever feels.
+
+    Parameters
+    ----------
+    fields
+        Splines of ``loaded.loaded_fields``.
+    teeth
+        Pinion and gear by finite elements.
+    cases
+        Solved cases.
+    loaded
+        Their dataset, for the coordinates.
+
+    Returns
+    -------
+    xr.Dataset
+        ``root_stress`` (torque, member, lengthwise) over the cycle, ``root_stress_history`` (torque, member,
+        mesh_position, pair) over the face, and ``max_root_stress`` (torque, member) [MPa]; NaN where a case is not
+        certified.
+    """
+    certified = [case for case in cases if case.solution.status == Status.CERTIFIED]
+    pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, STATIONS)
+    shape = (loaded.sizes["torque"], loaded.sizes["mesh_position"], pairs.size)
+    known = np.zeros(shape[:2], dtype=bool)
+    where, force, column = [np.empty((2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
+    for case in certified:
+        known[case.torque, case.mesh_position] = True
+        where.append(case.segments.place)
+        force.append(case.solution.force)
+        tooth_pair = np.searchsorted(pairs, case.segments.pair)
+        column.append(np.ravel_multi_index((case.torque, case.mesh_position, tooth_pair), shape))
+    place, forces, columns = np.concatenate(where, axis=1), np.concatenate(force), np.concatenate(column)
+    history = np.full((shape[0], 2, *shape[1:]), np.nan)
+    greatest = np.full((shape[0], 2), np.nan)
+    along = np.full((shape[0], 2, STATIONS), np.nan)
+    for member, tooth in enumerate(teeth):
+        on_member = member_points(fields, MEMBERS[member], place)
+        nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
+        on_nodes = csc_array(
+            ((shares * forces[:, None]).ravel(), (nodes.ravel(), np.repeat(columns, nodes.shape[1]))),
+            shape=(tooth.flank.profile.size, int(np.prod(shape))),
+        )
+        stress = tooth.root.largest(on_nodes.toarray()).reshape(-1, *shape)
+        stress[:, ~known] = np.nan
+        history[:, member] = stress.max(axis=0)
+        whole = np.where(known[None, :, :, None], stress, -np.inf).max(axis=(2, 3)).T
+        for index in range(shape[0]):
+            if known[index].any():
+                greatest[index, member] = whole[index].max()
+                along[index, member] = np.interp(lengthwise, tooth.root.lengthwise, whole[index])
+    dims = ("torque", "member", "mesh_position", "pair")
+    return labelled(
+        xr.Dataset(
+            {
+                "root_stress": (("torque", "member", "lengthwise"), along),
+                "root_stress_history": (dims, history),
+                "max_root_stress": (("torque", "member"), greatest),
+            },
+            coords={
+                "torque": loaded["torque"].values,
+                "member": list(MEMBERS),
+                "mesh_position": loaded["mesh_position"].values,
+                "pair": pairs,
+                "lengthwise": lengthwise,
+            },
+        )
+    )

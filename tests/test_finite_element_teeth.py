@@ -1,0 +1,307 @@
+"""Finite elements of generated teeth: lattice, condensed compliance, root stress, cache, and the contact with them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+
+import easeoff
+from easeoff.cases import Case, gear_pair, read_case
+from easeoff.cases.model import ContactTable
+from easeoff.contact.bending import STEEL, ElasticModel, elastic_teeth, shells
+from easeoff.contact.compliance.finite_elements import members, store
+from easeoff.contact.compliance.finite_elements.body import ElasticBody, elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions
+from easeoff.contact.compliance.finite_elements.condensed import (
+    FlankCompliance,
+    feet_of_normals,
+    flank_loads,
+    flank_shares,
+    foot_displacements,
+    square_root,
+)
+from easeoff.contact.compliance.finite_elements.root_stress import RootStress, by_station, stress_functionals
+from easeoff.core.errors import GeometryError, InputError
+from easeoff.geometry import GearPair, pair_geometry
+from easeoff.geometry.flank_surface import solve_flank
+from easeoff.geometry.pair import bodies
+from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, graded, tooth_lattice
+from easeoff.study.show import summary
+
+Array = NDArray[Any]
+COARSE = LatticeSize(7, 4, 2, 1, 1, 2)
+QUICK = ContactTable(torques=(300.0,), mesh_positions=4, segments_per_line=11, lengthwise_nodes=15, profile_nodes=11)
+
+
+def pair(name: str = "fm-11x41") -> GearPair:
+    return gear_pair(read_case(name))
+
+
+def with_elements(name: str, **changes: Any) -> Case:
+    case = read_case(name)
+    compliance = case.compliance.model_copy(update={"model": "fe", "fineness": 0.4, **changes})
+    return case.model_copy(update={"compliance": compliance, "contact": QUICK})
+
+
+@cache
+def gear_tooth() -> tuple[ToothLattice, ElasticBody]:
+    lattice = tooth_lattice(pair(), "gear", COARSE)
+    return lattice, elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+
+
+@cache
+def kernel() -> Array:
+    """Displacement at the feet (rows) by unit forces on the flank's nodes."""
+    lattice, body = gear_tooth()
+    return body.response(flank_loads(lattice), foot_displacements(lattice))
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_lattice_fills_the_generated_tooth(name: str, member: str) -> None:
+    """Every brick is right way round, of every shipped pair and hand; the loaded side is the generated flank."""
+    own = pair(name)
+    lattice = tooth_lattice(own, member, COARSE)
+    _, determinant = brick_gradients(lattice.nodes[lattice.cells.reshape(-1, 27)], shape_functions(gauss_rule()[0])[1])
+    assert determinant.min() > 0.0
+    one = own.pinion if member == "pinion" else own.gear
+    on_flank = lattice.profile >= 0.1
+    flank = lattice.nodes[lattice.flank][on_flank].T
+    true = solve_flank(one.loaded, one.section, flank[2], np.hypot(flank[0], flank[1]))
+    np.testing.assert_allclose(flank, true.position, rtol=0, atol=2e-4)
+    np.testing.assert_allclose(lattice.flank_normal[on_flank].T, true.normal, rtol=0, atol=2e-4)
+
+
+def test_feet_are_those_of_the_plate() -> None:
+    """Distances from flank to middle surface as ``geometry.tooth`` finds them, by quite another way."""
+    own = pair()
+    for member, body in zip(("pinion", "gear"), bodies(own), strict=True):
+        lattice = tooth_lattice(own, member, COARSE)
+        depth = feet_of_normals(lattice).depth.reshape(lattice.flank.shape)
+        on_flank = (lattice.profile > 0.1) & (np.abs(lattice.lengthwise - 0.5) < 0.3)[:, None]
+        normal = lattice.flank_normal[on_flank].T
+        expected = body.shell_coordinates(lattice.nodes[lattice.flank][on_flank].T, normal).depth
+        np.testing.assert_allclose(depth[on_flank], expected, rtol=0.02)
+
+
+def test_graded_places() -> None:
+    places = graded(4, 2.0)
+    np.testing.assert_allclose(np.diff(places[::2]), np.array([1, 2, 4, 8]) / 15)
+    np.testing.assert_allclose(places[1::2], 0.5 * (places[:-2:2] + places[2::2]))
+
+
+def test_shares_of_a_force_on_the_flank() -> None:
+    """They add up to one and put the force where it belongs."""
+    lattice, _ = gear_tooth()
+    random = np.random.default_rng(3)
+    points = random.uniform([[0.0], [0.05]], [[1.0], [1.0]], size=(2, 50))
+    nodes, shares = flank_shares(lattice.lengthwise, lattice.profile, points)
+    np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-12)
+    along = np.repeat(lattice.lengthwise, lattice.profile.shape[1])
+    np.testing.assert_allclose(np.sum(shares * along[nodes], axis=1), points[0], atol=1e-12)
+    np.testing.assert_allclose(np.sum(shares * lattice.profile.ravel()[nodes], axis=1), points[1], atol=1e-9)
+
+
+def test_kernel_is_nearly_symmetric_and_its_root_is_a_compliance() -> None:
+    """Reciprocity holds but for the last millimetres around a load; taking the symmetric part changes little."""
+    compliance = kernel()
+    symmetric = 0.5 * (compliance + compliance.T)
+    assert np.linalg.norm(compliance - symmetric) < 0.06 * np.linalg.norm(compliance)
+    factor = square_root(compliance)
+    # What the roots of the negative eigenvalues leave out.
+    assert np.linalg.norm(factor.T @ factor - symmetric) < 0.005 * np.linalg.norm(symmetric)
+
+
+def test_segments_whitened_give_the_compliance_of_their_loads() -> None:
+    """Inner products of whitened segments are the kernel between the same loads, solved directly."""
+    lattice, _ = gear_tooth()
+    condensed = FlankCompliance(lattice.lengthwise, lattice.profile, square_root(kernel()))
+    ends = np.linspace(0.2, 0.8, 7)
+    gauss, weights = np.polynomial.legendre.leggauss(3)
+    t = ends[:-1, None] + 0.5 * np.diff(ends)[:, None] * (1.0 + gauss)
+    points = np.stack([t, 0.8 - 0.5 * t])
+    whitened = condensed.whitened(points, 0.5 * weights)
+    shares = np.zeros((lattice.profile.size, 6))
+    for segment in range(6):
+        nodes, share = flank_shares(lattice.lengthwise, lattice.profile, points[:, segment])
+        np.add.at(shares[:, segment], nodes.ravel(), (share * 0.5 * weights[:, None]).ravel())
+    direct = shares.T @ kernel() @ shares
+    np.testing.assert_allclose(whitened.T @ whitened, direct, rtol=0, atol=0.02 * direct.max())
+
+
+def test_a_force_far_from_the_foot_does_not_mind_where_it_acts_on_its_line() -> None:
+    """Saint-Venant: on the flank or at the foot of its normal, a force moves distant points alike."""
+    lattice, body = gear_tooth()
+    feet = feet_of_normals(lattice)
+    count = lattice.profile.shape[1]
+    chosen = np.array([2 * count + count - 4])
+    at_foot = functionals(
+        len(lattice.nodes), feet.nodes[chosen], feet.shares[chosen], -lattice.flank_normal.reshape(-1, 3)[chosen]
+    )
+    there = foot_displacements(lattice)
+    from_foot = body.response(at_foot, there)[:, 0].reshape(lattice.profile.shape)
+    from_flank = kernel()[:, chosen[0]].reshape(lattice.profile.shape)
+    far = np.abs(lattice.lengthwise - lattice.lengthwise[2]) > 0.3
+    np.testing.assert_allclose(from_foot[far], from_flank[far], rtol=0, atol=0.01 * from_flank[:, -1].max())
+
+
+def test_stress_functionals_return_a_uniform_stress() -> None:
+    lattice, _ = gear_tooth()
+    wanted, _ = stress_functionals(lattice, STEEL)
+    strain = 1e-3 * np.array([[1.0, 0.2, -0.3], [0.2, -0.5, 0.4], [-0.3, 0.4, 0.7]])
+    found = (wanted.T @ (lattice.nodes @ strain).ravel()).reshape(-1, 6)
+    first = 2.0 * STEEL.shear_modulus * STEEL.poisson_ratio / (1.0 - 2.0 * STEEL.poisson_ratio)
+    stress = first * np.trace(strain) * np.eye(3) + 2.0 * STEEL.shear_modulus * strain
+    expected = stress[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
+    np.testing.assert_allclose(
+        found, np.broadcast_to(expected, found.shape), rtol=0, atol=1e-9 * np.abs(expected).max()
+    )
+
+
+def test_largest_tensile_stress_is_a_principal_stress() -> None:
+    sigma = np.zeros((1, 1, 6, 2))
+    sigma[0, 0, :, 0] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]  # plane: 1/2 + sqrt(1/4 + 1)
+    sigma[0, 0, :, 1] = [-3.0, -2.0, -1.0, 0.0, 0.0, 0.0]
+    np.testing.assert_allclose(RootStress(np.zeros(1), sigma).largest(np.eye(2)), [[0.5 + np.sqrt(1.25), -1.0]])
+
+
+def test_root_stress_balances_the_bending_moment() -> None:
+    """Tension at the root of the loaded side, the greater the higher the force acts; near it along the face."""
+    lattice, body = gear_tooth()
+    wanted, station = stress_functionals(lattice, STEEL)
+    root = by_station(body.response(flank_loads(lattice), wanted), station)
+    forces = np.zeros((*lattice.profile.shape, 3))
+    middle = lattice.profile.shape[0] // 2
+    for column, row in enumerate((-5, -3, -1)):
+        forces[middle, row, column] = 1000.0
+    stress = root.largest(forces.reshape(-1, 3))
+    assert np.all(np.diff(stress.max(axis=0)) > 0.0)
+    assert abs(root.lengthwise[stress[:, 2].argmax()] - 0.5) < 0.15
+
+
+def test_compliance_settles_as_the_bricks_get_smaller() -> None:
+    """Differences to the finest of three lattices shrink at least with the first power of the bricks' size."""
+    gauss, weights = np.polynomial.legendre.leggauss(3)
+    t, h = np.meshgrid(np.linspace(0.15, 0.85, 5), [0.4, 0.8], indexing="ij")
+    points = np.stack([t.ravel()[:, None] + 0.03 * gauss, h.ravel()[:, None] + 0.0 * gauss])
+    found = []
+    for size in (LatticeSize(4, 2, 2, 1, 1, 1), LatticeSize(8, 4, 2, 1, 1, 2), LatticeSize(11, 5, 3, 1, 1, 2)):
+        lattice = tooth_lattice(pair(), "gear", size)
+        body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+        factor = square_root(body.response(flank_loads(lattice), foot_displacements(lattice)))
+        whitened = FlankCompliance(lattice.lengthwise, lattice.profile, factor).whitened(points, 0.5 * weights)
+        found.append(whitened.T @ whitened)
+    coarse, middle = (np.linalg.norm(c - found[2]) / np.linalg.norm(found[2]) for c in found[:2])
+    assert middle < 0.5 * coarse
+    assert middle < 0.06
+
+
+def test_second_analysis_does_not_factor_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
+    first = members.finite_element_tooth(pair(), "gear", STEEL, fineness=0.25)
+    assert len(list(tmp_path.iterdir())) == 1
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("factored again")
+
+    monkeypatch.setattr(members, "elastic_body", refuse)
+    again = members.finite_element_tooth(pair(), "gear", STEEL, fineness=0.25)
+    np.testing.assert_array_equal(first.flank.factor, again.flank.factor)
+    np.testing.assert_array_equal(first.root.stress, again.root.stress)
+    for other in ({"fineness": 0.3}, {"fineness": 0.25, "rim_depth": 5.0}):
+        with pytest.raises(AssertionError, match="factored again"):
+            members.finite_element_tooth(pair(), "gear", STEEL, **other)
+    with pytest.raises(AssertionError, match="factored again"):
+        members.finite_element_tooth(pair(), "gear", replace(STEEL, poisson_ratio=0.25), fineness=0.25)
+    # Misalignment moves the pair, not the tooth.
+    moved = pair().misaligned(replace(pair().assembly.misalignment, offset=0.1))
+    members.finite_element_tooth(moved, "gear", STEEL, fineness=0.25)
+
+
+def test_store_survives_damage_and_a_folder_that_cannot_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+
+    def make() -> dict[str, Array]:
+        calls.append(1)
+        return {"a": np.arange(3.0)}
+
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
+    key = store.key_of(np.arange(4), "x", 1.0)
+    assert key == store.key_of(np.arange(4), "x", 1.0) != store.key_of(np.arange(4.0), "x", 1.0)
+    for _ in range(2):
+        np.testing.assert_array_equal(store.kept(key, make)["a"], np.arange(3.0))
+    assert len(calls) == 1
+    (tmp_path / f"{key}.npz").write_bytes(b"PK\x03\x04 cut off")
+    store.kept(key, make)
+    assert len(calls) == 2
+    store.kept(key, make)
+    assert len(calls) == 2
+    monkeypatch.setenv(store.FOLDER_VARIABLE, "")
+    store.kept(key, make)
+    assert len(calls) == 3
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(blocked))
+    with pytest.warns(UserWarning, match="not kept"):
+        assert store.kept(key, make)["a"].size == 3
+
+
+def test_a_tooth_that_cannot_be_filled_is_refused_and_the_shell_remains() -> None:
+    """A tooth so thin that its flanks meet below the tip."""
+    own = pair()
+    thin = replace(own, gear=replace(own.gear, mean_thickness=2.5))
+    with pytest.raises(GeometryError, match=r"pointed.*shell"):
+        tooth_lattice(thin, "gear", COARSE)
+    teeth = pair_geometry(thin, (11, 9)).teeth
+    assert len(shells(teeth, ElasticModel())) == 2
+
+
+def test_numbers_out_of_range_are_refused() -> None:
+    with pytest.raises(InputError, match="rim_depth"):
+        tooth_lattice(pair(), "gear", COARSE, rim_depth=-1.0)
+    with pytest.raises(InputError, match="fineness"):
+        members.finite_element_tooth(pair(), "gear", STEEL, fineness=9.0)
+    with pytest.raises(InputError, match="at least 1"):
+        LatticeSize(0)
+
+
+@cache
+def quick_analysis(name: str) -> xr.DataTree:
+    return easeoff.analyze(with_elements(name))
+
+
+def test_one_word_of_the_case_file_is_enough() -> None:
+    """Certified contact near that of the shell, with root stresses beside it."""
+    tree = quick_analysis("fm-11x41")
+    loaded = tree["loaded"].to_dataset()
+    assert np.all(loaded["status"] == 0)
+    shell = easeoff.analyze(read_case("fm-11x41").model_copy(update={"contact": QUICK}))["loaded"].to_dataset()
+    assert loaded["mean_level"].item() == pytest.approx(shell["mean_level"].item(), rel=0.1)
+    assert not np.allclose(loaded["mean_level"], shell["mean_level"], rtol=1e-6)
+    stress = tree["root_stress"].to_dataset()
+    assert np.all(np.isfinite(stress["root_stress"]))
+    assert np.all(stress["max_root_stress"] > 0.0)
+    # The largest over cycle and face either way; along the face it is put on even fractions, which cut its top off.
+    history = stress["root_stress_history"].max(["mesh_position", "pair"])
+    np.testing.assert_array_equal(stress["max_root_stress"], history)
+    np.testing.assert_allclose(stress["root_stress"].max("lengthwise"), history, rtol=0.05)
+    shown = summary(tree).splitlines()
+    expected = ["300", *(f"{value:.0f}" for value in stress["max_root_stress"].values[0])]
+    assert shown[-1].split() == expected
+
+
+def test_condensed_teeth_stand_in_for_the_shells() -> None:
+    lattice, _ = gear_tooth()
+    condensed = FlankCompliance(lattice.lengthwise, lattice.profile, square_root(kernel()))
+    model = ElasticModel(condensed=(condensed, condensed))
+    teeth = pair_geometry(pair(), (11, 9)).teeth
+    assert elastic_teeth(teeth, model) == (condensed, condensed)

@@ -1,0 +1,190 @@
+"""Quadratic bricks: patch tests, order of convergence, beam theory, and CalculiX on the same mesh."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.sparse.linalg import spsolve
+
+from easeoff.cases import gear_pair, read_case
+from easeoff.contact.compliance import Material
+from easeoff.contact.compliance.finite_elements.body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions, stiffness
+from easeoff.contact.compliance.finite_elements.factor import solver_of
+from easeoff.core.errors import GeometryError, InputError
+from easeoff.geometry.tooth_lattice import LatticeSize, tooth_lattice
+
+Array = NDArray[Any]
+STEEL = Material(206000.0, 0.3)
+COARSE = LatticeSize(5, 3, 2, 1, 1, 2)
+
+
+def block(counts: tuple[int, int, int], lengths: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
+    """Nodes and cells of a box."""
+    axes = [np.linspace(0.0, size, 2 * n + 1) for n, size in zip(counts, lengths, strict=True)]
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    numbers = np.arange(nodes[..., 0].size).reshape(nodes.shape[:3])
+    windows = np.lib.stride_tricks.sliding_window_view(numbers, (3, 3, 3))[::2, ::2, ::2]
+    return nodes.reshape(-1, 3), np.array(windows.reshape(-1, 3, 3, 3))
+
+
+def on_boundary(nodes: Array) -> Array:
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    return np.asarray(np.any((nodes < low + 1e-9) | (nodes > high - 1e-9), axis=1))
+
+
+def with_boundary_values(nodes: Array, cells: Array, field: Array, boundary: Array, brick_nodes: int = 27) -> Array:
+    """Displacements (n, 3) of a body without loads whose boundary nodes follow a field; NaN where there is no node."""
+    matrix = stiffness(nodes, cells, STEEL, brick_nodes).tocsr()
+    given = np.repeat(boundary, 3)
+    free = np.flatnonzero(~given & (matrix.diagonal() > 0.0))
+    given = np.flatnonzero(given)
+    values = np.where(np.repeat(boundary, 3), field.ravel(), np.nan)
+    values[free] = spsolve(matrix[free][:, free].tocsc(), -(matrix[free][:, given] @ field.ravel()[given]))
+    return values.reshape(-1, 3)
+
+
+@pytest.mark.parametrize("brick_nodes", [20, 27])
+def test_patch_test_of_distorted_bricks(brick_nodes: int) -> None:
+    """Any linear displacement comes back exactly, however the bricks are distorted."""
+    nodes, cells = block((2, 2, 2))
+    boundary = on_boundary(nodes)
+    random = np.random.default_rng(1)
+    nodes = np.where(boundary[:, None], nodes, nodes + random.uniform(-0.06, 0.06, nodes.shape))
+    field = nodes @ random.normal(size=(3, 3)) + random.normal(size=3)
+    found = with_boundary_values(nodes, cells, field, boundary, brick_nodes)
+    used = np.isfinite(found)
+    assert used.all() if brick_nodes == 27 else not used.all()
+    np.testing.assert_allclose(found[used], field[used], rtol=0, atol=1e-12 * np.abs(field).max())
+
+
+def test_pure_bending_is_exact() -> None:
+    """The exact solution of a bent bar is quadratic; bricks with straight edges hold it."""
+    nodes, cells = block((2, 2, 1), (4.0, 1.0, 0.7))
+    x, y, z = nodes.T - np.array([[0.0], [0.5], [0.35]])
+    nu = STEEL.poisson_ratio
+    field = 1e-3 * np.stack([x * y, -0.5 * (x**2 + nu * (y**2 - z**2)), -nu * y * z], axis=1)
+    ends = (nodes[:, 0] < 1e-9) | (nodes[:, 0] > 4.0 - 1e-9)
+    np.testing.assert_allclose(with_boundary_values(nodes, cells, field, ends), field, rtol=0, atol=1e-13)
+
+
+def test_rigid_motions_cost_nothing_and_volume_is_kept() -> None:
+    nodes, cells = block((2, 1, 2), (2.0, 1.0, 1.5))
+    matrix = stiffness(nodes, cells, STEEL)
+    rotation = np.cross([0.3, -0.2, 0.5], nodes)
+    for motion in (rotation, np.ones_like(nodes)):
+        assert np.abs(matrix @ motion.ravel()).max() < 1e-9 * abs(matrix).max()
+    _, weights = gauss_rule()
+    _, determinant = brick_gradients(nodes[cells.reshape(-1, 27)], shape_functions(gauss_rule()[0])[1])
+    assert (determinant @ weights).sum() == pytest.approx(3.0, rel=1e-13)
+
+
+def test_order_of_convergence() -> None:
+    """Displacements of a smooth exact solution converge with the third power of the size of the bricks."""
+
+    def exact(points: Array) -> Array:
+        # Gradient of a harmonic function: no change of volume, no load inside.
+        x, y, z = points.T
+        a, b = 2.0, 1.5
+        c = np.hypot(a, b)
+        grow = np.exp(c * z)
+        return np.stack(
+            [
+                a * np.cos(a * x) * np.sin(b * y) * grow,
+                b * np.sin(a * x) * np.cos(b * y) * grow,
+                c * np.sin(a * x) * np.sin(b * y) * grow,
+            ],
+            axis=1,
+        )
+
+    points, weights = gauss_rule()
+    values, _ = shape_functions(points)
+    errors = []
+    for count in (2, 4):
+        nodes, cells = block((count, count, count))
+        nodes = nodes + 0.04 * np.sin(np.pi * nodes[:, [1, 2, 0]]) * np.sin(np.pi * nodes)
+        found = with_boundary_values(nodes, cells, exact(nodes), on_boundary(nodes))
+        flat = cells.reshape(-1, 27)
+        inside = np.einsum("ga,mai->mgi", values, nodes[flat])
+        difference = np.einsum("ga,mai->mgi", values, found[flat]) - exact(inside.reshape(-1, 3)).reshape(inside.shape)
+        errors.append(np.sqrt(np.mean(np.sum(difference**2, axis=-1) @ weights)))
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(3.0, abs=0.3)
+
+
+def test_cantilever_against_beam_theory() -> None:
+    """A slender bar, of a material that does not contract where it is clamped: Timoshenko's beam."""
+    material = Material(206000.0, 0.0)
+    length, height, width = 20.0, 1.0, 0.8
+    nodes, cells = block((12, 2, 1), (length, height, width))
+    body = elastic_body(nodes, cells, np.flatnonzero(nodes[:, 0] < 1e-9), material)
+    end = np.flatnonzero(nodes[:, 0] > length - 1e-9)
+    even = functionals(len(nodes), end[None], np.full((1, end.size), 1.0 / end.size), np.array([[0.0, 1.0, 0.0]]))
+    inertia, area = width * height**3 / 12.0, width * height
+    expected = length**3 / (3.0 * material.elastic_modulus * inertia)
+    expected += length / (5.0 / 6.0 * material.shear_modulus * area)
+    assert body.response(even, even).item() == pytest.approx(expected, rel=1e-3)
+
+
+def test_both_factorisations_agree() -> None:
+    pytest.importorskip("sksparse")
+    nodes, cells = block((2, 2, 2))
+    matrix = stiffness(nodes, cells, STEEL)
+    free = np.flatnonzero(np.repeat(nodes[:, 0] > 1e-9, 3))
+    matrix = matrix[free][:, free]
+    loads = np.random.default_rng(2).normal(size=(free.size, 3))
+    one, other = (solver_of(matrix, name)(loads) for name in ("cholmod", "superlu"))
+    np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(one).max())
+
+
+def test_bricks_inside_out_are_refused() -> None:
+    nodes, cells = block((1, 1, 1))
+    with pytest.raises(GeometryError, match="inside out"):
+        stiffness(nodes, cells[:, ::-1], STEEL)
+    with pytest.raises(InputError, match="20 or 27"):
+        shape_functions(np.zeros((1, 3)), 8)
+
+
+# Nodes of a 20-node brick as CalculiX counts them, as places in the array (3, 3, 3).
+CORNERS = [(0, 0), (2, 0), (2, 2), (0, 2)]
+MIDDLES = [(1, 0), (2, 1), (1, 2), (0, 1)]
+CALCULIX = [(*c, k) for k in (0, 2) for c in CORNERS] + [(*c, k) for k in (0, 2) for c in MIDDLES]
+CALCULIX += [(*c, 1) for c in CORNERS]
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_calculix_on_the_same_tooth(tmp_path: Path) -> None:
+    """A generated tooth on its body under one force: every displacement as CalculiX's."""
+    lattice = tooth_lattice(gear_pair(read_case("fm-11x41")), "gear", COARSE)
+    body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL, brick_nodes=20)
+    loaded = int(lattice.flank[4, 4])
+    force = np.array([-300.0, 200.0, -100.0])
+    load = functionals(len(lattice.nodes), np.array([[loaded]]), np.ones((1, 1)), force[None])
+    found = np.full(3 * len(lattice.nodes), np.nan)
+    found[body.free] = body.solve(load.tocsr()[body.free].toarray())[:, 0]
+
+    bricks = np.stack([lattice.cells[:, i, j, k] for i, j, k in CALCULIX], axis=1)
+    used = np.unique(bricks)
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{n + 1}, " + ", ".join(f"{x:.11e}" for x in lattice.nodes[n]) for n in used]
+    lines += ["*ELEMENT, TYPE=C3D20, ELSET=TOOTH"]
+    for number, brick in enumerate(bricks + 1, start=1):
+        lines += [f"{number}, " + ", ".join(map(str, brick[:10])) + ",", ", ".join(map(str, brick[10:]))]
+    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{STEEL.elastic_modulus}, {STEEL.poisson_ratio}"]
+    lines += ["*SOLID SECTION, ELSET=TOOTH, MATERIAL=STEEL", "*BOUNDARY"]
+    lines += [f"{n + 1}, 1, 3" for n in np.intersect1d(lattice.held, used)]
+    lines += ["*STEP", "*STATIC", "*CLOAD", *(f"{loaded + 1}, {k + 1}, {force[k]}" for k in range(3))]
+    lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP", ""]
+    (tmp_path / "tooth.inp").write_text("\n".join(lines))
+    subprocess.run(["ccx", "tooth"], cwd=tmp_path, check=True, capture_output=True, timeout=120)
+    table = np.loadtxt(tmp_path / "tooth.dat", skiprows=3)
+    theirs = table[:, 1:4]
+    ours = found.reshape(-1, 3)[table[:, 0].astype(int) - 1]
+    moved = np.isfinite(ours)
+    assert np.abs(theirs[~moved]).max() == 0.0
+    np.testing.assert_allclose(ours[moved], theirs[moved], rtol=0, atol=1e-5 * np.abs(theirs).max())
