@@ -19,22 +19,23 @@ BACKENDS = [name for name in SOLVERS if name != "native"]
 LIFTING = [name for name in BACKENDS if SOLVERS[name].lifted_from is not None]
 
 #: Agreement with the native solver, unpolished: of the rotation from the multiplier of the balance, relative, and of
-#: the gaps from the multipliers of the bounds, over the greatest deflection.
+#: the gaps from the multipliers of the bounds, over the greatest deflection. It holds for all classes of problems and
+#: the problem library; the worst are segments at the brink of contact, rigid ones, and hardly any local compliance.
 AGREEMENT = {
-    "clarabel": (1e-8, 1e-4),
-    "osqp": (1e-9, 1e-8),
-    "daqp": (1e-9, 1e-8),
-    "piqp": (1e-7, 1e-4),
+    "clarabel": (1e-6, 1e-4),
+    "osqp": (1e-5, 1e-8),
+    "daqp": (1e-6, 1e-8),
+    "piqp": (1e-6, 1e-4),
     "proxqp": (1e-8, 1e-5),
     "highs": (1e-12, 1e-11),
     "scs": (1e-8, 1e-6),
-    "sip": (1e-9, 1e-4),
+    "sip": (1e-7, 1e-4),
     "pyqpmad": (1e-5, 1e-4),
     "qpalm": (1e-7, 1e-6),
     "quadprog": (1e-5, 1e-4),
-    "cvxopt": (1e-7, 1e-4),
+    "cvxopt": (1e-6, 1e-4),
     "ecos": (1e-4, 1e-3),
-    "cvxpy": (1e-8, 1e-4),
+    "cvxpy": (1e-6, 1e-4),
     "lemke": (1e-12, 1e-11),
 }
 POLISHED_AGREEMENT = 1e-13

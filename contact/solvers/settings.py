@@ -80,7 +80,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "Apache-2.0",
         "alternating direction method of multipliers, sparse",
         sparse=True,
-        tolerance=1e-7,
+        tolerance=1e-6,
         lifted_from=250,
         settings={
             "eps_abs": 1e-10,
@@ -187,7 +187,7 @@ SOLVERS: dict[str, SolverSettings] = {
         _COPYLEFT,
         "GPL-3.0-or-later",
         "interior point, dense",
-        tolerance=APPROXIMATE_TOLERANCE,
+        tolerance=3e-5,
         settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
     ),
     "ecos": SolverSettings(
