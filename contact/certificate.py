@@ -17,9 +17,6 @@ from .problem import ContactProblem
 
 #: What the native solver and every polished answer must reach.
 EXACT_TOLERANCE = 1e-9
-#: What the unpolished answer of an interior-point method must reach. Where force and gap of a segment vanish together,
-#: such methods leave both at the square root of their tolerance. The table of solver settings has the other levels.
-APPROXIMATE_TOLERANCE = 1e-5
 
 #: Cancellation in C F or r'F beyond this factor leaves fewer than the digits that EXACT_TOLERANCE asks for.
 _CANCELLATION_FLOOR = 1e-5

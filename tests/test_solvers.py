@@ -325,7 +325,7 @@ def test_right_answer_is_accepted_whatever_its_flag(monkeypatch: pytest.MonkeyPa
 def test_polish_makes_exact_what_is_roughly_right_and_says_so() -> None:
     problem = realistic()[0]
     reference = solve(problem)
-    rough: dict[str, Any] = {"eps_abs": 1e-3, "eps_rel": 1e-3, "polishing": False}
+    rough: dict[str, Any] = {"eps_abs": 0.1, "eps_rel": 0.1, "polishing": False}
     unpolished = solve(problem, "osqp", polish=False, **rough)
     assert unpolished.status is Status.NOT_CERTIFIED
     assert not unpolished.polished
