@@ -187,8 +187,7 @@ def analyze(
     -------
     xr.DataTree
         Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; with finite elements ``root_stress``, and
-        if a speed is given ``friction``;
-        where it came from in the attributes.
+        if a speed is given ``friction``; where it came from in the attributes.
 
     Raises
     ------

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.status import StoredStatus
 from ..certificate import NO_CERTIFICATE, Certificate
 
 
-class Status(IntEnum):
+class Status(StoredStatus):
     """How a solve ended. Only `CERTIFIED` comes with forces."""
 
     CERTIFIED = 0
@@ -24,14 +23,6 @@ class Status(IntEnum):
     SOLVER_FAILED = 6
     TIME_LIMIT = 7
     NOT_CONVERGED = 8
-
-    @classmethod
-    def flag_attributes(cls) -> dict[str, Any]:
-        """Return the attributes `flag_values` and `flag_meanings` of a stored status variable (CF conventions)."""
-        return {
-            "flag_values": np.array([int(status) for status in cls], dtype=np.int8),
-            "flag_meanings": " ".join(status.name.lower() for status in cls),
-        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import astuple, dataclass
-from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
+from ...core.status import StoredStatus
 from .complementarity import LOAD, Problem, evaluate
 from .reynolds import Array
 
@@ -20,21 +19,13 @@ from .reynolds import Array
 TOLERANCE = 1e-8
 
 
-class Status(IntEnum):
+class Status(StoredStatus):
     """How a solve ended."""
 
     CERTIFIED = 0
     NOT_CONVERGED = 1
     NOT_CERTIFIED = 2
     FAILED = 3
-
-    @classmethod
-    def flag_attributes(cls) -> dict[str, Any]:
-        """Return the attributes `flag_values` and `flag_meanings` of a stored status variable (CF conventions)."""
-        return {
-            "flag_values": np.array([int(status) for status in cls], dtype=np.int8),
-            "flag_meanings": " ".join(status.name.lower() for status in cls),
-        }
 
 
 @dataclass(frozen=True)
