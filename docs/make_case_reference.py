@@ -40,7 +40,7 @@ MEANINGS = {
     "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "torques": ("torques at the pinion, one or more", "N m"),
-    "model": ("`fe` for finite elements, see [finite elements](finite_elements.md)", ""),
+    "model": ("`fe` and `solid_shell` for accuracy instead of speed, see [finite elements](finite_elements.md)", ""),
     "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
     "plate": (
         "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
@@ -127,6 +127,8 @@ def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
     if name == "free_settings":
         return "names of settings"
+    if name == "rim_depth":
+        return "one or two numbers, each > 0 and < 1000"
     for option in (field.annotation, *get_args(field.annotation)):
         if get_origin(option) is Literal:
             return ", ".join(written(choice) for choice in get_args(option))

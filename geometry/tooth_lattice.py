@@ -114,6 +114,11 @@ class ToothLattice:
         Profile fractions (2 l + 1, 2 u + 1) of the nodes ``flank`` on the blank; negative in the fillet.
     slot
         Nodes (2, 2 l + 1, 2 s + 1) of the slots' floors on the loaded and the opposite side, towards the tooth.
+    through, upward
+        Places (2 t + 1) through the tooth from the loaded side, and (2 u + 1) from the middle of the fillet to the tip,
+        from 0 to 1.
+    body_bricks
+        How many of the bricks are the body's; they come first.
     """
 
     nodes: Array
@@ -125,6 +130,9 @@ class ToothLattice:
     lengthwise: Array
     profile: Array
     slot: NDArray[np.int64]
+    through: Array
+    upward: Array
+    body_bricks: int
 
     @property
     def flank(self) -> NDArray[np.int64]:
@@ -239,7 +247,7 @@ def tooth_lattice(
 
     normal = _flank_normals(sections, tooth.loaded, up)
     profile = sides[0][1] / sections.depth[:, None]
-    return _numbered(nodes, ends, size, body.shape[2:], normal, t, profile)
+    return _numbered(nodes, ends, size, body.shape[2:], normal, (t, through, up), profile)
 
 
 def usual_depth(blank: BlankSection) -> float:
@@ -347,11 +355,12 @@ def _numbered(
     size: LatticeSize,
     body: tuple[int, int],
     normal: Array,
-    t: Array,
+    places: tuple[Array, Array, Array],
     profile: Array,
 ) -> ToothLattice:
     """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
     columns, rows = body
+    t, through, up = places
     in_body = np.arange(columns * rows).reshape(columns, rows)
     first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
     above = columns * rows + np.arange(2 * size.upward * (2 * size.through + 1)).reshape(2 * size.upward, -1)
@@ -360,7 +369,8 @@ def _numbered(
     tooth = np.arange(t.size) * nodes.shape[1]
     toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(4 * size.overhang) * in_body.size, 2)
     whole = np.concatenate([toe[::-1], tooth, heel])
-    cells = np.concatenate([_layers(whole, in_body), _layers(tooth, in_column[:, rows - 1 :])])
+    in_the_body = _layers(whole, in_body)
+    cells = np.concatenate([in_the_body, _layers(tooth, in_column[:, rows - 1 :])])
     held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
     floors = np.stack(
         [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
@@ -380,6 +390,9 @@ def _numbered(
         t,
         profile,
         np.moveaxis(tooth[:, None, None] + floors, 1, 0),
+        through,
+        up,
+        len(in_the_body),
     )
 
 

@@ -1,4 +1,4 @@
-"""Both teeth of a pair by finite elements, kept on disk."""
+"""Teeth of a pair by finite elements or as solid shells, kept on disk."""
 
 from __future__ import annotations
 
@@ -17,28 +17,32 @@ from ..material import Material
 from .body import elastic_body
 from .condensed import FlankCompliance, flank_loads, foot_displacements, square_root
 from .root_stress import RootStress, by_station, stress_functionals
+from .solid_shell import Counts, solid_shell
 from .store import kept, key_of
 
 Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 BRICKS_ALONG = (8, 32)
 FORMAT = 3  # of what is kept; raise it when the same input gives other arrays
+SOLID_SHELL_FORMAT = 1
+# Of a solid shell: bricks of the body along the face as a share of the usual ones, functions through and up the tooth.
+SOLID_SHELL_BRICKS, FUNCTIONS_THROUGH, FUNCTIONS_UP = 0.7, 4, 7
 
 
 @dataclass(frozen=True)
 class FiniteElementTooth:
-    """What the contact needs to know of one member's finite elements.
+    """What the contact needs to know of one member's tooth.
 
     Parameters
     ----------
     flank
         Compliance of its loaded flank.
     root
-        Stress in its root.
+        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough.
     """
 
     flank: FlankCompliance
-    root: RootStress
+    root: RootStress | None
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
@@ -72,7 +76,7 @@ def finite_element_tooth(
     fineness
         Multiplies the number of bricks in every direction.
     rim_depth
-        Depth of the elastic body below the root [mm]; ``None`` for 1.2 times the tooth's height.
+        Depth of the elastic body below this member's root [mm]; ``None`` for 1.2 times the tooth's height.
 
     Raises
     ------
@@ -81,21 +85,76 @@ def finite_element_tooth(
     InputError
         If a number is out of range.
     """
-    if not 0.2 <= fineness <= 4.0:
-        raise InputError(f"fineness = {fineness!r}: must lie between 0.2 and 4")
-    size = usual_size(pair, member).finer(fineness)
-    lattice = tooth_lattice(pair, member, replace(size, lengthwise=max(size.lengthwise, 4)), rim_depth)
+    _check(fineness)
+    lattice = tooth_lattice(pair, member, _long_enough(usual_size(pair, member).finer(fineness)), rim_depth)
     key = key_of(FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _condensed(lattice, material, member))
     flank = FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"])
     return FiniteElementTooth(flank, RootStress(found["stations"], found["stress"]))
 
 
+def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
+    """Bricks of the body, and functions along, through and up the tooth, that leave 2 to 4 % in the compliance."""
+    usual = usual_size(pair, member)
+    bricks = replace(usual, lengthwise=round(SOLID_SHELL_BRICKS * usual.lengthwise), through=2, slot=1, deep=2)
+    counts = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
+    along, through, up = (max(round(fineness * n), 2) for n in counts)
+    return _long_enough(bricks.finer(fineness)), (along, through, up)
+
+
+def solid_shell_tooth(
+    pair: GearPair,
+    member: MemberName,
+    material: Material,
+    *,
+    fineness: float = 1.0,
+    rim_depth: float | None = None,
+) -> FiniteElementTooth:
+    """Compliance of one member's tooth as a solid shell.
+
+    Made once and kept on disk, see ``store.cache_folder``.
+
+    Parameters
+    ----------
+    pair, member, material, rim_depth
+        As ``finite_element_tooth``, which also says what is raised.
+    fineness
+        Multiplies the number of functions and of bricks in every direction.
+    """
+    _check(fineness)
+    size, counts = solid_shell_size(pair, member, fineness)
+    lattice = tooth_lattice(pair, member, size, rim_depth)
+    key = key_of("solid shell", SOLID_SHELL_FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, counts, material)
+    found = kept(key, lambda: {"factor": _condensed_shell(lattice, material, counts, member)})
+    return FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"]), None)
+
+
+def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, member: str) -> Array:
+    try:
+        shell = solid_shell(lattice, material, counts)
+    except GeometryError as error:
+        raise _unfilled(member, error) from error
+    return square_root(shell.response(flank_loads(lattice), foot_displacements(lattice, in_tooth=True)))
+
+
+def _check(fineness: float) -> None:
+    if not 0.2 <= fineness <= 4.0:
+        raise InputError(f"fineness = {fineness!r}: must lie between 0.2 and 4")
+
+
+def _long_enough(size: LatticeSize) -> LatticeSize:
+    return replace(size, lengthwise=max(size.lengthwise, 4))
+
+
+def _unfilled(member: str, error: GeometryError) -> GeometryError:
+    return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
+
+
 def _condensed(lattice: ToothLattice, material: Material, member: str) -> dict[str, Array]:
     try:
         body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
     except GeometryError as error:
-        raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
+        raise _unfilled(member, error) from error
     feet, (stresses, station) = foot_displacements(lattice), stress_functionals(lattice, material)
     response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
     count = feet.shape[1]
