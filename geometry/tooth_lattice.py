@@ -41,6 +41,7 @@ EDGE = 0.12  # of the bricks through the tooth, the thickness of those at its si
 DEEPER = 1.7  # every brick of the body than the one above
 COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
 OVERHANG = 0.75  # of the body's depth, that it runs on beyond toe and heel
+DEPTH_PER_HEIGHT = 1.2  # of the tooth, that the body is deep if nothing is said
 DEEPEST = 0.65  # of the way from the root to the member's axis
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
 
@@ -256,7 +257,7 @@ def usual_depth(blank: BlankSection) -> float:
     That is about 2.5 normal modules, the rim of the finite elements that the root springs were compared with.
     """
     root, tip = (np.array(blank.points(np.array(0.5), np.array(h))) for h in (0.0, 1.0))
-    return 1.2 * (float(np.linalg.norm(tip - root)) + blank.clearance)
+    return DEPTH_PER_HEIGHT * (float(np.linalg.norm(tip - root)) + blank.clearance)
 
 
 def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Array) -> _Sections:

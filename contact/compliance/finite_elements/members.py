@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +13,14 @@ from scipy.sparse import hstack
 from ....core.errors import GeometryError, InputError
 from ....geometry.pair import GearPair
 from ....geometry.tooth_flanks import MemberName, named_member
-from ....geometry.tooth_lattice import SHELL_HINT, LatticeSize, ToothLattice, tooth_lattice, usual_depth
+from ....geometry.tooth_lattice import (
+    DEPTH_PER_HEIGHT,
+    SHELL_HINT,
+    LatticeSize,
+    ToothLattice,
+    tooth_lattice,
+    usual_depth,
+)
 from ..material import Material
 from .body import elastic_body
 from .condensed import FlankCompliance, flank_loads, foot_displacements, square_root
@@ -23,6 +31,7 @@ from .store import kept, key_of
 Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 BRICKS_ALONG = (8, 32)
+BRICKS_THROUGH = (4, 8)
 FORMAT = 3  # of what is kept; raise it when the same input gives other arrays
 SOLID_SHELL_FORMAT = 1
 # Of a solid shell: bricks of the body along the face as a share of the usual ones, functions through and up the tooth.
@@ -46,11 +55,23 @@ class FiniteElementTooth:
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
-    """Number of bricks that leaves about 1 % in the compliance: about a third of the tooth's height long."""
+    """Number of bricks that leaves about 1 % in the compliance.
+
+    A third of the tooth's height long; and through the tooth no fewer than the brick lengths by which its sections,
+    at right angles to the blank, slant against its normal.
+    """
     one = named_member(pair, member)
     trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
-    length = float(np.nansum(np.linalg.norm(np.diff(trace, axis=1), axis=0)))
-    return LatticeSize(int(np.clip(round(BRICKS_PER_HEIGHT * length / usual_depth(one.section)), *BRICKS_ALONG)))
+    step = np.diff(trace, axis=1)
+    lengths = np.linalg.norm(step, axis=0)
+    length = float(np.nansum(lengths))
+    bricks = int(np.clip(round(BRICKS_PER_HEIGHT * length / usual_depth(one.section)), *BRICKS_ALONG))
+    middle = 0.5 * (trace[:2, 1:] + trace[:2, :-1])
+    around = (middle[0] * step[1] - middle[1] * step[0]) / np.hypot(*middle) / lengths
+    slant = float(np.nanmax(np.abs(around) / np.sqrt(1.0 - around**2)))
+    shift = slant * usual_depth(one.section) / DEPTH_PER_HEIGHT
+    through = int(np.clip(round(shift * bricks / length), *BRICKS_THROUGH))
+    return LatticeSize(bricks, through=through)
 
 
 def finite_element_tooth(
@@ -96,10 +117,11 @@ def finite_element_tooth(
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
     """Bricks of the body, and functions along, through and up the tooth, that leave 2 to 4 % in the compliance."""
     usual = usual_size(pair, member)
-    bricks = replace(usual, lengthwise=round(SOLID_SHELL_BRICKS * usual.lengthwise), through=2, slot=1, deep=2)
-    counts = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
-    along, through, up = (max(round(fineness * n), 2) for n in counts)
-    return _long_enough(bricks.finer(fineness)), (along, through, up)
+    functions = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
+    along, through, up = (max(round(fineness * n), 2) for n in functions)
+    bricks = replace(usual, lengthwise=round(SOLID_SHELL_BRICKS * usual.lengthwise), slot=1, deep=2).finer(fineness)
+    # The bricks of the joint have to follow every function through the tooth; more of them change nothing.
+    return _long_enough(replace(bricks, through=2 * math.ceil(through / 4))), (along, through, up)
 
 
 def solid_shell_tooth(

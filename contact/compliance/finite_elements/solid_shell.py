@@ -2,11 +2,11 @@
 
 As in the shell, Legendre polynomials along the face and up the tooth are the trial functions of a Rayleigh-Ritz system;
 but they stand for all three displacements, there are more of them through the thickness, and the strain energy is that
-of the solid tooth on its generated surfaces, fillets and slanted ends included. A parallelogram has room for the slant:
-a wave along the face that stands at right angles to the tooth's middle is a polynomial in both directions.
+of the solid tooth on its generated surfaces, fillets and slanted ends included. The sections slant against the tooth:
+a wave along it takes more functions through it than the parabola of a straight one.
 
-The body below is quadratic bricks. On the joint its nodes follow the polynomials, so that no spring stands between. The
-whole is one conforming Ritz system: every compliance is a lower bound, and grows with every function and brick added.
+The body below is quadratic bricks, whose nodes on the joint follow the polynomials: no springs stand between. It is a
+Ritz system of both, too stiff by what its functions cannot follow; each function more makes it softer.
 """
 
 from __future__ import annotations
