@@ -192,11 +192,11 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
     if table.model == "shell":
         return None
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
-    of_pinion, of_gear = (
-        {"material": material, "fineness": table.fineness, "rim_depth": depth}
-        for material, depth in zip(materials(case), table.rim_depth or (None, None), strict=True)
+    (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
+    return (
+        make(pair, "pinion", pinion, fineness=table.fineness, rim_depth=of_pinion),
+        make(pair, "gear", gear, fineness=table.fineness, rim_depth=of_gear),
     )
-    return make(pair, "pinion", **of_pinion), make(pair, "gear", **of_gear)
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
