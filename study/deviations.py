@@ -152,7 +152,7 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
     worst = max(scatter, key=lambda name: scatter[name])
     raise GeometryError(
         f"with these deviations the flanks have no line contact at {100 * lost:.1f} % of the points of the contact "
-        f"lines: the flank of the {worst} bends too much from node to node (it scatters by {scatter[worst]:.2g} um rms "
+        f"lines: the flank of the {worst} bends too much from node to node (it scatters by {scatter[worst]:.1f} um rms "
         "about a surface of third order). Measure outliers again or leave them out, or smooth the deviation: "
         "interpolation 'smooth'"
     )
