@@ -28,9 +28,37 @@ NARROW = EdgeMargins(1.0, 1.0, 0.3, 0.3)
 MADE = "made to resemble Kolivand 2009, {}, of which greatest deviations and places are known; not measured"
 
 
-def dent(lengthwise: float, profile: float, depth: float) -> Callable[[Array, Array], Array]:
-    """A dent of worn metal [um], 0.4 of the face and 0.25 of the height wide."""
-    return lambda t, h: -depth * np.exp(-(((t - lengthwise) / 0.4) ** 2) - ((h - profile) / 0.25) ** 2)
+def worn(
+    dent: tuple[float, float],
+    size: tuple[float, float],
+    lean: float,
+    depth: float,
+    relief: float,
+    begin: float,
+    end: float,
+) -> Callable[[Array, Array], Array]:
+    """Worn metal [um]: a dent, leaning with the contact lines, and a relief towards an edge.
+
+    Parameters
+    ----------
+    dent
+        Fractions of the middle of the dent, lengthwise and up the profile.
+    size
+        Its half widths along the face and up the profile.
+    lean
+        How far it moves along the face over the whole profile.
+    depth, relief
+        Of the dent in its middle, and of the relief at the edge [um].
+    begin, end
+        Profile fractions between which the relief grows with the square.
+    """
+
+    def form(t: Array, h: Array) -> Array:
+        across, up = (t - dent[0] - lean * (h - dent[1])) / size[0], (h - dent[1]) / size[1]
+        to_edge = np.maximum((h - begin) / (end - begin), 0.0)
+        return np.asarray(-depth * np.exp(-(across**2) - up**2) - relief * to_edge**2)
+
+    return form
 
 
 def global_error(*coefficients: float) -> Callable[[Array, Array], Array]:
@@ -47,9 +75,13 @@ def global_error(*coefficients: float) -> Callable[[Array, Array], Array]:
 
 # (case, member, rows, columns, margins, form, where in the dissertation)
 EXAMPLES: dict[str, tuple[str, str, tuple[int, int], EdgeMargins | None, Callable[[Array, Array], Array], str]] = {
-    # Worn at the pinion's tip, and so at the gear's root; the gear worn elsewhere.
-    "fm-11x41-worn-pinion": ("fm-11x41", "pinion", (15, 25), NARROW, dent(0.3, 0.9, 10), "Fig. 4.5"),
-    "fm-11x41-worn-gear": ("fm-11x41", "gear", (15, 25), NARROW, dent(0.6, 0.45, 5), "Fig. 4.5"),
+    # Relieved at the pinion's tip and the gear's root, which meet there, and worn along the contact lines.
+    "fm-11x41-worn-pinion": (
+        "fm-11x41", "pinion", (15, 25), NARROW, worn((0.29, 1.07), (0.33, 0.54), 1.07, 3.6, 7.4, 0.69, 1.0), "Fig. 4.5",
+    ),
+    "fm-11x41-worn-gear": (
+        "fm-11x41", "gear", (15, 25), NARROW, worn((0.63, 0.8), (0.29, 0.51), 0.65, 3.1, 5.5, 0.26, 0.0), "Fig. 4.5",
+    ),
     # Greatest at heel and top of the pinion, at toe and root of the gear.
     "fh-12x41-45-measured-pinion": (
         "fh-12x41-45", "pinion", (5, 9), None, global_error(16, 22, 2, 3, 9, 12.5), "Fig. 4.10",

@@ -47,15 +47,16 @@ def test_noise_is_refused_or_harmless_never_wrong(member: str, size: tuple[int, 
     deviations = {member: noisy(member, size)}
     smooth = easeoff.analyze(small_case(), torques=[200.0], deviations=deviations, interpolation="smooth")  # type: ignore[arg-type]
     assert smooth["unloaded"].attrs["peak_to_peak"] < 60.0
-    found = []
+    found, refusals = [], []
     for way in ("ease_off", "surface"):
         try:
             tree = easeoff.analyze(small_case(), torques=[200.0], deviations=deviations, deviated=way)  # type: ignore[arg-type]
-        except GeometryError as error:
-            assert "no line contact" in str(error) and f"flank of the {member}" in str(error)
-            assert "interpolation 'smooth'" in str(error)
-        else:
             found.append(float(tree["unloaded"].attrs["peak_to_peak"]))
+        except GeometryError as error:
+            refusals.append(str(error))
+    for refusal in refusals:
+        for part in ("no line contact", f"flank of the {member}", "interpolation 'smooth'"):
+            assert part in refusal
     assert len(found) in (0, 2)
     if found:
         assert found[0] == pytest.approx(found[1], rel=0.02)
@@ -92,6 +93,7 @@ def test_the_command_line_says_so_and_smooths(tmp_path: Path) -> None:
     out = tmp_path / "out.nc"
     refused = CliRunner().invoke(main, [*common, "-o", str(out)])
     assert refused.exit_code == 2
-    assert "flank of the pinion" in refused.output and not out.exists()
+    assert "flank of the pinion" in refused.output
+    assert not out.exists()
     done = CliRunner().invoke(main, [*common, "--interpolation", "smooth", "-o", str(out)])
     assert done.exit_code == 0, done.output
