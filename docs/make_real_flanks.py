@@ -314,12 +314,12 @@ def shortcut() -> str:
             change, error, roll, still = judged(pair, deviations, "correct")
             _, printed, printed_roll, _ = judged(pair, deviations, "printed")
             update, surface = (swing(name, deviations, way) for way in ("ease_off", "surface"))
-            known = np.isfinite(surface)
+            shown = (f"{surface:.1f}", f"{update - surface:+.2f}") if np.isfinite(surface) else ("refused", "")
             rows.append(
                 (
                     f"{example}, × {factor:g}", f"{change:.1f}", f"{error:.3f}", f"{printed:.1f}", f"{roll:.2f}",
                     f"{printed_roll:.2f}",
-                    f"{still:.2f}", f"{surface:.1f}" if known else "refused", f"{update - surface:+.2f}" if known else "",
+                    f"{still:.2f}", *shown,
                 )
             )  # fmt: skip
     return table(

@@ -92,6 +92,11 @@ def flank_deviations(
                 if measured
                 else deviation_from_dataset(member.section, grid, interpolation)
             )
+        elif not isinstance(grid, Deviation):
+            raise InputError(
+                f"the deviation of the {name} is a {type(grid).__name__}: give a file, a dataset or a Deviation, as "
+                "geometry.deviation_from_formula makes it"
+            )
         elif grid.section != member.section:
             raise InputError(f"the deviation of the {name} was made for another blank: use the section of this member")
         else:

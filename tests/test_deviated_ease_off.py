@@ -276,6 +276,10 @@ def test_a_deviation_of_another_blank_is_refused() -> None:
         deviated_pair(pair, pinion=of(pair.gear, uniform))
     with pytest.raises(InputError, match="another blank"):
         easeoff.analyze("fm-11x41", deviations={"pinion": of(pair.gear, uniform)})
+    with pytest.raises(InputError, match="of the gear is a ndarray: give a file, a dataset or a Deviation"):
+        easeoff.analyze("fm-11x41", deviations={"gear": np.zeros((5, 9))})  # type: ignore[dict-item]
+    with pytest.raises(InputError, match="member = 'axle'"):
+        easeoff.analyze("fm-11x41", deviations={"axle": of(pair.gear, uniform)})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="allowed are ease_off, surface"):
         easeoff.analyze("fm-11x41", deviations={"gear": of(pair.gear, uniform)}, deviated="both")  # type: ignore[arg-type]
 
