@@ -240,7 +240,7 @@ def test_a_crawl_counts_as_the_least_lambda_of_the_study() -> None:
         ({"radius": 4.0}, 16),
         ({"rolling": 0.5}, 32),
         ({"gear": 1.2}, 64),
-        ({"temperature": 120.0, "oil": "mil-l-23699"}, 128),
+        ({"temperature": 120.0, "out_of_range": "clamp"}, 128),
         ({"radius": 42.0, "rolling": 21.0, "ratio": 0.0}, 49),
     ],
 )
