@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from test_friction_kinematics import spur
+from test_friction_kinematics import shape_operators, spur
 
 import easeoff
 from easeoff.cases.model import ContactTable
@@ -18,6 +18,8 @@ from easeoff.core.errors import InputError
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses
 from easeoff.friction.contacts import loaded_contacts
 from easeoff.friction.feedback import friction_torques
+from easeoff.friction.kinematics import action_fields, axes_of
+from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
 from easeoff.study.show import summary
@@ -184,6 +186,18 @@ def test_frames_of_rolling_differ_by_the_lines_motion_alone(tree: xr.DataTree, r
     ratio = other["rolling_velocity"] / result["rolling_velocity"]
     assert float(ratio.min()) > 0.9
     assert float(ratio.max()) < 1.3
+
+
+def test_equivalent_radius_is_that_of_the_conjugate_flanks_but_for_the_ease_off(tree: xr.DataTree) -> None:
+    """Relative curvature across the line, from the points of action and their normals alone."""
+    contacts, ease_off = loaded_contacts(tree), tree["ease_off"].to_dataset()
+    loaded = tree["loaded"].to_dataset()
+    points = np.stack([loaded[n].values[tuple(contacts.index)] for n in ("lengthwise", "profile")])
+    across = contacts.velocities.across
+    pinion, gear = shape_operators(axes_of(ease_off), action_fields(ease_off), points)
+    ratio = contacts.equivalent_radius * np.abs(dot(gear(across) - pinion(across), across))
+    assert 0.9 < ratio.min()
+    assert ratio.max() < 1.1
 
 
 def test_unsolved_positions_are_nan(tree: xr.DataTree) -> None:
