@@ -40,6 +40,7 @@ CONVENTIONS = ("rolling_frame", "sliding_of_ratio")
 GRID = (121, 61)
 LEVELS = 7
 DARKEST = 0.62  # of a colour map
+BRIDGE = 5.0  # times the usual length of a triangle's side
 SHORTEST = 0.08  # of the panel, below which a contour line gets no number
 APART = np.array([0.09, 0.12])  # of the panel, between numbers
 ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
@@ -124,6 +125,10 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         lines.set_clip_path(PathPatch(outline, transform=axes.transData))
     else:
         mesh = Triangulation(x[finite], y[finite])
+        # Triangles that bridge a bay of the loaded region show what is not there.
+        corners = np.stack([mesh.x, mesh.y])[:, mesh.triangles]
+        longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
+        mesh.set_mask(longest > BRIDGE * np.median(longest))
         axes.tricontourf(mesh, values[finite], levels=levels, cmap=colours, extend="both", zorder=1)
         lines = axes.tricontour(mesh, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
     places = label_places(lines, outline, axes)
@@ -192,8 +197,9 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     for name in ("lambda_ratio", "friction_coefficient"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])
+    beyond = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     conditions = (
-        f"{torque_name(at['torque'])}, {at['speed']:g} / min, {friction.attrs['oil']} at {at['temperature']:g} °C, "
+        f"{torque_name(at['torque'])}, {at['speed']:g} / min, {friction.attrs['oil']} at {at['temperature']:g} °C{beyond}, "
         f"roughness {at['roughness']:.3g} µm"
     )
     rows = -(-len(maps) // 2)
