@@ -9,14 +9,11 @@ import numpy as np
 import xarray as xr
 from dissertation_tables import table
 from efficiency_tables import AT, DESIGNS, ROUGHNESSES, SPEEDS, TORQUES, analysed, dip, inner
-from numpy.typing import NDArray
 
 from easeoff.cases import Case, read_design
 from easeoff.friction import Operation, friction
 from easeoff.study.analysis import analyze_in_full
 from easeoff.study.design import design_case
-
-Array = NDArray[Any]
 
 # Choices the dissertation leaves open, and another value of each.
 CHOICES: dict[str, dict[str, Any]] = {
@@ -69,7 +66,7 @@ def choices() -> str:
 
 
 @cache
-def with_radius(letter: str, factor: float) -> tuple[xr.Dataset, dict[str, Array]]:
+def with_radius(letter: str, factor: float) -> tuple[xr.Dataset, dict[str, xr.DataArray]]:
     """The contacts at 500 N m with the radius times a factor and the Hertz pressure to it; what comes of it."""
     tree = analysed(letter).tree
     loaded = tree["loaded"].to_dataset()

@@ -391,7 +391,7 @@ def test_far_conditions_give_numbers(other: Analysis, model: str) -> None:
     operation = Operation([10.0, 1500.0, 10000.0], [20.0, 60.0, 150.0], [0.0, 0.1, 5.0, (0.0, 5.0)])
     found = friction(other.tree, operation, FrictionModel(model, out_of_range="clamp"))
     coefficient = found["friction_coefficient"]
-    touching = other.tree["loaded/force"].values > 0.0
+    touching = other.tree["loaded"].to_dataset()["force"].values > 0.0
     assert np.array_equal(
         np.isfinite(coefficient.values), np.broadcast_to(touching[..., None, None, None], coefficient.shape)
     )

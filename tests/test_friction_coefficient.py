@@ -191,8 +191,9 @@ def test_far_outside_the_coefficient_stays_within_the_study_and_is_flagged(blend
         [0.0, 0.3, 5.0],
         [25.0, 100.0],
         [0.0, 1.0, 9.0],
+        [0.5],
     )
-    far = conditions(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")), gear=0.5)
+    far = conditions(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")))
     found, flags = module.formula_coefficient(far, blend=blend), formula_flags(far)
     assert (found.min(), found.max()) == module.COEFFICIENT_LIMITS
     if not blend:

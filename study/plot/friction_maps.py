@@ -114,12 +114,12 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         levels = np.asarray(MaxNLocator(LEVELS).tick_values(*np.percentile(values[finite], ENDS[flank_map.smooth])))
     lines: ContourSet
     outline = view.outline(view.common)
-    colours = pale(colours)
+    shades = pale(colours)
     if flank_map.smooth:
         shape = GRID
         known = np.ma.masked_invalid(values.reshape(shape))
         plane = (x.reshape(shape), y.reshape(shape), known)
-        shading = axes.contourf(*plane, levels=levels, cmap=colours, extend="both", zorder=1)
+        shading = axes.contourf(*plane, levels=levels, cmap=shades, extend="both", zorder=1)
         shading.set_clip_path(PathPatch(outline, transform=axes.transData))
         lines = axes.contour(*plane, levels=levels, colors=INK, linewidths=0.5, zorder=2)
         lines.set_clip_path(PathPatch(outline, transform=axes.transData))
@@ -129,7 +129,7 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         corners = np.stack([mesh.x, mesh.y])[:, mesh.triangles]
         longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
         mesh.set_mask(longest > BRIDGE * np.median(longest))
-        axes.tricontourf(mesh, values[finite], levels=levels, cmap=colours, extend="both", zorder=1)
+        axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
         lines = axes.tricontour(mesh, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
     places = label_places(lines, outline, axes)
     if places:
@@ -197,10 +197,10 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     for name in ("lambda_ratio", "friction_coefficient"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])
-    beyond = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
+    clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     conditions = (
-        f"{torque_name(at['torque'])}, {at['speed']:g} / min, {friction.attrs['oil']} at {at['temperature']:g} °C{beyond}, "
-        f"roughness {at['roughness']:.3g} µm"
+        f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
+        f"{friction.attrs['oil']} at {at['temperature']:g} °C{clamped}, roughness {at['roughness']:.3g} µm"
     )
     rows = -(-len(maps) // 2)
     height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)
