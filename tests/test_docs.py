@@ -225,9 +225,9 @@ def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.Mon
     shown = rows(page, "make up for nearly all that")
     quantities = script("efficiency_radius", monkeypatch).quantities
     for factor, column in ((1.0, 1), (2.0, 2)):
-        for row, value in zip(shown, quantities("a", factor), strict=True):
-            found, expected = ([float(n) for n in re.findall(r"[\d.]+", cell)] for cell in (row[column], value))
-            assert found == pytest.approx(expected, rel=0.05, abs=0.011), row[0]
+        for cells, value in zip(shown, quantities("a", factor), strict=True):
+            found, expected = ([float(n) for n in re.findall(r"[\d.]+", cell)] for cell in (cells[column], value))
+            assert found == pytest.approx(expected, rel=0.05, abs=0.011), cells[0]
 
 
 def test_example_case_is_a_case() -> None:
