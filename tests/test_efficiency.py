@@ -532,3 +532,13 @@ def test_report_with_feedback_says_so(tree: xr.DataTree, fed_back: xr.Dataset) -
     whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": fed_back})
     whole.attrs = tree.attrs
     assert "fed back to the forces: oil 75w90" in summary(whole)
+
+
+def test_a_long_report_names_the_extremes(tree: xr.DataTree, result: xr.Dataset) -> None:
+    whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": result})
+    whole.attrs = tree.attrs
+    text = summary(whole)
+    assert result["efficiency"].size == 54
+    assert "... and 14 more" in text
+    for word, value in (("least", result["efficiency"].min()), ("greatest", result["efficiency"].max())):
+        assert f"{word} efficiency: {100 * float(value):.2f} % at " in text
