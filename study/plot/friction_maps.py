@@ -41,6 +41,7 @@ GRID = (121, 61)
 LEVELS = 7
 DARKEST = 0.62  # of a colour map
 BRIDGE = 5.0  # times the usual length of a triangle's side
+EDGE = 0.05  # of the panel's height, that numbers stay off the edge
 SHORTEST = 0.08  # of the panel, below which a contour line gets no number
 APART = np.array([0.09, 0.12])  # of the panel, between numbers
 ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
@@ -153,7 +154,9 @@ def label_places(lines: ContourSet, outline: Path, axes: Axes) -> list[tuple[flo
         if not pieces:
             continue
         longest = max(pieces, key=lambda piece: np.hypot(*np.diff(piece, axis=0).T).sum())
-        within = longest[outline.contains_points(longest * size, radius=-0.05 * size[1])]
+        # Off the edges: which sign of the radius shrinks the outline depends on its sense.
+        off = [outline.contains_points(longest * size, radius=sign * EDGE * size[1]) for sign in (1.0, -1.0)]
+        within = longest[np.all(off, axis=0)]
         if len(within) < 3 or np.max(np.ptp(within, axis=0)) < SHORTEST:
             continue
         for share in (0.5, 0.35, 0.65, 0.2, 0.8):
