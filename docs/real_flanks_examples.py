@@ -3,9 +3,9 @@
 The dissertation prints greatest deviations and pictures, no values. These are **made to resemble** what it says: where
 the greatest deviations are, how large, and that they compensate one another. Their coefficients were **found by least
 squares from random starts** so that what the contact does comes as near as possible to what it prints of it: of the
-worn flanks both transmission errors, the relieved edge, no other edge much worse, longer contact lines; of the measured ones
-both errors, the shift to the heel, and the compensation. Then they were rounded. So the trends of these examples are
-no evidence for the theory: they show that such deviations exist and are of the size and at the places that it prints.
+worn flanks both transmission errors, the relieved edge, no other edge much worse, longer contact lines; of the
+measured ones both errors, the shift to the heel, and the compensation. Then they were rounded. So the trends of these
+examples are no evidence for the theory: they show that such deviations exist, of the size and at the places it prints.
 """
 
 from __future__ import annotations

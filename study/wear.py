@@ -33,6 +33,8 @@ from .analysis import prepared_pair
 from .deviations import Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
+__all__ = ["WearLaw", "wear"]
+
 Array = NDArray[Any]
 WEAR_NODES = (49, 33)  # of either flank
 
@@ -170,10 +172,11 @@ class _Run:
             "pinion": self.law.pinion_coefficient,
             "gear": self.law.gear_coefficient / self.pair.assembly.ratio,
         }
-        self.rate, self.volume_rate = {}, {}
+        self.rate: dict[str, Array] = {}
+        self.volume_rate: dict[str, float] = {}
         for name, k in per_revolution.items():
-            self.rate[name] = k * sum(share * on_flank(once, name, self.t, self.h) for share, once in parts)
-            self.volume_rate[name] = k * sum(share * once.work for share, once in parts)
+            self.rate[name] = k * np.sum([s * on_flank(once, name, self.t, self.h) for s, once in parts], axis=0)
+            self.volume_rate[name] = k * sum(s * once.work for s, once in parts)
 
     def step(self) -> None:
         """As many revolutions as the step control allows."""
