@@ -98,7 +98,7 @@ def test_the_measured_deviation_raises_both_errors_and_moves_the_contact_to_the_
     trees = [analysed("measured", deviating) for deviating in (False, True)]
     centres = [float(tree["unloaded"]["path_lengthwise"].sel(pair=0).mean()) for tree in trees]
     assert 0.005 < centres[1] - centres[0] < 0.05
-    peaks = [float(tree["loaded"]["max_pressure"][0]) for tree in trees]
+    peaks = [float(tree["loaded"].to_dataset()["max_pressure"][0]) for tree in trees]
     assert peaks[1] == pytest.approx(peaks[0], rel=0.1)
 
 
