@@ -376,7 +376,7 @@ def wear_by_torque() -> str:
             last = wear(CASES["worn"], law, torque=cycle).isel(step=-1)
             left = {member: last[["deviation"]].sel(member=member) for member in MEMBERS}
         tree = easeoff.analyze(CASES["worn"], torques=TORQUES, deviations=left)
-        swings = [ours(tree)[0][0], *tree["loaded"]["peak_to_peak"].values]
+        swings = [ours(tree)[0][0], *map(float, tree["loaded"].to_dataset()["peak_to_peak"])]
         rows.append((name, *(f"{swing:.1f}" for swing in swings)))
     return table(rows, ["peak to peak [µrad]", "unloaded", *(f"{t:g} N m" for t in TORQUES)])
 
