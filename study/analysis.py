@@ -19,17 +19,26 @@ from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
-from ..contact.segments import lines_in_mesh
+from ..contact.segments import lines_in_mesh, lost_contact
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
 from ..core.errors import InputError
 from ..geometry.assembly import Misalignment
+from ..geometry.deviation import Method
 from ..geometry.modification import Modification, modified_ease_off
 from ..geometry.pair import FlankName, GearPair
 from ..geometry.tooth_flanks import MemberName
-from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations
+from .deviations import (
+    Deviated,
+    Source,
+    deviated_geometry,
+    deviation_attributes,
+    flank_deviations,
+    require_line_contact,
+)
 
 if TYPE_CHECKING:
+    from ..cases.friction_table import FrictionTable
     from ..friction import FrictionModel, Lubricant, Operation
     from ..friction.operating import Array, Numbers, Roughness
 
@@ -66,6 +75,7 @@ def analyze_in_full(
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
     modification: Modification | None = None,
     solver: str = "auto",
     operation: Operation | None = None,
@@ -87,12 +97,14 @@ def analyze_in_full(
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     teeth = finite_elements(case, pair)
-    departures = flank_deviations(pair, deviations or {})
+    departures = flank_deviations(pair, deviations or {}, interpolation)
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
     if modification is not None:
         geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
+    if departures:
+        require_line_contact(lost_contact(fields, mesh), departures)
     unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
     loaded, cases = loaded_contact(
         fields,
@@ -136,6 +148,7 @@ def analyze(
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
     modification: Modification | None = None,
     solver: str = "auto",
     speed: Numbers | None = None,
@@ -143,7 +156,7 @@ def analyze(
     roughness: Roughness | list[Roughness] | Array | None = None,
     oil: str | Lubricant | None = None,
     friction_model: FrictionModel | None = None,
-    friction_feedback: bool = False,
+    friction_feedback: bool | None = None,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -164,20 +177,24 @@ def analyze(
         the file of a measured grid.
     deviated
         How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
+    interpolation
+        Between the nodes of measured grids and datasets: ``spline``, ``smooth`` or ``weighted_average``, see
+        ``geometry.Deviation``.
     modification
         Added to the ease-off.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     speed
-        Speed of the pinion [1/min], one or several. With it the result has friction, power loss and efficiency, at
-        every combination of speeds, temperatures and roughnesses.
+        Speed of the pinion [1/min], one or several; the case's own if left out. With it the result has friction, power
+        loss and efficiency, at every combination of speeds, temperatures and roughnesses.
     temperature, roughness, oil
-        Of the oil [degC], of the flanks (RMS, um), and which oil; 90, 0.8 and 75w90 if left out. See
+        Of the oil [degC], of the flanks (RMS, um), and which oil; if left out the case's own, or 90, 0.8 and 75w90. See
         ``friction.Operation``.
     friction_model
-        Models of friction coefficient, film and rolling; the dissertation's if left out.
+        Models of friction coefficient, film and rolling; the case's own or the dissertation's if left out.
     friction_feedback
-        Let friction take its part of the torque from the normal forces, see ``friction.feedback``.
+        Let friction take its part of the torque from the normal forces, see ``friction.feedback``; the case's own or
+        not if left out.
     progress
         Called after every solved torque and mesh position.
     **options
@@ -194,11 +211,16 @@ def analyze(
     InputError
         If an argument is out of range or the case has no such flanks.
     GeometryError
-        If the settings describe no tooth in the blank, or flanks that do not meet.
+        If the settings describe no tooth in the blank, or flanks that do not meet, or if deviations scatter so much
+        that there is no line contact.
     MissingSolverError
         If the solver's package is not installed.
     """
     checked = case if isinstance(case, Case) else read_case(case)
+    table = checked.friction
+    if table is not None:
+        friction_model = friction_model or table.model()
+        friction_feedback = table.feedback if friction_feedback is None else friction_feedback
     return analyze_in_full(
         checked,
         flank=flank,
@@ -206,32 +228,45 @@ def analyze(
         misalignment=misalignment,
         deviations=deviations,
         deviated=deviated,
+        interpolation=interpolation,
         modification=modification,
         solver=solver,
-        operation=operation_of(speed, temperature=temperature, roughness=roughness, oil=oil),
+        operation=operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil),
         friction_model=friction_model,
-        friction_feedback=friction_feedback,
+        friction_feedback=bool(friction_feedback),
         progress=progress,
         **options,
     ).tree
 
 
-def operation_of(speed: Numbers | None, **others: Any) -> Operation | None:
-    """Operating conditions from what was given of them; ``None`` without a speed.
+def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
+    """Operating conditions from what was given of them and else from a case; ``None`` without a speed in either.
+
+    Parameters
+    ----------
+    table
+        The case's own conditions.
+    **conditions
+        Arguments of ``friction.Operation``; those that are ``None`` count as not given.
 
     Raises
     ------
     InputError
         If other conditions are given and no speed, or a value is not possible.
     """
-    given = {name: value for name, value in others.items() if value is not None}
-    if speed is None:
+    given = {name: value for name, value in conditions.items() if value is not None}
+    if table is not None:
+        return table.operation(**given)
+    if "speed" not in given:
         if given:
-            raise InputError(f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min")
+            raise InputError(
+                f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min, here or in a "
+                "table [friction] of the case"
+            )
         return None
     from ..friction import Operation
 
-    return Operation(speed, **given)
+    return Operation(**given)
 
 
 def _provenance(
