@@ -249,6 +249,11 @@ def test_rim_depth_of_both_members_or_of_each() -> None:
             depth(wrong)
 
 
+def test_a_solid_shell_too_large_for_a_full_matrix_is_refused() -> None:
+    with pytest.raises(InputError, match=r"fineness = 4\.0.*unknowns"):
+        members.solid_shell_tooth(gear_pair(read_case("fm-11x41")), "pinion", STEEL, fineness=4.0)
+
+
 def test_root_stress_wants_finite_elements() -> None:
     lattice = SMALL
     tooth = members.FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, np.eye(9)), None)

@@ -36,6 +36,7 @@ FORMAT = 3  # of what is kept; raise it when the same input gives other arrays
 SOLID_SHELL_FORMAT = 1
 # Of a solid shell: bricks of the body along the face as a share of the usual ones, functions through and up the tooth.
 SOLID_SHELL_BRICKS, FUNCTIONS_THROUGH, FUNCTIONS_UP = 0.7, 4, 7
+MOST_UNKNOWNS = 12000  # of a solid shell: its matrix is full, here 1.2 GB
 
 
 @dataclass(frozen=True)
@@ -145,6 +146,12 @@ def solid_shell_tooth(
     """
     _check(fineness)
     size, counts = solid_shell_size(pair, member, fineness)
+    unknowns = 3 * math.prod(counts)
+    if unknowns > MOST_UNKNOWNS:
+        raise InputError(
+            f"fineness = {fineness!r}: the {member} as a solid shell would have {unknowns} unknowns, at most "
+            f'{MOST_UNKNOWNS} are allowed; take a smaller one, or model = "fe"'
+        )
     lattice = tooth_lattice(pair, member, size, rim_depth)
     key = key_of("solid shell", SOLID_SHELL_FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, counts, material)
     found = kept(key, lambda: {"factor": _condensed_shell(lattice, material, counts, member)})
