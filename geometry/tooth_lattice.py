@@ -17,7 +17,7 @@ there. The neighbouring teeth are left out: they change the deflections by less 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -141,10 +141,51 @@ def graded(count: int, ratio: float, steady: int = 3) -> Array:
     """Places (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
     sizes = ratio ** np.minimum(np.arange(count), steady)
     ends = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
-    places = np.empty(2 * count + 1)
+    return with_middles(ends)
+
+
+def with_middles(ends: Array) -> Array:
+    """The ends (n + 1) of intervals and their middles between (2 n + 1)."""
+    places = np.empty(2 * ends.size - 1)
     places[::2] = ends
     places[1::2] = 0.5 * (ends[1:] + ends[:-1])
     return places
+
+
+@dataclass(frozen=True)
+class LatticePlaces:
+    """Where the bricks of the tooth end, and their middles, from 0 to 1: an odd number of increasing places each.
+
+    Parameters
+    ----------
+    lengthwise
+        Lengthwise fractions.
+    upward
+        Of the length of a side from the middle of the fillet to the tip.
+    through
+        Of the thickness, from the loaded side.
+    """
+
+    lengthwise: Array
+    upward: Array
+    through: Array
+
+    @classmethod
+    def of_size(cls, size: LatticeSize) -> LatticePlaces:
+        """Even along the face, smaller bricks near the fillet, thin ones at both sides."""
+        return cls(graded(size.lengthwise, 1.0), graded(size.upward, 1.5), _both_ends(size.through))
+
+    def thinner_edges(self, ratio: float) -> LatticePlaces:
+        """The same number of bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
+        heel = _thinner_end(self.lengthwise, ratio)
+        toe = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
+        return LatticePlaces(toe, _thinner_end(self.upward, ratio), self.through)
+
+
+def _thinner_end(places: Array, ratio: float) -> Array:
+    sizes = np.diff(places[::2])
+    sizes[-2:] *= np.array([np.sqrt(ratio), ratio])[-sizes.size :]
+    return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
 
 
 @dataclass(frozen=True)
@@ -180,7 +221,11 @@ class _Sections:
 
 
 def tooth_lattice(
-    pair: GearPair, member: str, size: LatticeSize | None = None, rim_depth: float | None = None
+    pair: GearPair,
+    member: str,
+    size: LatticeSize | None = None,
+    rim_depth: float | None = None,
+    places: LatticePlaces | None = None,
 ) -> ToothLattice:
     """Lattice of one member's tooth.
 
@@ -195,6 +240,8 @@ def tooth_lattice(
     rim_depth
         Depth of the elastic body below the root [mm]; ``None`` for ``usual_depth``. Never more than 65 % of the way to
         the member's axis.
+    places
+        Where the bricks of the tooth end; overrides their numbers in ``size``.
 
     Raises
     ------
@@ -208,16 +255,18 @@ def tooth_lattice(
     depth = usual_depth(blank) if rim_depth is None else float(rim_depth)
     if not (np.isfinite(depth) and depth > 0.0):
         raise InputError(f"rim_depth = {rim_depth!r}: must be a positive length in mm")
-    t = graded(size.lengthwise, 1.0)
+    if places is None:
+        places = LatticePlaces.of_size(size)
+    t, up, through = places.lengthwise, places.upward, places.through
+    size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
-        tooth = tooth_surface(pair, member, (t.size, SURFACE_NODES[1]), SURFACE_NODES[0])
+        tooth = tooth_surface(pair, member, (t, SURFACE_NODES[1]), SURFACE_NODES[0])
     except GeometryError as error:
         raise GeometryError(f"{error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
     sections = _sections(blank, t, turn, tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])
     pitch = 2.0 * np.pi / named_member(pair, member).teeth
 
-    up = graded(size.upward, 1.5)
     floors, sides = [], []
     for on_side, land, sense in zip((tooth.loaded, tooth.opposite), tooth.root_lands, (1.0, -1.0), strict=True):
         floor, side = _side_curves(sections, on_side, land, size.slot, up)
@@ -226,7 +275,6 @@ def tooth_lattice(
         beyond = np.stack([floor[0, :, :1] - sense * radius * away, np.repeat(floor[1, :, :1], away.size, axis=1)])
         floors.append(np.concatenate([beyond, floor], axis=2))
         sides.append(side)
-    through = _both_ends(size.through)
     inside = (1.0 - through) * sides[0][..., None] + through * sides[1][..., None]  # (2, nt, up, through)
     if np.any(sides[1][0] <= sides[0][0]):
         raise GeometryError(f"the sides of the {member}'s tooth cross each other between fillet and tip; {SHELL_HINT}")
@@ -330,9 +378,9 @@ def _overhang(sections: _Sections, body: Array, end: int, length: float, bricks:
     roots = np.asarray(sections.blank.points(np.array([0.0, 1.0]), np.zeros(2)))
     away = graded(bricks, 1.5)[1:] * length / np.linalg.norm(roots[:, 1] - roots[:, 0])
     t = sections.lengthwise[end] + (away if end else -away)
-    last, before = (sections.middle[end], sections.middle[-2]) if end else (sections.middle[0], sections.middle[1])
-    step = sections.lengthwise[1] - sections.lengthwise[0]
-    middle = last + (last - before) * away / step
+    next_to = -2 if end else 1
+    step = abs(sections.lengthwise[end] - sections.lengthwise[next_to])
+    middle = sections.middle[end] + (sections.middle[end] - sections.middle[next_to]) * away / step
     root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
     beyond = _Sections(sections.blank, t, sections.turn, middle, np.hypot(*(tip - root)))
     up = np.broadcast_to(body[1, end].ravel(), (t.size, body[1, end].size))

@@ -1,0 +1,205 @@
+"""Contact of the shipped pairs without the split into bending and indentation, and its comparison with the analyses.
+
+``python docs/make_contact_reference.py [solve] [tables] [figure]``: all of them if none is named. ``solve`` writes
+tests/data/contact_reference, which takes some minutes a pair once the responses of the teeth are kept.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from contact_reference import FOLDER, NAMES, analysed, difference, reference, setting
+from tabulate import tabulate
+
+import easeoff
+from easeoff.cases import gear_pair
+from easeoff.cases.conversion import materials
+from easeoff.contact.compliance.finite_elements.flank_response import FlankResponse, flank_response
+from easeoff.contact.contact_of_flanks import FlankContact, contact_of_flanks
+from easeoff.contact.segments import lines_in_mesh
+from easeoff.contact.surface_cells import flanks_in_mesh
+from easeoff.core.files import whole_file
+from easeoff.geometry import GearPair
+from easeoff.geometry.tooth_lattice import LatticeSize
+from easeoff.study.plot.page import WIDTH, plain_bar, sheet
+from easeoff.study.plot.pressure import draw_surface, pressure_levels
+from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
+from easeoff.study.plot.tooth_view import draw_flank, tooth_view
+
+IMAGE = Path(__file__).parent / "images" / "contact_reference.png"
+EVERY = 2  # of the case's mesh positions
+PER_MILLIMETRE = 0.55  # bricks along the face
+STATION = ("tooth", "lengthwise", "profile", "pressure", "line_load", "edge_distance")
+UNITS = dict(zip(STATION, ("1", "1", "1", "MPa", "N/mm", "mm"), strict=True))
+
+
+def size(pair: GearPair, member: str) -> LatticeSize:
+    """Bricks of a tooth, a little finer than those of the analysis."""
+    one = getattr(pair, member)
+    trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
+    length = float(np.linalg.norm(np.diff(trace, axis=1), axis=0).sum())
+    return LatticeSize(lengthwise=int(np.clip(round(PER_MILLIMETRE * length), 20, 28)), upward=7)
+
+
+@cache
+def responses(name: str) -> tuple[FlankResponse, FlankResponse]:
+    """Of pinion and gear."""
+    case = easeoff.read_case(name)
+    pair = gear_pair(case)
+    pinion, gear = (
+        flank_response(pair, member, material, size(pair, member))
+        for member, material in zip(("pinion", "gear"), materials(case), strict=True)
+    )
+    return pinion, gear
+
+
+def solve(name: str, cells_per_half_width: float = 8.0, edges: bool = True) -> xr.Dataset:
+    """Solve every second mesh position at every torque."""
+    case, torques, misalignment = setting(name)
+    read = easeoff.read_case(case)
+    pair = gear_pair(read).misaligned(misalignment)
+    flanks = flanks_in_mesh(pair, (read.contact.lengthwise_nodes, read.contact.profile_nodes))
+    mesh = lines_in_mesh(flanks.fields, pair.assembly.pinion_pitch, read.contact.mesh_positions)
+    guess = analysed(name, "shell")["loaded"].to_dataset()
+    positions = range(0, read.contact.mesh_positions, EVERY)
+    found: list[list[FlankContact]] = []
+    for torque in torques:
+        near = guess.sel(torque=torque)
+        found.append(
+            [
+                contact_of_flanks(
+                    flanks,
+                    responses(case),
+                    materials(read),
+                    mesh,
+                    k,
+                    torque,
+                    half_width=float(near["half_width"].max()),
+                    rotation=1e-6 * float(near["transmission_error"].max()),
+                    cells_per_half_width=cells_per_half_width,
+                    beyond_lines=edges,
+                )
+                for k in positions
+            ]
+        )
+        print(name, torque, [f"{1e6 * one.rotation:.1f}" for one in found[-1]], flush=True)
+    return kept(name, pair, np.array(torques), np.array(positions) / read.contact.mesh_positions, found)
+
+
+def kept(
+    name: str, pair: GearPair, torques: np.ndarray, positions: np.ndarray, found: list[list[FlankContact]]
+) -> xr.Dataset:
+    """What is kept of the contact: every tooth pair's share, and pressure and line load along its line."""
+    pairs = np.unique(np.concatenate([one.pairs for row in found for one in row]))
+    shape = (torques.size, positions.size)
+    errors, shares = np.full(shape, np.nan), np.zeros((*shape, pairs.size))
+    tables = {}
+    for i, row in enumerate(found):
+        for k, one in enumerate(row):
+            errors[i, k] = 1e6 * one.rotation
+            shares[i, k, np.searchsorted(pairs, one.pairs)] = one.load_share
+            tables[i, k] = stations(pair, one)
+    widest = max(table.shape[1] for table in tables.values())
+    stacked = np.full((len(STATION), *shape, widest), np.nan, dtype=np.float32)
+    for (i, k), table in tables.items():
+        stacked[:, i, k, : table.shape[1]] = table
+    cycle = ("torque", "mesh_position")
+    data = {n: ((*cycle, "station"), stacked[m], {"units": UNITS[n]}) for m, n in enumerate(STATION)}
+    data["transmission_error"] = (cycle, errors, {"units": "urad"})
+    data["load_share"] = ((*cycle, "pair"), shares, {"units": "1"})
+    title = f"{name}: contact of generated flanks without the split into bending and indentation"
+    coords = {"torque": torques, "mesh_position": positions, "pair": pairs}
+    return xr.Dataset(data, coords=coords, attrs={"title": title})
+
+
+def stations(pair: GearPair, contact: FlankContact) -> np.ndarray:
+    """Rows of ``STATION`` for every station of the lines that carries load."""
+    columns = []
+    for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
+        pressure = force / cells.area
+        for station in np.unique(cells.station[force > 0.0]):
+            own = np.flatnonzero(cells.station == station)
+            top = own[np.argmax(pressure[own])]
+            load = float(pressure[own] @ cells.sides[own, 1])
+            place = cells.gear_place[:, top]
+            edge = min(
+                edge_distance(pair.gear.section, place), edge_distance(pair.pinion.section, cells.pinion_place[:, top])
+            )
+            columns.append((tooth, *place, pressure[top], load, edge))
+    return np.array(columns).T.reshape(len(STATION), -1)
+
+
+def edge_distance(section: object, place: np.ndarray) -> float:
+    """Distance of a place on a flank from toe, heel and tip [mm]."""
+    corners = section.corners  # type: ignore[attr-defined]
+    height = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) @ np.array([1.0 - place[0], place[0]])
+    length = np.linalg.norm(corners[1, 1] - corners[0, 1])
+    return float(min(place[0] * length, (1.0 - place[0]) * length, (1.0 - place[1]) * height))
+
+
+def solve_all() -> None:
+    """Write the kept files."""
+    for name in NAMES:
+        dataset = solve(name)
+        encoding = {n: {"zlib": True, "complevel": 9} for n in (*STATION, "load_share", "transmission_error")}
+        with whole_file(FOLDER / f"{name}.nc") as temporary:
+            dataset.to_netcdf(temporary, engine="netcdf4", encoding=encoding)
+
+
+def tables() -> None:
+    """Differences of both models."""
+    rows = []
+    for name in NAMES:
+        for torque in reference(name)["torque"].values:
+            for model in ("fe", "shell"):
+                d = difference(name, model, torque)
+                level = float(reference(name).sel(torque=torque)["transmission_error"].mean())
+                numbers = (level, d.mean, d.error, *d.peak_to_peak, d.share, d.peak, d.pressure)
+                rows.append([name, torque, model, *(f"{x:.1f}" for x in numbers)])
+    head = ["case", "N m", "model", "mean urad", "mean %", "greatest %", "p-p urad", "model's", "share %", "peak %"]
+    print(tabulate(rows, [*head, "pressure %"], "github"))
+
+
+def map_of(name: str, torque: float) -> PressureMap:
+    """Pressure over the mesh cycle of the contact without the split."""
+    dataset = reference(name).sel(torque=torque)
+    positions, steps = dataset.sizes["mesh_position"], {}
+    for k in range(positions):
+        here = dataset.isel(mesh_position=k)
+        for tooth in dataset["pair"].values:
+            own = (here["tooth"].values == tooth) & (here["edge_distance"].values > 0.3)
+            if np.count_nonzero(own) > 1:
+                points = np.stack([here[n].values[own] for n in ("lengthwise", "profile")])
+                order = np.argsort(points[0])
+                line = Line(points[:, order].astype(float), here["pressure"].values[own][order].astype(float))
+                steps.setdefault(k - int(tooth) * positions, []).append(line)
+    return surface(steps)
+
+
+def figure() -> None:
+    """Reference, finite elements and shell side by side."""
+    rows = [("fm-11x41", 250.0), ("fm-11x41-toe", 50.0), ("fm-11x41-heel", 50.0), ("fh-12x41-45", 500.0)]
+    views = [tooth_view(analysed(name, "fe")) for name, _ in rows]
+    page = sheet(sum((WIDTH - 1.4) / 3.0 * view.aspect + 0.3 for view in views) + 0.4)
+    grid = page.subplots(len(rows), 3)
+    for r, ((name, torque), view) in enumerate(zip(rows, views, strict=True)):
+        line_maps = [pressure_map(analysed(name, m)["loaded"].to_dataset().sel(torque=torque)) for m in ("fe", "shell")]
+        maps = [map_of(name, torque), *line_maps]
+        levels = pressure_levels(max(one.peak for one in maps))
+        for c, (one, label) in enumerate(zip(maps, ("without the split", "finite elements", "shell"), strict=True)):
+            draw_flank(grid[r, c], view, labels=(r == len(rows) - 1, c == 0))
+            shading = draw_surface(grid[r, c], view, one, levels)
+            grid[r, c].set_title(f"{name}, {torque:.0f} N m\n{label}, {one.peak:.0f} MPa", fontsize=7.5, loc="left")
+        plain_bar(page.colorbar(shading, ax=list(grid[r]), shrink=0.8, aspect=18, pad=0.01), "MPa")
+    with whole_file(IMAGE) as temporary:
+        page.savefig(temporary, format="png", dpi=110)
+
+
+if __name__ == "__main__":
+    parts = {"solve": solve_all, "tables": tables, "figure": figure}
+    for part in sys.argv[1:] or parts:
+        parts[part]()
