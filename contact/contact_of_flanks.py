@@ -46,7 +46,7 @@ class FlankContact:
     def load_share(self) -> Array:
         """Part of the torque that every tooth pair carries."""
         moment = np.array([force @ cells.lever_arm for force, cells in zip(self.force, self.cells, strict=True)])
-        return moment / moment.sum()
+        return np.asarray(moment / moment.sum())
 
 
 def contact_of_flanks(
@@ -82,7 +82,8 @@ def contact_of_flanks(
     cells_per_half_width
         Resolution across the line.
     beyond_lines
-        Whether teeth may touch that have no contact line at this position: with their edges, just before and after.
+        Whether edges may touch where there is no contact line: beyond its ends, and on teeth just before and after
+        their passage.
     """
     lines = _lines_at(mesh, position, NEAR_LINE if beyond_lines else 0.0)
     pitch = flanks.pair.assembly.pinion_pitch
@@ -98,7 +99,7 @@ def contact_of_flanks(
                 float(mesh.rotations[position] - pair * pitch),
                 step=step,
                 half_band=band,
-                reach=REACH,
+                reach=REACH if beyond_lines else 0.0,
                 widest_gap=allowed * greatest_arm,
             )
             for pair, line in lines.items()

@@ -160,9 +160,13 @@ def cells_on_line(
     def flat(vectors: Array) -> Array:
         return np.asarray(vectors.reshape(vectors.shape[0], -1).T[chosen])
 
+    station, row = np.indices(shape).reshape(2, -1)[:, chosen]
+    along, across_line = (flat(side / length) for side, length in zip(sides, lengths, strict=True))
     return Cells(
-        *(index.ravel()[chosen] for index in np.indices(shape) - np.array([0, half]).reshape(2, 1, 1)),
-        *(flat(side / length) for side, length in zip(sides, lengths, strict=True)),
+        station,
+        row - half,
+        along,
+        across_line,
         flat(np.stack(lengths)),
         flat(position),
         on_gear[:, chosen],

@@ -40,11 +40,11 @@ def reference(name: str) -> xr.Dataset:
 
 
 @cache
-def analysed(name: str, model: str) -> xr.DataTree:
+def analysed(name: str, model: str, fineness: float = 1.0) -> xr.DataTree:
     """The same by line contact, with ``fe`` or ``shell``."""
     case, torques, misalignment = setting(name)
     read = easeoff.read_case(case)
-    compliance = read.compliance.model_copy(update={"model": model})
+    compliance = read.compliance.model_copy(update={"model": model, "fineness": fineness})
     changed = read.model_copy(update={"compliance": compliance})
     return easeoff.analyze(changed, torques=torques, misalignment=misalignment)
 
@@ -77,10 +77,10 @@ class Difference:
     pressure: float
 
 
-def difference(name: str, model: str, torque: float) -> Difference:
+def difference(name: str, model: str, torque: float, fineness: float = 1.0) -> Difference:
     """How an analysis differs from the contact without the split."""
     kept = reference(name).sel(torque=torque)
-    loaded = analysed(name, model)["loaded"].to_dataset().sel(torque=torque)
+    loaded = analysed(name, model, fineness)["loaded"].to_dataset().sel(torque=torque)
     same = loaded.sel(mesh_position=kept["mesh_position"])
     theirs, ours = kept["transmission_error"].values, same["transmission_error"].values
     mean = float(theirs.mean())

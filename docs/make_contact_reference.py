@@ -1,18 +1,20 @@
 """Contact of the shipped pairs without the split into bending and indentation, and its comparison with the analyses.
 
-``python docs/make_contact_reference.py [solve] [tables] [figure]``: all of them if none is named. ``solve`` writes
-tests/data/contact_reference, which takes some minutes a pair once the responses of the teeth are kept.
+``python docs/make_contact_reference.py [solve] [convergence] [tables] [figure]``: all of them if none is named.
+``solve`` writes tests/data/contact_reference, which takes some minutes a pair once the responses of the teeth are kept.
 """
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from contact_reference import FOLDER, NAMES, analysed, difference, reference, setting
+from contact_reference import EDGE_MARGIN, FOLDER, NAMES, analysed, difference, reference, setting
 from tabulate import tabulate
 
 import easeoff
@@ -20,10 +22,12 @@ from easeoff.cases import gear_pair
 from easeoff.cases.conversion import materials
 from easeoff.contact.compliance.finite_elements.flank_response import FlankResponse, flank_response
 from easeoff.contact.contact_of_flanks import FlankContact, contact_of_flanks
-from easeoff.contact.segments import lines_in_mesh
-from easeoff.contact.surface_cells import flanks_in_mesh
+from easeoff.contact.segments import MeshLines, lines_in_mesh
+from easeoff.contact.surface_cells import FlanksInMesh, flanks_in_mesh
 from easeoff.core.files import whole_file
 from easeoff.geometry import GearPair
+from easeoff.geometry.section import BlankSection
+from easeoff.geometry.tooth_flanks import MemberName
 from easeoff.geometry.tooth_lattice import LatticeSize
 from easeoff.study.plot.page import WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure import draw_surface, pressure_levels
@@ -33,61 +37,100 @@ from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 IMAGE = Path(__file__).parent / "images" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions
 PER_MILLIMETRE = 0.55  # bricks along the face
+MEMBERS: tuple[MemberName, ...] = ("pinion", "gear")
+CHECKED = (("fm-11x41", 250.0), ("fh-12x41-45", 200.0))
+CHANGES: dict[str, dict[str, Any]] = {
+    "as kept": {},
+    "5 cells in a half-width": {"cells": 5.0},
+    "12 cells in a half-width": {"cells": 12.0},
+    "finer bricks": {"finer": True},
+    "none beyond the lines": {"beyond_lines": False},
+}
 STATION = ("tooth", "lengthwise", "profile", "pressure", "line_load", "edge_distance")
 UNITS = dict(zip(STATION, ("1", "1", "1", "MPa", "N/mm", "mm"), strict=True))
 
 
-def size(pair: GearPair, member: str) -> LatticeSize:
-    """Bricks of a tooth, a little finer than those of the analysis."""
+def size(pair: GearPair, member: str, finer: bool) -> LatticeSize:
+    """Bricks of a tooth: a little more than those of the analysis, or many more."""
     one = getattr(pair, member)
     trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
     length = float(np.linalg.norm(np.diff(trace, axis=1), axis=0).sum())
-    return LatticeSize(lengthwise=int(np.clip(round(PER_MILLIMETRE * length), 20, 28)), upward=7)
+    usual = LatticeSize(lengthwise=int(np.clip(round(PER_MILLIMETRE * length), 20, 28)), upward=7)
+    return replace(usual, lengthwise=usual.lengthwise + 8, upward=9, through=6, slot=3) if finer else usual
 
 
 @cache
-def responses(name: str) -> tuple[FlankResponse, FlankResponse]:
+def responses(name: str, finer: bool = False) -> tuple[FlankResponse, FlankResponse]:
     """Of pinion and gear."""
     case = easeoff.read_case(name)
     pair = gear_pair(case)
     pinion, gear = (
-        flank_response(pair, member, material, size(pair, member))
-        for member, material in zip(("pinion", "gear"), materials(case), strict=True)
+        flank_response(pair, member, material, size(pair, member, finer))
+        for member, material in zip(MEMBERS, materials(case), strict=True)
     )
     return pinion, gear
 
 
-def solve(name: str, cells_per_half_width: float = 8.0, edges: bool = True) -> xr.Dataset:
-    """Solve every second mesh position at every torque."""
-    case, torques, misalignment = setting(name)
+@cache
+def in_mesh(name: str) -> tuple[FlanksInMesh, MeshLines]:
+    """Flanks and contact lines."""
+    case, _, misalignment = setting(name)
     read = easeoff.read_case(case)
     pair = gear_pair(read).misaligned(misalignment)
     flanks = flanks_in_mesh(pair, (read.contact.lengthwise_nodes, read.contact.profile_nodes))
-    mesh = lines_in_mesh(flanks.fields, pair.assembly.pinion_pitch, read.contact.mesh_positions)
-    guess = analysed(name, "shell")["loaded"].to_dataset()
-    positions = range(0, read.contact.mesh_positions, EVERY)
-    found: list[list[FlankContact]] = []
-    for torque in torques:
-        near = guess.sel(torque=torque)
-        found.append(
-            [
-                contact_of_flanks(
-                    flanks,
-                    responses(case),
-                    materials(read),
-                    mesh,
-                    k,
-                    torque,
-                    half_width=float(near["half_width"].max()),
-                    rotation=1e-6 * float(near["transmission_error"].max()),
-                    cells_per_half_width=cells_per_half_width,
-                    beyond_lines=edges,
-                )
-                for k in positions
-            ]
-        )
-        print(name, torque, [f"{1e6 * one.rotation:.1f}" for one in found[-1]], flush=True)
-    return kept(name, pair, np.array(torques), np.array(positions) / read.contact.mesh_positions, found)
+    return flanks, lines_in_mesh(flanks.fields, pair.assembly.pinion_pitch, read.contact.mesh_positions)
+
+
+def solved(
+    name: str, torque: float, position: int, *, cells: float = 8.0, finer: bool = False, beyond_lines: bool = True
+) -> FlankContact:
+    """Contact at one mesh position."""
+    case = setting(name)[0]
+    flanks, mesh = in_mesh(name)
+    # Of the shell's answer no more is taken than how small the cells should be.
+    near = analysed(name, "shell")["loaded"].to_dataset().sel(torque=torque)
+    return contact_of_flanks(
+        flanks,
+        responses(case, finer),
+        materials(easeoff.read_case(case)),
+        mesh,
+        position,
+        torque,
+        half_width=float(near["half_width"].max()),
+        rotation=1e-6 * float(near["transmission_error"].max()),
+        cells_per_half_width=cells,
+        beyond_lines=beyond_lines,
+    )
+
+
+def solve(name: str) -> xr.Dataset:
+    """Every second mesh position at every torque."""
+    torques = setting(name)[1]
+    flanks, mesh = in_mesh(name)
+    positions = range(0, mesh.rotations.size, EVERY)
+    found = [[solved(name, torque, k) for k in positions] for torque in torques]
+    return kept(name, flanks.pair, np.array(torques), np.array(positions) / mesh.rotations.size, found)
+
+
+def convergence() -> None:
+    """What cells, bricks and edges do at four positions."""
+    rows = []
+    for name, torque in CHECKED:
+        _, mesh = in_mesh(name)
+        positions = range(0, mesh.rotations.size, mesh.rotations.size // 4)
+        for label, change in CHANGES.items():
+            found = [solved(name, torque, k, **change) for k in positions]
+            tables = [stations(in_mesh(name)[0].pair, one) for one in found]
+            peak = max(table[3, table[5] > EDGE_MARGIN].max() for table in tables)
+            middle = [100.0 * float(one.load_share[one.pairs.index(0)]) for one in found]
+            numbers = [*(f"{1e6 * one.rotation:.1f}" for one in found), *(f"{share:.1f}" for share in middle)]
+            rows.append([name, f"{torque:.0f}", label, *numbers, f"{peak:.0f}"])
+        analysis = analysed(name, "fe")["loaded"].to_dataset().sel(torque=torque).isel(mesh_position=list(positions))
+        errors, shares = analysis["transmission_error"].values, 100.0 * analysis["load_share"].sel(pair=0).values
+        rows.append([name, f"{torque:.0f}", "line contact, fe", *(f"{x:.1f}" for x in (*errors, *shares)), ""])
+    quarters = ("0", "1/4", "1/2", "3/4")
+    head = ["case", "N m", "", *(f"urad at {k}" for k in quarters), *(f"share % at {k}" for k in quarters), "MPa"]
+    print(tabulate(rows, head, "github", disable_numparse=True))
 
 
 def kept(
@@ -108,7 +151,7 @@ def kept(
     for (i, k), table in tables.items():
         stacked[:, i, k, : table.shape[1]] = table
     cycle = ("torque", "mesh_position")
-    data = {n: ((*cycle, "station"), stacked[m], {"units": UNITS[n]}) for m, n in enumerate(STATION)}
+    data: dict[str, Any] = {n: ((*cycle, "station"), stacked[m], {"units": UNITS[n]}) for m, n in enumerate(STATION)}
     data["transmission_error"] = (cycle, errors, {"units": "urad"})
     data["load_share"] = ((*cycle, "pair"), shares, {"units": "1"})
     title = f"{name}: contact of generated flanks without the split into bending and indentation"
@@ -133,9 +176,9 @@ def stations(pair: GearPair, contact: FlankContact) -> np.ndarray:
     return np.array(columns).T.reshape(len(STATION), -1)
 
 
-def edge_distance(section: object, place: np.ndarray) -> float:
+def edge_distance(section: BlankSection, place: np.ndarray) -> float:
     """Distance of a place on a flank from toe, heel and tip [mm]."""
-    corners = section.corners  # type: ignore[attr-defined]
+    corners = section.corners
     height = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) @ np.array([1.0 - place[0], place[0]])
     length = np.linalg.norm(corners[1, 1] - corners[0, 1])
     return float(min(place[0] * length, (1.0 - place[0]) * length, (1.0 - place[1]) * height))
@@ -159,15 +202,16 @@ def tables() -> None:
                 d = difference(name, model, torque)
                 level = float(reference(name).sel(torque=torque)["transmission_error"].mean())
                 numbers = (level, d.mean, d.error, *d.peak_to_peak, d.share, d.peak, d.pressure)
-                rows.append([name, torque, model, *(f"{x:.1f}" for x in numbers)])
+                rows.append([name, f"{torque:.0f}", model, *(f"{x:.1f}" for x in numbers)])
     head = ["case", "N m", "model", "mean urad", "mean %", "greatest %", "p-p urad", "model's", "share %", "peak %"]
-    print(tabulate(rows, [*head, "pressure %"], "github"))
+    print(tabulate(rows, [*head, "pressure %"], "github", disable_numparse=True))
 
 
 def map_of(name: str, torque: float) -> PressureMap:
     """Pressure over the mesh cycle of the contact without the split."""
     dataset = reference(name).sel(torque=torque)
-    positions, steps = dataset.sizes["mesh_position"], {}
+    positions = dataset.sizes["mesh_position"]
+    steps: dict[int, list[Line]] = {}
     for k in range(positions):
         here = dataset.isel(mesh_position=k)
         for tooth in dataset["pair"].values:
@@ -190,16 +234,18 @@ def figure() -> None:
         line_maps = [pressure_map(analysed(name, m)["loaded"].to_dataset().sel(torque=torque)) for m in ("fe", "shell")]
         maps = [map_of(name, torque), *line_maps]
         levels = pressure_levels(max(one.peak for one in maps))
+        shading = None
         for c, (one, label) in enumerate(zip(maps, ("without the split", "finite elements", "shell"), strict=True)):
             draw_flank(grid[r, c], view, labels=(r == len(rows) - 1, c == 0))
-            shading = draw_surface(grid[r, c], view, one, levels)
+            shading = draw_surface(grid[r, c], view, one, levels) or shading
             grid[r, c].set_title(f"{name}, {torque:.0f} N m\n{label}, {one.peak:.0f} MPa", fontsize=7.5, loc="left")
+        assert shading is not None
         plain_bar(page.colorbar(shading, ax=list(grid[r]), shrink=0.8, aspect=18, pad=0.01), "MPa")
     with whole_file(IMAGE) as temporary:
         page.savefig(temporary, format="png", dpi=110)
 
 
 if __name__ == "__main__":
-    parts = {"solve": solve_all, "tables": tables, "figure": figure}
+    parts = {"solve": solve_all, "convergence": convergence, "tables": tables, "figure": figure}
     for part in sys.argv[1:] or parts:
         parts[part]()
