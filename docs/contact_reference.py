@@ -87,7 +87,7 @@ def difference(name: str, model: str, torque: float, fineness: float = 1.0) -> D
     shares = same["load_share"].reindex(pair=kept["pair"]).fillna(0.0) - kept["load_share"]
     away = kept["edge_distance"].values > EDGE_MARGIN
     pressures = at_stations(same, kept)
-    peak = float(kept["pressure"].values[away].max())
+    peak = away_from_edges(kept)
     return Difference(
         100.0 * float(ours.mean() - mean) / mean,
         100.0 * float(np.abs(ours - theirs).max()) / mean,
@@ -96,6 +96,11 @@ def difference(name: str, model: str, torque: float, fineness: float = 1.0) -> D
         100.0 * (float(pressures[away].max()) / peak - 1.0),
         100.0 * float(np.sqrt(np.mean((pressures - kept["pressure"].values)[away] ** 2))) / peak,
     )
+
+
+def away_from_edges(kept: xr.Dataset) -> float:
+    """Greatest pressure of the reference that is no matter of a sharp edge [MPa]."""
+    return float(kept["pressure"].values[kept["edge_distance"].values > EDGE_MARGIN].max())
 
 
 def at_stations(loaded: xr.Dataset, kept: xr.Dataset) -> np.ndarray:

@@ -14,7 +14,16 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from contact_reference import EDGE_MARGIN, FOLDER, NAMES, analysed, difference, reference, setting
+from contact_reference import (
+    EDGE_MARGIN,
+    FOLDER,
+    NAMES,
+    analysed,
+    away_from_edges,
+    difference,
+    reference,
+    setting,
+)
 from tabulate import tabulate
 
 import easeoff
@@ -29,7 +38,7 @@ from easeoff.geometry import GearPair
 from easeoff.geometry.section import BlankSection
 from easeoff.geometry.tooth_flanks import MemberName
 from easeoff.geometry.tooth_lattice import LatticeSize
-from easeoff.study.plot.page import WIDTH, plain_bar, sheet
+from easeoff.study.plot.page import SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
@@ -231,14 +240,18 @@ def figure() -> None:
     page = sheet(sum((WIDTH - 1.4) / 3.0 * view.aspect + 0.3 for view in views) + 0.4)
     grid = page.subplots(len(rows), 3)
     for r, ((name, torque), view) in enumerate(zip(rows, views, strict=True)):
-        line_maps = [pressure_map(analysed(name, m)["loaded"].to_dataset().sel(torque=torque)) for m in ("fe", "shell")]
-        maps = [map_of(name, torque), *line_maps]
+        models = ("fe", "shell")
+        maps = [map_of(name, torque)]
+        maps += [pressure_map(analysed(name, m)["loaded"].to_dataset().sel(torque=torque)) for m in models]
+        peak = away_from_edges(reference(name).sel(torque=torque))
+        peaks = [peak, *(peak * (1.0 + 0.01 * difference(name, m, torque).peak) for m in models)]
         levels = pressure_levels(max(one.peak for one in maps))
         shading = None
-        for c, (one, label) in enumerate(zip(maps, ("without the split", "finite elements", "shell"), strict=True)):
-            draw_flank(grid[r, c], view, labels=(r == len(rows) - 1, c == 0))
-            shading = draw_surface(grid[r, c], view, one, levels) or shading
-            grid[r, c].set_title(f"{name}, {torque:.0f} N m\n{label}, {one.peak:.0f} MPa", fontsize=7.5, loc="left")
+        for c, label in enumerate(("without the split", "finite elements", "shell")):
+            draw_flank(grid[r, c], view, labels=(r == len(rows) - 1, False))
+            shading = draw_surface(grid[r, c], view, maps[c], levels) or shading
+            title = f"{name}, {torque:.0f} N m\n{label}, {peaks[c]:.0f} MPa"
+            grid[r, c].set_title(title, fontsize=SMALL_SIZE, loc="left")
         assert shading is not None
         plain_bar(page.colorbar(shading, ax=list(grid[r]), shrink=0.8, aspect=18, pad=0.01), "MPa")
     with whole_file(IMAGE) as temporary:

@@ -54,7 +54,7 @@ def test_spheres_against_hertz() -> None:
     radius, force = 20.0, 1000.0
     half_width = (0.75 * force * radius / MODULUS) ** (1.0 / 3.0)
     peak = 1.5 * force / (np.pi * half_width**2)
-    cells = plane_cells((33, 33), (half_width / 12,) * 2, (radius, radius))
+    cells = plane_cells((25, 25), (half_width / 9,) * 2, (radius, radius))
     approach, pressure = pressed(cells, half_space_compliance(cells, BOTH), force)
     assert approach == pytest.approx(half_width**2 / radius, rel=1e-3)
     assert pressure.max() == pytest.approx(peak, rel=4e-3)
