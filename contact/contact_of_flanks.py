@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.errors import InputError
 from .compliance.finite_elements.flank_response import FlankResponse
 from .compliance.material import Material
 from .segments import MeshLines
@@ -20,6 +21,7 @@ ALONG = 4.8  # cells' length along the line times their number in a half-width [
 BAND = 1.6  # half-widths to either side of the line, to begin with
 REACH = 2.0  # [mm]
 WIDEST_BAND = 8.0  # half-widths
+NO_CONTACT = 0.1  # [rad]; a rotation at which flanks that can touch at all have cells
 NEAR_LINE = 0.25  # of a pitch: how far a line may be that lends its place to a position without one
 
 
@@ -30,7 +32,7 @@ class FlankContact:
     Parameters
     ----------
     rotation
-        Transmission error [rad]; NaN if not solved.
+        Transmission error [rad]; NaN if not solved, or if nothing can touch.
     pairs
         Tooth pairs, as ``segments.MeshLines`` counts them.
     cells, force
@@ -71,7 +73,7 @@ def contact_of_flanks(
     responses, materials
         Of pinion and gear.
     mesh
-        Contact lines of the pair; they only say where to lay cells.
+        Contact lines of the pair, one a tooth pair; they only say where to lay cells.
     position
         Index of the mesh position.
     torque
@@ -84,7 +86,20 @@ def contact_of_flanks(
     beyond_lines
         Whether edges may touch where there is no contact line: beyond its ends, and on teeth just before and after
         their passage.
+
+    Raises
+    ------
+    InputError
+        If torque, half-width, rotation or resolution is not a positive number.
     """
+    for name, value in (
+        ("torque", torque),
+        ("half_width", half_width),
+        ("rotation", rotation),
+        ("cells_per_half_width", cells_per_half_width),
+    ):
+        if not (np.isfinite(value) and value > 0.0):
+            raise InputError(f"{name} = {value!r}: must be a positive number")
     lines = _lines_at(mesh, position, NEAR_LINE if beyond_lines else 0.0)
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
@@ -105,6 +120,11 @@ def contact_of_flanks(
             for pair, line in lines.items()
         }
         found = {pair: cells for pair, cells in found.items() if cells.row.size}
+        if not found:
+            if allowed > NO_CONTACT:
+                return FlankContact(np.nan, [], [], [])
+            allowed *= 2.0
+            continue
         cells = list(found.values())
         solved = solve_surface_contact(
             [one.separation for one in cells],

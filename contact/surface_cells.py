@@ -180,7 +180,7 @@ def _stations(fields: FlankFields, points: Array, step: float, reach: float) -> 
     """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
     closest = np.clip(points + closest_approach(fields, points).shift, 0.0, 1.0)
     length = arc_length(fields, closest[:, None])[0]
-    count = int(np.ceil((length[-1] + 2.0 * reach) / step))
+    count = max(int(np.ceil((length[-1] + 2.0 * reach) / step)), 2)
     wanted = 0.5 * length[-1] + step * (np.arange(count) - 0.5 * (count - 1))
     inside = np.clip(wanted, 0.0, length[-1])
     middle = np.stack([np.interp(inside, length, one) for one in closest])

@@ -95,17 +95,21 @@ def solve_surface_contact(
     Returns
     -------
     SurfaceContact
-        Solved to rounding.
+        Solved to rounding; not settled if a compliance is not positive definite or the active set keeps changing.
     """
     sizes = np.cumsum([s.size for s in separation])[:-1]
     gap, arm = np.concatenate(separation), np.concatenate(lever_arm)
-    active = gap < np.min(gap) + 0.5 * np.ptp(gap)
+    unsettled = SurfaceContact(np.split(np.full(gap.size, np.nan), sizes), np.nan, False)
+    active = gap <= np.min(gap) + 0.5 * np.ptp(gap)
     for _ in range(ITERATIONS):
         parts = np.split(active, sizes)
         by_arm, by_gap = np.zeros(gap.size), np.zeros(gap.size)
         for own, matrix, part in zip(np.split(np.arange(gap.size), sizes), compliance, parts, strict=True):
             chosen = own[part]
-            factor = scipy.linalg.cho_factor(matrix[np.ix_(part, part)])
+            try:
+                factor = scipy.linalg.cho_factor(matrix[np.ix_(part, part)])
+            except np.linalg.LinAlgError:
+                return unsettled
             by_arm[chosen], by_gap[chosen] = scipy.linalg.cho_solve(factor, np.stack([arm[chosen], gap[chosen]], 1)).T
         rotation = (torque + arm @ by_gap) / (arm @ by_arm)
         force = rotation * by_arm - by_gap
@@ -115,4 +119,4 @@ def solve_surface_contact(
         if np.array_equal(settled, active):
             return SurfaceContact(np.split(force, sizes), float(rotation), True)
         active = settled
-    return SurfaceContact(np.split(np.full(gap.size, np.nan), sizes), np.nan, False)
+    return unsettled

@@ -21,6 +21,7 @@ MISALIGNED = {
     "fm-11x41-heel": ("fm-11x41", (50.0,), (-0.26, 0.13)),
 }
 NAMES = (*TORQUES, *MISALIGNED)
+EDGES = ("all", "on lines")  # which may touch: all, or only where the ease-off method has a line of contact
 EDGE_MARGIN = 1.5  # [mm]; nearer to a sharp edge the pressure has no limit
 
 
@@ -77,9 +78,9 @@ class Difference:
     pressure: float
 
 
-def difference(name: str, model: str, torque: float, fineness: float = 1.0) -> Difference:
-    """How an analysis differs from the contact without the split."""
-    kept = reference(name).sel(torque=torque)
+def difference(name: str, model: str, torque: float, fineness: float = 1.0, edges: str = EDGES[0]) -> Difference:
+    """How an analysis differs from the contact without the split; pressures always with all edges."""
+    kept = reference(name).sel(torque=torque, edges=edges)
     loaded = analysed(name, model, fineness)["loaded"].to_dataset().sel(torque=torque)
     same = loaded.sel(mesh_position=kept["mesh_position"])
     theirs, ours = kept["transmission_error"].values, same["transmission_error"].values

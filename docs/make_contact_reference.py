@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from contact_reference import (
     EDGE_MARGIN,
+    EDGES,
     FOLDER,
     NAMES,
     analysed,
@@ -117,7 +118,10 @@ def solve(name: str) -> xr.Dataset:
     torques = setting(name)[1]
     flanks, mesh = in_mesh(name)
     positions = range(0, mesh.rotations.size, EVERY)
-    found = [[solved(name, torque, k) for k in positions] for torque in torques]
+    found = {
+        edges: [[solved(name, torque, k, beyond_lines=beyond) for k in positions] for torque in torques]
+        for edges, beyond in zip(EDGES, (True, False), strict=True)
+    }
     return kept(name, flanks.pair, np.array(torques), np.array(positions) / mesh.rotations.size, found)
 
 
@@ -128,6 +132,8 @@ def convergence() -> None:
         _, mesh = in_mesh(name)
         positions = range(0, mesh.rotations.size, mesh.rotations.size // 4)
         for label, change in CHANGES.items():
+            if change.get("finer") and name != CHECKED[0][0]:
+                continue  # minutes a member
             found = [solved(name, torque, k, **change) for k in positions]
             tables = [stations(in_mesh(name)[0].pair, one) for one in found]
             peak = max(table[3, table[5] > EDGE_MARGIN].max() for table in tables)
@@ -143,28 +149,27 @@ def convergence() -> None:
 
 
 def kept(
-    name: str, pair: GearPair, torques: np.ndarray, positions: np.ndarray, found: list[list[FlankContact]]
+    name: str, pair: GearPair, torques: np.ndarray, positions: np.ndarray, found: dict[str, list[list[FlankContact]]]
 ) -> xr.Dataset:
     """What is kept of the contact: every tooth pair's share, and pressure and line load along its line."""
-    pairs = np.unique(np.concatenate([one.pairs for row in found for one in row]))
-    shape = (torques.size, positions.size)
+    pairs = np.unique(np.concatenate([one.pairs for rows in found.values() for row in rows for one in row]))
+    shape = (len(found), torques.size, positions.size)
     errors, shares = np.full(shape, np.nan), np.zeros((*shape, pairs.size))
-    tables = {}
-    for i, row in enumerate(found):
-        for k, one in enumerate(row):
-            errors[i, k] = 1e6 * one.rotation
-            shares[i, k, np.searchsorted(pairs, one.pairs)] = one.load_share
-            tables[i, k] = stations(pair, one)
-    widest = max(table.shape[1] for table in tables.values())
-    stacked = np.full((len(STATION), *shape, widest), np.nan, dtype=np.float32)
-    for (i, k), table in tables.items():
-        stacked[:, i, k, : table.shape[1]] = table
+    for place in np.ndindex(shape):
+        one = found[EDGES[place[0]]][place[1]][place[2]]
+        errors[place] = 1e6 * one.rotation
+        shares[(*place, np.searchsorted(pairs, one.pairs))] = one.load_share
+    tables = [[stations(pair, one) for one in row] for row in found[EDGES[0]]]
+    widest = max(table.shape[1] for row in tables for table in row)
+    stacked = np.full((len(STATION), *shape[1:], widest), np.nan, dtype=np.float32)
+    for i, k in np.ndindex(shape[1:]):
+        stacked[:, i, k, : tables[i][k].shape[1]] = tables[i][k]
     cycle = ("torque", "mesh_position")
     data: dict[str, Any] = {n: ((*cycle, "station"), stacked[m], {"units": UNITS[n]}) for m, n in enumerate(STATION)}
-    data["transmission_error"] = (cycle, errors, {"units": "urad"})
-    data["load_share"] = ((*cycle, "pair"), shares, {"units": "1"})
+    data["transmission_error"] = (("edges", *cycle), errors, {"units": "urad"})
+    data["load_share"] = (("edges", *cycle, "pair"), shares, {"units": "1"})
     title = f"{name}: contact of generated flanks without the split into bending and indentation"
-    coords = {"torque": torques, "mesh_position": positions, "pair": pairs}
+    coords = {"edges": list(EDGES), "torque": torques, "mesh_position": positions, "pair": pairs}
     return xr.Dataset(data, coords=coords, attrs={"title": title})
 
 
@@ -203,17 +208,20 @@ def solve_all() -> None:
 
 
 def tables() -> None:
-    """Differences of both models."""
-    rows = []
-    for name in NAMES:
-        for torque in reference(name)["torque"].values:
-            for model in ("fe", "shell"):
-                d = difference(name, model, torque)
-                level = float(reference(name).sel(torque=torque)["transmission_error"].mean())
-                numbers = (level, d.mean, d.error, *d.peak_to_peak, d.share, d.peak, d.pressure)
-                rows.append([name, f"{torque:.0f}", model, *(f"{x:.1f}" for x in numbers)])
-    head = ["case", "N m", "model", "mean urad", "mean %", "greatest %", "p-p urad", "model's", "share %", "peak %"]
-    print(tabulate(rows, [*head, "pressure %"], "github", disable_numparse=True))
+    """Differences of both models, with all edges and on the lines of contact alone."""
+    head = ["case", "N m", "model", "mean urad", "mean %", "greatest %", "p-p urad", "model's", "share %"]
+    for edges in EDGES:
+        rows = []
+        for name in NAMES:
+            for torque in setting(name)[1]:
+                for model in ("fe", "shell"):
+                    d = difference(name, model, torque, edges=edges)
+                    level = float(reference(name).sel(torque=torque, edges=edges)["transmission_error"].mean())
+                    numbers = [f"{x:.1f}" for x in (level, d.mean, d.error, *d.peak_to_peak, d.share)]
+                    pressures = [f"{x:.1f}" for x in (d.peak, d.pressure)] if edges == EDGES[0] else []
+                    rows.append([name, f"{torque:.0f}", model, *numbers, *pressures])
+        pressed = ["peak %", "pressure %"] if edges == EDGES[0] else []
+        print(tabulate(rows, [*head, *pressed], "github", disable_numparse=True), end="\n\n")
 
 
 def map_of(name: str, torque: float) -> PressureMap:

@@ -15,6 +15,7 @@ from easeoff.contact.compliance.finite_elements.flank_response import FlankRespo
 from easeoff.contact.contact_of_flanks import FlankContact, contact_of_flanks
 from easeoff.contact.segments import MeshLines, lines_in_mesh
 from easeoff.contact.surface_cells import FlanksInMesh, flanks_in_mesh
+from easeoff.core.errors import InputError
 from easeoff.geometry.tooth_lattice import LatticePlaces, LatticeSize
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
@@ -61,7 +62,7 @@ def test_few_bricks_tell_nearly_as_much_as_many() -> None:
     """The bricks know of bending and body alone: transmission error and shares within 3 % of what is kept."""
     with xr.open_dataset(KEPT, engine="netcdf4") as kept:
         for position in (0, 16):
-            many = kept.sel(torque=TORQUE, mesh_position=position / POSITIONS)
+            many = kept.sel(torque=TORQUE, mesh_position=position / POSITIONS, edges="all")
             found = contact(position)
             assert 1e6 * found.rotation == pytest.approx(float(many["transmission_error"]), rel=0.03)
             for pair, share in zip(found.pairs, found.load_share, strict=True):
@@ -74,6 +75,14 @@ def test_edges_touch_before_there_is_a_line() -> None:
     assert 1 not in without.pairs
     assert 0.005 < with_edges.load_share[with_edges.pairs.index(1)] < 0.1
     assert with_edges.rotation < without.rotation
+
+
+@pytest.mark.parametrize(("name", "value"), [("torque", -1.0), ("half_width", 0.0), ("rotation", np.nan)])
+def test_impossible_numbers_are_refused(name: str, value: float) -> None:
+    flanks, mesh = in_mesh()
+    given = {"torque": 50.0, "half_width": 0.3, "rotation": 1e-4, name: value}
+    with pytest.raises(InputError, match=name):
+        contact_of_flanks(flanks, responses(), (STEEL, STEEL), mesh, 0, **given)  # type: ignore[arg-type]
 
 
 def test_thin_bricks_at_the_edges() -> None:

@@ -49,6 +49,16 @@ def test_finite_elements(kept: Any) -> None:
         assert found.pressure < 2.0
 
 
+def test_finite_elements_where_lines_touch(kept: Any) -> None:
+    """Without the edges, which a line contact does not know, the split alone is left: load share within 2 %."""
+    for torque in kept.TORQUES["fm-11x41"]:
+        found = kept.difference("fm-11x41", "fe", torque, FINENESS, edges="on lines")
+        assert abs(found.mean) < 3.0
+        theirs, ours = found.peak_to_peak
+        assert ours == pytest.approx(theirs, rel=0.1)
+        assert found.share < 2.0
+
+
 def test_shell(kept: Any) -> None:
     """Mean within 5 % on both pairs and with misalignment; pressure within 5 %."""
     for name in kept.NAMES:

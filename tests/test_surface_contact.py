@@ -186,6 +186,14 @@ def test_torque_and_complementarity_of_two_tooth_pairs() -> None:
         assert np.abs(force * remaining).max() < 1e-9
 
 
+def test_what_cannot_be_solved_is_no_number() -> None:
+    nothing = np.zeros(2)
+    solved = solve_surface_contact([nothing], [np.ones(2)], [np.array([[1.0, 2.0], [2.0, 1.0]])], 1.0)
+    assert not solved.settled
+    assert np.isnan(solved.rotation)
+    assert np.all(np.isnan(solved.force[0]))
+
+
 def test_cubics_between_uneven_places() -> None:
     places = np.array([[0.0, 0.1, 0.3, 0.7, 1.0]])
     wanted = np.array([0.05, 0.65, 0.9])
