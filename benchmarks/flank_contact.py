@@ -186,7 +186,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
 def patch() -> None:
     """A spot on a tooth: more and more bricks against one coarse response."""
     rows = []
-    for middle, count in (((0.5, 0.5), 2), ((0.5, 0.5), 4), ((0.3, 0.9), 2), ((0.3, 0.9), 4)):
+    for middle, count in (*(((0.5, 0.5), n) for n in (2, 4, 6)), *(((0.3, 0.9), n) for n in (2, 4))):
         unknowns, direct, ours, share = spot_on_tooth(middle, count)
         rows.append([*middle, count, unknowns, direct, ours, 100.0 * (ours / direct - 1.0), share])
     head = ["lengthwise", "up the side", "bricks across", "unknowns", "bricks nm", "response nm", "difference %"]
