@@ -178,8 +178,8 @@ class LatticePlaces:
     def thinner_edges(self, ratio: float) -> LatticePlaces:
         """The same number of bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
         heel = _thinner_end(self.lengthwise, ratio)
-        toe = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
-        return LatticePlaces(toe, _thinner_end(self.upward, ratio), self.through)
+        both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
+        return LatticePlaces(both, _thinner_end(self.upward, ratio), self.through)
 
 
 def _thinner_end(places: Array, ratio: float) -> Array:

@@ -203,7 +203,7 @@ def tooth_surface(
         If the member has another name, or there are too few nodes.
     """
     which = named_member(pair, member)
-    t = np.linspace(0.0, 1.0, nodes[0]) if isinstance(nodes[0], int) else nodes[0]
+    t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
     if min(t.size, nodes[1]) < 5:
         raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
     placed = placed_flanks(which, tooth_angle(pair, member))
