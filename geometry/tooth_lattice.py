@@ -17,6 +17,7 @@ there. The neighbouring teeth are left out: they change the deflections by less 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from ..core.errors import GeometryError, InputError
 from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, body_nodes, overhang, usual_depth
 from .flank_surface import into_tooth
 from .lattice_numbering import LatticeSize, ToothLattice, numbered
+from .lattice_places import LatticePlaces, graded
 from .pair import GearPair
 from .section import BlankSection
 from .tooth_flanks import named_member
@@ -37,7 +39,6 @@ __all__ = [
     "SHELL_HINT",
     "LatticeSize",
     "ToothLattice",
-    "graded",
     "tooth_lattice",
     "usual_depth",
 ]
@@ -48,24 +49,17 @@ SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the latti
 CORNER = (
     0.6  # place of the lattice's corner in the fillet, 0 at the root land: the surface is at about 45 degrees there
 )
-EDGE = 0.12  # of the bricks through the tooth, the thickness of those at its sides, for the sake of the root stress
 DEEPER = 1.7  # every brick of the body than the one above
 OVERHANG = 0.75  # of the body's depth, that it runs on beyond toe and heel
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
 
 
-def graded(count: int, ratio: float, steady: int = 3) -> Array:
-    """Places (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
-    sizes = ratio ** np.minimum(np.arange(count), steady)
-    ends = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
-    places = np.empty(2 * count + 1)
-    places[::2] = ends
-    places[1::2] = 0.5 * (ends[1:] + ends[:-1])
-    return places
-
-
 def tooth_lattice(
-    pair: GearPair, member: str, size: LatticeSize | None = None, rim_depth: float | None = None
+    pair: GearPair,
+    member: str,
+    size: LatticeSize | None = None,
+    rim_depth: float | None = None,
+    places: LatticePlaces | None = None,
 ) -> ToothLattice:
     """Lattice of one member's tooth.
 
@@ -80,6 +74,8 @@ def tooth_lattice(
     rim_depth
         Depth of the elastic body below the root [mm]; ``None`` for ``usual_depth``. Never more than 65 % of the way to
         the member's axis.
+    places
+        Where the bricks of the tooth end; overrides their numbers in ``size``.
 
     Raises
     ------
@@ -93,16 +89,18 @@ def tooth_lattice(
     depth = usual_depth(blank) if rim_depth is None else float(rim_depth)
     if not (np.isfinite(depth) and depth > 0.0):
         raise InputError(f"rim_depth = {rim_depth!r}: must be a positive length in mm")
-    t = graded(size.lengthwise, 1.0)
+    if places is None:
+        places = LatticePlaces.of_size(size)
+    t, up, through = places.lengthwise, places.upward, places.through
+    size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
-        tooth = tooth_surface(pair, member, (t.size, SURFACE_NODES[1]), SURFACE_NODES[0])
+        tooth = tooth_surface(pair, member, (t, SURFACE_NODES[1]), SURFACE_NODES[0])
     except GeometryError as error:
         raise GeometryError(f"{error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
     sections = _sections(blank, t, turn, tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])
     pitch = 2.0 * np.pi / named_member(pair, member).teeth
 
-    up = graded(size.upward, 1.5)
     floors, sides = [], []
     for on_side, land, sense in zip((tooth.loaded, tooth.opposite), tooth.root_lands, (1.0, -1.0), strict=True):
         floor, side = _side_curves(sections, on_side, land, size.slot, up)
@@ -111,7 +109,6 @@ def tooth_lattice(
         beyond = np.stack([floor[0, :, :1] - sense * radius * away, np.repeat(floor[1, :, :1], away.size, axis=1)])
         floors.append(np.concatenate([beyond, floor], axis=2))
         sides.append(side)
-    through = _both_ends(size.through)
     inside = (1.0 - through) * sides[0][..., None] + through * sides[1][..., None]  # (2, nt, up, through)
     if np.any(sides[1][0] <= sides[0][0]):
         raise GeometryError(f"the sides of the {member}'s tooth cross each other between fillet and tip; {SHELL_HINT}")
@@ -133,16 +130,6 @@ def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Ar
     swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
     root, tip = (np.asarray(blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
     return LatticeSections(blank, t, turn, azimuths[0] + 0.5 * turn * swing, np.hypot(*(tip - root)))
-
-
-def _both_ends(count: int) -> Array:
-    """Places (2 count + 1) from side to side, with thinner bricks at both."""
-    if count < 3:
-        return graded(count, 1.0)
-    sizes = np.minimum(np.arange(count), np.arange(count)[::-1])
-    ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, EDGE, 1.0))])
-    ends /= ends[-1]
-    return np.asarray(np.interp(np.arange(2 * count + 1), np.arange(0, 2 * count + 1, 2), ends))
 
 
 def _upward(side: ToothSide, fillet: Array, flank: Array) -> tuple[Array, int]:

@@ -180,7 +180,7 @@ class ToothSurface:
 
 
 def tooth_surface(
-    pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21), fillet_nodes: int = FILLET_NODES
+    pair: GearPair, member: str, nodes: tuple[int | Array, int] = (31, 21), fillet_nodes: int = FILLET_NODES
 ) -> ToothSurface:
     """The real tooth of one member, with the thickness of its teeth as in ``pair.bodies``.
 
@@ -191,7 +191,7 @@ def tooth_surface(
     member
         ``"pinion"`` or ``"gear"``.
     nodes
-        Nodes lengthwise and up the flank.
+        Nodes lengthwise, or their lengthwise fractions, and number of nodes up the flank.
     fillet_nodes
         Nodes up the fillet.
 
@@ -203,9 +203,9 @@ def tooth_surface(
         If the member has another name, or there are too few nodes.
     """
     which = named_member(pair, member)
-    if min(nodes) < 5:
+    t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
+    if min(t.size, nodes[1]) < 5:
         raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
-    t = np.linspace(0.0, 1.0, nodes[0])
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
         tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()

@@ -32,8 +32,9 @@ from easeoff.contact.compliance.finite_elements.root_stress import RootStress, b
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import GearPair, pair_geometry
 from easeoff.geometry.flank_surface import solve_flank
+from easeoff.geometry.lattice_places import graded
 from easeoff.geometry.pair import bodies
-from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, graded, tooth_lattice
+from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 from easeoff.study.show import summary
 
 Array = NDArray[Any]

@@ -1,0 +1,68 @@
+"""Today's analyses against the stored contact without the split: docs/make_contact_reference.py."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+DOCS = Path(__file__).parents[1] / "docs"
+FINENESS = 0.7  # of the bricks here, for the sake of time: one per cent softer or stiffer
+
+
+@pytest.fixture(scope="module")
+def kept() -> Any:
+    """What is kept, and how an analysis differs from it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(DOCS))
+        return importlib.import_module("contact_reference")
+
+
+def test_kept_contact_balances(kept: Any) -> None:
+    """Every position solved, shares adding up, enough positions for a mean and a peak to peak, no pull."""
+    for name in kept.NAMES:
+        reference = kept.reference(name)
+        assert reference.sizes["mesh_position"] >= 5
+        assert np.all(np.isfinite(reference["transmission_error"]))
+        np.testing.assert_allclose(reference["load_share"].sum("pair"), 1.0, atol=1e-9)
+        assert float(reference["load_share"].min()) >= 0.0
+        assert float(reference["pressure"].min()) > 0.0
+
+
+def test_finite_elements(kept: Any) -> None:
+    """Mean within 3 %, peak to peak within 10 %, pressure within 5 %; load share within 3 % but at the largest torque.
+
+    There the edges of the next tooth pair carry load before it has a contact line, of which a line contact knows
+    nothing.
+    """
+    for torque in kept.TORQUES["fm-11x41"]:
+        found = kept.difference("fm-11x41", "fe", torque, FINENESS)
+        assert abs(found.mean) < 3.0
+        assert found.error < 3.0
+        theirs, ours = found.peak_to_peak
+        assert ours == pytest.approx(theirs, rel=0.1)
+        assert found.share < (3.0 if torque < 500.0 else 4.5)
+        assert abs(found.peak) < 5.0
+        assert found.pressure < 2.0
+
+
+def test_finite_elements_where_lines_touch(kept: Any) -> None:
+    """Without the edges, which a line contact does not know, the split alone is left: load share within 2 %."""
+    for torque in kept.TORQUES["fm-11x41"]:
+        found = kept.difference("fm-11x41", "fe", torque, FINENESS, edges="on lines")
+        assert abs(found.mean) < 3.0
+        theirs, ours = found.peak_to_peak
+        assert ours == pytest.approx(theirs, rel=0.1)
+        assert found.share < 2.0
+
+
+def test_shell(kept: Any) -> None:
+    """Mean within 5 % on both pairs and with misalignment; pressure within 5 %."""
+    for name in kept.NAMES:
+        for torque in kept.setting(name)[1]:
+            found = kept.difference(name, "shell", torque)
+            assert abs(found.mean) < 5.0
+            assert abs(found.peak) < 5.0
