@@ -97,7 +97,7 @@ def test_heat_lowers_friction_more_the_more_slides() -> None:
         ratios.append(warm.coefficient / cold.coefficient)
     assert 1.0 > ratios[0] > ratios[1] > ratios[2] > 0.2
     settled = traction(sliding(1.0), X, PRESSURE, FILM, thermal=True)
-    own = film_temperature(sliding(1.0), X, settled.stress, FILM, 0.14, 12890.0)
+    own = film_temperature(sliding(1.0), X, settled.stress, FILM, OIL.conductivity_at(PRESSURE), 12890.0)
     np.testing.assert_allclose(settled.temperature_rise, own, rtol=1e-4, atol=1e-6)
 
 

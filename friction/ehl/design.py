@@ -30,7 +30,12 @@ def oil_75w90(temperature: float) -> Oil:
     InputError
         The temperature is beyond the table.
     """
-    return Oil.of(lubricant("75w90").at(temperature), eyring_stress=_EYRING_STRESS)
+    return Oil.of(
+        lubricant("75w90").at(temperature),
+        eyring_stress=_EYRING_STRESS,
+        law="two_slope",
+        inlet_temperature=temperature,
+    )
 
 
 @dataclass(frozen=True)

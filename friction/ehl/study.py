@@ -19,11 +19,12 @@ from ...core.attributes import labelled
 from ...core.errors import InputError, MissingPackageError
 from ...core.files import check_writable, whole_file
 from .certificate import Status
+from .conditions import LineContact
 from .design import Condition, Design, numbers
 from .moving import FLOODED, TOUCHING_FILM, rough_passage
 from .roughness import generated_profile
-from .shear import BOUNDARY_FRICTION
-from .steady import domain, smooth_film
+from .shear import BOUNDARY_FRICTION, traction
+from .steady import Film, domain, smooth_film
 
 #: A case whose certified steps are fewer than this share is not converged.
 ENOUGH_STEPS = 0.9
@@ -45,6 +46,8 @@ class Resolution:
     travel : float
         How far the mean flow moves while averages are taken: as many correlation lengths, or one half width of the
         contact if that is more. Before, it moves from the inlet to the middle.
+    smooth_from : float
+        Lambda ratio from which on the smooth film stands for the rough one.
     flooded : float
         See `steady.domain`.
     order : int
@@ -57,11 +60,12 @@ class Resolution:
         Lower the viscosity in the shear stress by the film's own heat.
     """
 
-    correlation_length: float = 30e-6
+    correlation_length: float = 15e-6
     points: float = 3.0
     fewest: int = 193
     most: int = 1025
-    travel: float = 20.0
+    travel: float = 30.0
+    smooth_from: float = 3.0
     flooded: float = FLOODED
     order: int = 2
     seed: int = 1
@@ -108,6 +112,30 @@ def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
 
 def _computed(condition: Condition, resolution: Resolution) -> Row:
     contact = condition.contact
+    smooth = smooth_film(contact)
+    film = smooth.minimum_film if smooth.certified else math.nan
+    row = {"smooth_film": 1e6 * film, "lambda_ratio": film / condition.composite_roughness}
+    if row["lambda_ratio"] >= resolution.smooth_from:
+        return row | _smooth(smooth, resolution)
+    return row | _rough(condition, contact, resolution)
+
+
+def _smooth(film: Film, resolution: Resolution) -> Row:
+    shear = traction(film.contact, film.position, film.pressure, film.film, thermal=resolution.thermal)
+    within = np.abs(film.position) < film.contact.half_width
+    return {
+        "status": float(Status.CERTIFIED if math.isfinite(shear.film) else Status.NOT_CONVERGED),
+        "film_friction": shear.film,
+        "asperity_friction": 0.0,
+        "asperity_share": 0.0,
+        "mean_film": 1e6 * float(film.film[within].mean()),
+        "certified_share": 1.0,
+        "newton_steps": float(film.iterations),
+        "nodes": float(film.position.size),
+    }
+
+
+def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -> Row:
     span = domain(contact, resolution.flooded)
     length = (span[1] - span[0]) * contact.half_width
     wanted = math.ceil(resolution.points * length / resolution.correlation_length) + 1
@@ -137,17 +165,14 @@ def _computed(condition: Condition, resolution: Resolution) -> Row:
         boundary_friction=resolution.boundary_friction,
         thermal=resolution.thermal,
     )
-    smooth = smooth_film(contact)
-    enough = passage.certified_share >= ENOUGH_STEPS and smooth.certified
-    film = smooth.minimum_film if smooth.certified else math.nan
+    friction = passage.friction_coefficient
+    enough = passage.certified_share >= ENOUGH_STEPS and math.isfinite(friction)
     return {
         "status": float(Status.CERTIFIED if enough else Status.NOT_CONVERGED),
         "film_friction": passage.average("film_friction"),
         "asperity_friction": passage.average("asperity_friction"),
         "asperity_share": passage.average("asperity_share"),
         "mean_film": 1e6 * passage.average("mean_film"),
-        "smooth_film": 1e6 * film,
-        "lambda_ratio": film / condition.composite_roughness,
         "certified_share": passage.certified_share,
         "newton_steps": float(passage.iterations.mean()),
         "nodes": float(nodes),
