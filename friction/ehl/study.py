@@ -9,8 +9,9 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -21,10 +22,11 @@ from ...core.files import check_writable, whole_file
 from .certificate import Status
 from .conditions import LineContact
 from .design import Condition, Design, numbers
+from .load_sharing import Asperities
 from .moving import FLOODED, TOUCHING_FILM, rough_passage
 from .roughness import generated_profile
 from .shear import BOUNDARY_FRICTION, traction
-from .steady import Film, domain, smooth_film
+from .steady import Film, domain, mixed_film, smooth_film
 
 #: A case whose certified steps are fewer than this share is not converged.
 ENOUGH_STEPS = 0.9
@@ -37,8 +39,11 @@ class Resolution:
 
     Attributes
     ----------
+    model : {"load_sharing", "passage"}
+        Roughness by its statistics, see `load_sharing`, or profiles that move through the contact, see `moving`. The
+        former needs `correlation_length`, `fewest`, `boundary_friction` and `thermal` alone of what follows.
     correlation_length : float
-        Of the generated profiles of both surfaces [m].
+        Of the roughness of both surfaces [m].
     points : float
         Grid spacings in a correlation length.
     fewest, most : int
@@ -60,9 +65,10 @@ class Resolution:
         Lower the viscosity in the shear stress by the film's own heat.
     """
 
-    correlation_length: float = 15e-6
+    model: Literal["load_sharing", "passage"] = "load_sharing"
+    correlation_length: float = 20e-6
     points: float = 3.0
-    fewest: int = 193
+    fewest: int = 257
     most: int = 1025
     travel: float = 30.0
     smooth_from: float = 3.0
@@ -112,24 +118,42 @@ def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
 
 def _computed(condition: Condition, resolution: Resolution) -> Row:
     contact = condition.contact
-    smooth = smooth_film(contact)
+    smooth = _smooth_film(contact)
     film = smooth.minimum_film if smooth.certified else math.nan
     row = {"smooth_film": 1e6 * film, "lambda_ratio": film / condition.composite_roughness}
+    if resolution.model == "load_sharing":
+        roughness = Asperities(condition.composite_roughness, resolution.correlation_length)
+        return row | _steady(mixed_film(contact, roughness, nodes=resolution.fewest), resolution)
     if row["lambda_ratio"] >= resolution.smooth_from:
-        return row | _smooth(smooth, resolution)
+        return row | _steady(smooth, resolution)
     return row | _rough(condition, contact, resolution)
 
 
-def _smooth(film: Film, resolution: Resolution) -> Row:
-    shear = traction(film.contact, film.position, film.pressure, film.film, thermal=resolution.thermal)
+#: Cases in a row often differ by the roughness alone.
+_smooth_film = lru_cache(maxsize=8)(smooth_film)
+
+
+def _steady(film: Film, resolution: Resolution) -> Row:
+    shear = traction(
+        film.contact,
+        film.position,
+        film.pressure - film.asperity_pressure,
+        film.film,
+        asperity_pressure=film.asperity_pressure,
+        boundary_friction=resolution.boundary_friction,
+        thermal=resolution.thermal,
+    )
+    settled = film.certified and math.isfinite(shear.film)
     within = np.abs(film.position) < film.contact.half_width
-    return {
-        "status": float(Status.CERTIFIED if math.isfinite(shear.film) else Status.NOT_CONVERGED),
+    numbers = {
         "film_friction": shear.film,
-        "asperity_friction": 0.0,
-        "asperity_share": 0.0,
+        "asperity_friction": shear.asperities,
+        "asperity_share": film.asperity_share,
         "mean_film": 1e6 * float(film.film[within].mean()),
-        "certified_share": 1.0,
+    }
+    return (numbers if settled else {}) | {
+        "status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED),
+        "certified_share": float(settled),
         "newton_steps": float(film.iterations),
         "nodes": float(film.position.size),
     }
