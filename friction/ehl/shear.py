@@ -82,7 +82,7 @@ def traction(
         Friction coefficient of touching asperities [1].
     thermal : bool
         Lower the viscosity in the shear stress by the film's own heat, see `film_temperature` and
-        `Oil.thermal_thinning`. The film thickness stays as it is, see `inlet_heating`.
+        `Oil.thermal_thinning`. The film thickness stays as it is, see `inlet.heated_inlet`.
     effusivity : float
         Root of conductivity, density and specific heat of the bodies [J/(m^2 K s^0.5)].
 
