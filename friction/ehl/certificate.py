@@ -26,6 +26,7 @@ class Status(StoredStatus):
     NOT_CONVERGED = 1
     NOT_CERTIFIED = 2
     FAILED = 3
+    NOT_RUN = 4
 
 
 @dataclass(frozen=True)

@@ -44,13 +44,13 @@ _FEWEST_CASES = 3 * len(TERMS)
 #: Where the fit starts, shares beyond are those of the ends; and its steps.
 _LEAST_SHARE, _STEPS = 1e-4, 12
 #: Keeps products that the cases do not tell apart from growing against each other.
-_RIDGE = 1e-4
+_RIDGE = 1e-7
 #: How far ln(G) may be from that of the study's oil at the same viscosity.
 _OTHER_OIL = 0.15
 _CHUNK = 16384
 
-#: All or a space-filling subset of the design of the dissertation, run with the defaults.
-SHIPPED = Path(__file__).with_name("study.nc")
+#: Space-filling subsets of the design of the dissertation and of `design.REFINED`, run with the defaults.
+SHIPPED = tuple(Path(__file__).with_name(name) for name in ("study.nc", "study_refined.nc"))
 
 
 @dataclass(frozen=True)
@@ -185,9 +185,13 @@ class FrictionFormula:
 
 @cache
 def shipped_formula() -> FrictionFormula:
-    """Return the formula fitted to the study that comes with the package."""
-    with xr.open_dataset(SHIPPED, engine="netcdf4") as dataset:
-        return fit_friction(dataset.load())
+    """Return the formula fitted to both studies that come with the package."""
+    return fit_friction(*shipped_studies())
+
+
+def shipped_studies() -> tuple[xr.Dataset, ...]:
+    """Return the studies that come with the package, see `SHIPPED`."""
+    return tuple(xr.load_dataset(path, engine="netcdf4") for path in SHIPPED)
 
 
 def _logarithms(*inputs: ArrayLike) -> tuple[Array, Array, Array]:
@@ -248,19 +252,20 @@ def study_inputs(dataset: xr.Dataset) -> Inputs:
     )
 
 
-def fit_friction(dataset: xr.Dataset) -> FrictionFormula:
-    """Fit the formula to the certified cases of a study.
+def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
+    """Fit the formula to the certified cases of studies.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of `study.run_study`.
+    studies : xarray.Dataset
+        Of `study.run_study`, one or more with the same boundary friction.
 
     Raises
     ------
     InputError
         Too few cases are certified, or a variable has the same value in all of them.
     """
+    dataset = xr.concat(studies, "combination", combine_attrs="drop_conflicts")
     friction = dataset["friction_coefficient"].values.astype(float)
     good = (dataset["status"].values == Status.CERTIFIED) & (friction > 0.0)
     if good.sum() < _FEWEST_CASES:

@@ -213,7 +213,7 @@ def run_study(
     seconds: float = math.inf,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Run combinations of the study that are not known yet, and write the dataset of all that are.
+    """Run combinations of the study that are not known yet, and write the dataset.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def run_study(
     dask : bool
         Spread the cases over dask: over the client that is active, or else the processes of this machine.
     seconds : float
-        Begin no case after as many.
+        Begin no case after as many; the rest are rows with the status `NOT_RUN`.
     progress : callable, optional
         Called with the number of cases done and of all that were missing.
 
@@ -259,11 +259,13 @@ def run_study(
         _append(store, {"key": key, "number": number, "row": row})
         if progress is not None:
             progress(done, len(missing))
-    rows = {number: known[number] for number in conditions if number in known}
+    not_run: Row = {**dict.fromkeys(_NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
+    rows = {number: known.get(number, not_run) for number in conditions}
     dataset = study_dataset(design, rows)
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
     with whole_file(target) as temporary:
-        dataset.to_netcdf(temporary, engine="netcdf4")
+        packed = {name: {"zlib": True} for name in dataset.data_vars}
+        dataset.to_netcdf(temporary, engine="netcdf4", encoding=packed)
     return dataset
 
 
