@@ -48,7 +48,9 @@ def test_asperity_pressure_is_the_sum_over_the_summits_of_a_generated_surface() 
     noise = np.fft.fft2(rng.normal(size=(nodes, nodes)))
     z = np.fft.ifft2(noise * np.exp(-(k[:, None] ** 2 + k[None, :] ** 2) / 8.0)).real
     z /= z.std()  # in rms heights; distances in correlation lengths
-    around = [np.roll(z, shift, (0, 1)) for shift in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))]
+    around = [
+        np.roll(z, shift, (0, 1)) for shift in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))
+    ]
     summit = np.all([z > other for other in around], axis=0)
     curvature = -sum(other - z for other in around[:4])[summit] * per_length**2 / 2.0
     area = (nodes / per_length) ** 2
@@ -99,7 +101,11 @@ def test_without_speed_the_asperities_carry_everything() -> None:
     assert 0.8e9 * 0.7 < film.pressure.max() < 0.7e9
     assert film.pressure[np.abs(film.position) > 1.02 * contact.half_width].max() > 1e6
     shear = traction(
-        contact, film.position, film.pressure - film.asperity_pressure, film.film, asperity_pressure=film.asperity_pressure
+        contact,
+        film.position,
+        film.pressure - film.asperity_pressure,
+        film.film,
+        asperity_pressure=film.asperity_pressure,
     )
     assert shear.coefficient == pytest.approx(0.1, rel=2e-3)
 
@@ -112,7 +118,11 @@ def test_friction_and_asperity_share_fall_with_the_lambda_ratio() -> None:
         assert film.status is Status.CERTIFIED
         assert film.certificate.worst < 1e-8
         shear = traction(
-            GEAR, film.position, film.pressure - film.asperity_pressure, film.film, asperity_pressure=film.asperity_pressure
+            GEAR,
+            film.position,
+            film.pressure - film.asperity_pressure,
+            film.film,
+            asperity_pressure=film.asperity_pressure,
         )
         shares.append(film.asperity_share)
         frictions.append(shear.coefficient)
@@ -132,7 +142,9 @@ def test_mass_flow_and_grid() -> None:
     assert films[1].central_film == pytest.approx(films[2].central_film, rel=0.002)
 
 
-@pytest.mark.parametrize(("rms", "length", "word"), [(0.0, 20e-6, "rms"), (1e-6, -1.0, "correlation"), (1e-5, 1e-5, "half")])
+@pytest.mark.parametrize(
+    ("rms", "length", "word"), [(0.0, 20e-6, "rms"), (1e-6, -1.0, "correlation"), (1e-5, 1e-5, "half")]
+)
 def test_bad_roughness_is_refused(rms: float, length: float, word: str) -> None:
     with pytest.raises(InputError, match=word):
         Asperities(rms, length)

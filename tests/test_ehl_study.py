@@ -22,12 +22,14 @@ from easeoff.friction.ehl.regression import (
     FrictionFormula,
     compare,
     fit_friction,
+    read_formula,
     shipped_formula,
     shipped_studies,
     study_inputs,
+    write_formula,
 )
-from easeoff.friction.film import pan_hamrock
 from easeoff.friction.ehl.study import Resolution, Row, run_case, run_study, study_dataset
+from easeoff.friction.film import pan_hamrock
 
 
 def test_design_has_the_combinations_of_the_dissertation() -> None:
@@ -271,6 +273,27 @@ def test_shipped_studies_have_every_case_of_their_subset(number: int, design: De
     again = run_case(design.condition(int(dataset["combination"][100])), Resolution())
     stored = float(dataset["friction_coefficient"][100])
     assert again["film_friction"] + again["asperity_friction"] == pytest.approx(stored, rel=1e-3)
+
+
+def test_shipped_formula_has_the_error_it_states_on_the_shipped_studies(tmp_path: Path) -> None:
+    formula = shipped_formula()
+    errors = []
+    for dataset in shipped_studies():
+        friction, inside = formula(*study_inputs(dataset))
+        assert inside.all()
+        errors.append(np.log(friction / dataset["friction_coefficient"].values))
+    together = np.concatenate(errors)
+    assert together.size == formula.cases
+    assert np.sqrt(np.mean(together**2)) == pytest.approx(formula.fit_error, rel=1e-2)
+    write_formula(tmp_path / "formula.json", formula)
+    again = read_formula(tmp_path / "formula.json")
+    assert again.regimes == formula.regimes
+    assert float(again(1e9, 0.02, 5.0, 0.1, 0.02, 1.1e-8, 5e-7)[0]) == float(
+        formula(1e9, 0.02, 5.0, 0.1, 0.02, 1.1e-8, 5e-7)[0]
+    )
+    (tmp_path / "other.json").write_text('{"share": [1.0]}')
+    with pytest.raises(InputError, match="other.json"):
+        read_formula(tmp_path / "other.json")
 
 
 def test_shipped_formula_predicts_the_model_where_it_was_not_fitted() -> None:

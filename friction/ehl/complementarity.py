@@ -184,9 +184,7 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
     if problem.asperities is not None:
         flow = chained(flow, fluid_by_film, by_film)
     gap = film - problem.touching_film
-    return Point(
-        pressure, film, approach, flow, flow.residual + problem.lacking, gap, fluid, fluid_by_film, clearance
-    )
+    return Point(pressure, film, approach, flow, flow.residual + problem.lacking, gap, fluid, fluid_by_film, clearance)
 
 
 def solve(problem: Problem, pressure: Array, approach: float, paces: Sequence[Pace]) -> Outcome:

@@ -5,8 +5,8 @@ Greenwood and Poon, Wear 19 (1972) 91). Roughness is isotropic here: the lubrica
 while the transverse ridges of `moving` must ride on it. No roughness moves, so that one steady solve stands for a
 passage.
 
-The asperities are those of Greenwood and Williamson: spherical summits, elastic, with the density, the curvature and the
-heights that a Gaussian isotropic surface with the autocorrelation exp(-(r/l)^2) has (Nayak, Journal of Lubrication
+The asperities are those of Greenwood and Williamson: spherical summits, elastic, with the density, the curvature and
+the heights that a Gaussian isotropic surface with the autocorrelation exp(-(r/l)^2) has (Nayak, Journal of Lubrication
 Technology 93 (1971) 398; McCool, Wear 107 (1986) 37). Its spectral moments are m0 = s^2, m2 = 2 s^2 / l^2 and
 m4 = 12 s^2 / l^4, so that rms height s and correlation length l of the two surfaces together say everything.
 """

@@ -10,11 +10,13 @@ formula of Pan and Hamrock. Both limits of the lambda ratio are so met by the fo
 
 from __future__ import annotations
 
+import json
 import math
+import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
+from ...core.files import check_writable, whole_file
 from ..conditions import ContactConditions
 from .certificate import Status
 from .conditions import STEEL
@@ -41,8 +44,8 @@ _DEGREE = 3
 TERMS = tuple(t for d in range(_DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
 _FOLDS = 10
 _FEWEST_CASES = 3 * len(TERMS)
-#: Where the fit starts, shares beyond are those of the ends; and its steps.
-_LEAST_SHARE, _STEPS = 1e-4, 12
+#: Where the fit starts, shares beyond are those of the ends; its steps, and the relative change that ends them.
+_LEAST_SHARE, _STEPS, _SETTLED = 1e-4, 20, 1e-4
 #: Keeps products that the cases do not tell apart from growing against each other.
 _RIDGE = 1e-7
 #: How far ln(G) may be from that of the study's oil at the same viscosity.
@@ -50,6 +53,7 @@ _OTHER_OIL = 0.15
 _CHUNK = 16384
 
 #: Space-filling subsets of the design of the dissertation and of `design.REFINED`, run with the defaults.
+SHIPPED_FORMULA = Path(__file__).with_name("formula.json")
 SHIPPED = tuple(Path(__file__).with_name(name) for name in ("study.nc", "study_refined.nc"))
 
 
@@ -186,7 +190,42 @@ class FrictionFormula:
 @cache
 def shipped_formula() -> FrictionFormula:
     """Return the formula fitted to both studies that come with the package."""
-    return fit_friction(*shipped_studies())
+    return read_formula(SHIPPED_FORMULA)
+
+
+def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> None:
+    """Write a formula as JSON.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    content = {
+        name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(formula).items()
+    }
+    content["regimes"] = [list(astuple(regime)) for regime in formula.regimes]
+    target = Path(path)
+    check_writable(target)
+    with whole_file(target) as temporary:
+        temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
+    """Read what `write_formula` wrote.
+
+    Raises
+    ------
+    InputError
+        The file is not a formula.
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        arrays = {name: np.array(value) for name, value in content.items() if isinstance(value, list)}
+        arrays["regimes"] = tuple(RegimeError(*numbers) for numbers in content["regimes"])
+        return FrictionFormula(**(content | arrays))
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise InputError(f"{path} is not a friction formula: {error}") from error
 
 
 def shipped_studies() -> tuple[xr.Dataset, ...]:
@@ -232,6 +271,10 @@ def _columns(normal: Array) -> Array:
 
 def _friction(columns: Array, share: Array, film: Array, boundary_friction: float) -> Array:
     odds, logarithm = (columns @ np.stack([share, film], axis=1)).T
+    return _shared(odds, logarithm, boundary_friction)
+
+
+def _shared(odds: Array, logarithm: Array, boundary_friction: float) -> Array:
     part = 1.0 / (1.0 + np.exp(-np.clip(odds, -30.0, 30.0)))
     return np.asarray(boundary_friction * part + (1.0 - part) * np.exp(np.minimum(logarithm, 0.0)))
 
@@ -313,7 +356,15 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
 
 
 def compare(dataset: xr.Dataset, formula: Callable[..., ArrayLike]) -> tuple[RegimeError, ...]:
-    """ln of a formula over the model, by regime: `formula` takes the keywords of `easeoff.friction.friction_coefficient`."""
+    """Compare a formula with the model of a study: ln of formula over model by regime.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `study.run_study`.
+    formula : callable
+        Takes the keywords of `easeoff.friction.friction_coefficient`.
+    """
     p, r, u, s, *_ = study_inputs(dataset)
     own = formula(
         hertz_pressure=p,
@@ -330,7 +381,7 @@ def compare(dataset: xr.Dataset, formula: Callable[..., ArrayLike]) -> tuple[Reg
 
 def _by_regime(ratio: Array, error: Array) -> tuple[RegimeError, ...]:
     found = []
-    for low, high in zip(REGIMES, REGIMES[1:], strict=False):
+    for low, high in pairwise(REGIMES):
         own = error[(ratio >= low) & (ratio < high)]
         if own.size:
             found.append(RegimeError(low, high, own.size, float(own.mean()), _rms(own), float(np.abs(own).max())))
@@ -344,7 +395,7 @@ def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_frict
     """
     odds, logarithm = guesses
     size = columns.shape[1]
-    coefficients = np.zeros(2 * size)
+    coefficients, error = np.zeros(2 * size), math.inf
     for _ in range(_STEPS):
         part = 1.0 / (1.0 + np.exp(-np.clip(odds, -30.0, 30.0)))
         film = np.exp(np.minimum(logarithm, 0.0))
@@ -357,6 +408,9 @@ def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_frict
         ridge = _RIDGE * np.diag(normal).mean() * np.eye(2 * size)
         coefficients = np.linalg.solve(normal + ridge, slopes.T @ target)
         odds, logarithm = columns @ coefficients[:size], columns @ coefficients[size:]
+        last, error = error, _rms(wanted - np.log(_shared(odds, logarithm, boundary_friction)))
+        if abs(error - last) < _SETTLED * error:
+            break
     return coefficients[:size], coefficients[size:]
 
 

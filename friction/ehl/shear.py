@@ -23,8 +23,8 @@ BOUNDARY_FRICTION = 0.1
 
 #: ln(viscosity) beyond which the Eyring stress is that of its asymptote anyway; keeps exp from overflowing.
 _STIFFEST = 600.0
-#: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted; change of
-#: the temperature [K] that ends the inner steps, and their number.
+#: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted; change
+#: of the temperature [K] that ends the inner steps, and their number.
 _TOLERANCE, _ADJUSTMENTS = 1e-6, 60
 _KELVIN, _NEWTON_STEPS = 1e-6, 30
 
