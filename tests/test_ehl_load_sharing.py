@@ -52,7 +52,7 @@ def test_asperity_pressure_is_the_sum_over_the_summits_of_a_generated_surface() 
         np.roll(z, shift, (0, 1)) for shift in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))
     ]
     summit = np.all([z > other for other in around], axis=0)
-    curvature = -sum(other - z for other in around[:4])[summit] * per_length**2 / 2.0
+    curvature = (4.0 * z - np.sum(around[:4], axis=0))[summit] * per_length**2 / 2.0
     area = (nodes / per_length) ** 2
     for level in (0.5, 1.0, 2.0):
         depth = np.maximum(z[summit] - level, 0.0)
