@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -264,6 +265,15 @@ def test_shipped_studies_have_every_case_of_their_subset(number: int, design: De
     again = run_case(design.condition(int(dataset["combination"][100])), Resolution())
     stored = float(dataset["friction_coefficient"][100])
     assert again["film_friction"] + again["asperity_friction"] == pytest.approx(stored, rel=1e-3)
+
+
+def test_shipped_study_beside_the_formula_of_the_dissertation() -> None:
+    """Full films agree on the mean, mixed ones within a factor of two; both rise together."""
+    dataset = shipped_studies()[0]
+    regimes = compare(dataset, friction_coefficient)
+    assert abs(regimes[-1].mean) < 0.1
+    assert all(abs(regime.mean) < math.log(2.0) for regime in regimes)
+    assert all(math.sqrt(regime.rms**2 - regime.mean**2) < 0.6 for regime in regimes)
 
 
 def test_shipped_formula_has_the_error_it_states_on_the_shipped_studies(tmp_path: Path) -> None:
