@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .blank_design_table import BlankDesignTable
+from .friction_table import FrictionTable
 from .model import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
 from .table import Integer, Number, Table, number
 
@@ -52,4 +53,5 @@ class Design(Table):
     misalignment: MisalignmentTable = MisalignmentTable()
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
+    friction: FrictionTable | None = None
     target: DesignTargets

@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
+from .friction_table import FrictionTable
 from .table import Integer, Number, Table, number
 
 
@@ -199,6 +200,7 @@ class Case(Table):
     misalignment: MisalignmentTable = MisalignmentTable()
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
+    friction: FrictionTable | None = None
     target: TargetsTable = TargetsTable()
     _text: str = PrivateAttr(default="")
 

@@ -82,7 +82,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
 
     plain = Case.model_fields
-    for name in ("description", "contact", "compliance", "target"):
+    for name in ("description", "contact", "compliance", "friction", "target"):
         if getattr(case, name) != plain[name].default:
             notes.append(f"{name}: left out, REXS has no place for it")
     if case.pinion.number_of_teeth > case.gear.number_of_teeth:

@@ -101,15 +101,37 @@ def certify(
         elastic_rotation = rotation - problem.first_contact_rotation
     else:
         resolution = math.ulp(elastic_rotation)
+    with np.errstate(over="ignore", invalid="ignore"):
+        deflection = problem.deflection(force)
+        gap = deflection + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
+    return violations(problem, force, elastic_rotation, deflection, gap, resolution)
+
+
+def violations(
+    problem: ContactProblem,
+    force: NDArray[np.float64],
+    elastic_rotation: float,
+    deflection: NDArray[np.float64],
+    gap: NDArray[np.float64],
+    resolution: float,
+) -> Certificate:
+    """Return the certificate where the deflections C F and the gaps [mm], both (n), are known already.
+
+    Parameters
+    ----------
+    problem, force, elastic_rotation
+        As `certify` has them.
+    deflection, gap : (n) array
+        Of these forces, at this rotation.
+    resolution : float
+        What the last digit of the rotation is worth [rad].
+    """
+    if not np.isfinite(gap).all():
+        return NO_CERTIFICATE
     arm, separation = problem.lever_arm, problem.separation_at_first_contact
     magnitude = np.abs(force)
     total = float(magnitude.sum())
     with np.errstate(over="ignore", invalid="ignore"):
-        deflection = problem.deflection(force)
-        gap = deflection + separation - elastic_rotation * arm
-        if not np.isfinite(gap).all():
-            return NO_CERTIFICATE
-
         moment_scale = max(problem.torque, _CANCELLATION_FLOOR * float(magnitude @ np.abs(arm)))
         force_scale = float(magnitude.max())
         gap_scale = _gap_scale(problem, magnitude, total, deflection)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .certificate import Certificate, certify
+from .certificate import NO_CERTIFICATE, Certificate, violations
 from .problem import ContactProblem
 
 
@@ -57,8 +58,12 @@ def with_certificate(problem: ContactProblem, force: NDArray[np.float64], elasti
     rotation = problem.first_contact_rotation + elastic_rotation
     with np.errstate(over="ignore", invalid="ignore"):
         # Not from `gap(force, rotation)`, whose difference of rotations would lose the digits of a light load.
-        gap = problem.deflection(force) + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
-    return RecoveredAnswer(force, rotation, gap, elastic_rotation, certify(problem, force, rotation, elastic_rotation))
+        deflection = problem.deflection(force)
+        gap = deflection + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
+    certificate = NO_CERTIFICATE
+    if math.isfinite(rotation):
+        certificate = violations(problem, force, elastic_rotation, deflection, gap, math.ulp(elastic_rotation))
+    return RecoveredAnswer(force, rotation, gap, elastic_rotation, certificate)
 
 
 def require_convex(problem: ContactProblem) -> None:

@@ -18,6 +18,8 @@ from pydantic.fields import FieldInfo
 
 from easeoff.cases import cutting_table, design_model, model
 from easeoff.cases.blank_design_table import BlankDesignTable
+from easeoff.cases.friction_table import FrictionTable
+from easeoff.friction import COEFFICIENTS, FILMS, THERMAL_FACTORS, available_lubricants
 
 PAGE = Path(__file__).with_name("case_file.md")
 DESIGN_PAGE = Path(__file__).with_name("design_file.md")
@@ -47,9 +49,27 @@ MEANINGS = {
         "dissertation's",
         "",
     ),
+    "oil": ("lubricant: a shipped name, or the path of a TOML file", ""),
+    "film": ("formula for the least film thickness", ""),
+    "thermal_factor": ("how heating lowers the rolling traction", ""),
+    "rolling_frame": ("rolling velocity in the fixed frame, or relative to the contact line", ""),
+    "sliding_of_ratio": ("sliding in the slide-to-roll ratio: across the contact line, or the whole", ""),
+    "out_of_range": ("temperatures the oil has no data for: an error, or the end of the data with a flag", ""),
+    "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),
 }
 
+# Values that a model elsewhere checks: what it allows.
+ELSEWHERE = {
+    "free_settings": "names of settings",
+    "speed": "a number or a list, each > 0 and ≤ 1e6",
+    "temperature": "a number or a list, within the oil's data",
+    "roughness": "a number or a list, each ≥ 0 and ≤ 100",
+    "oil": f"{', '.join(f'`{name}`' for name in available_lubricants())}, a path",
+    "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number ≥ 0",
+    "film": ", ".join(f"`{name}`" for name in FILMS),
+    "thermal_factor": ", ".join(f"`{name}`" for name in THERMAL_FACTORS),
+}
 SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
 
 
@@ -94,6 +114,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[misalignment]`", model.MisalignmentTable
     yield "### `[contact]`", model.ContactTable
     yield "### `[compliance]`", model.ComplianceTable
+    yield "### `[friction]`", FrictionTable
     yield "### `[target.drive]` and `[target.coast]`", model.TargetTable
 
 
@@ -125,8 +146,10 @@ def described(name: str, field: FieldInfo) -> tuple[str, str]:
 
 def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
-    if name == "free_settings":
-        return "names of settings"
+    if name in ELSEWHERE:
+        return ELSEWHERE[name]
+    if field.annotation is bool:
+        return "`true`, `false`"
     for option in (field.annotation, *get_args(field.annotation)):
         if get_origin(option) is Literal:
             return ", ".join(written(choice) for choice in get_args(option))
@@ -156,6 +179,8 @@ def default(field: FieldInfo) -> str:
         return "**required**"
     if field.default is None:
         return "left out"
+    if isinstance(field.default, tuple) and len(field.default) == 1:
+        return written(field.default[0])
     if isinstance(field.default, tuple):
         return f"`{list(field.default)}`"
     return written(field.default)
@@ -163,6 +188,8 @@ def default(field: FieldInfo) -> str:
 
 def written(value: Any) -> str:
     """A value as it stands in TOML."""
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
     return f'`"{value}"`' if isinstance(value, str) else f"`{value}`"
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from dissertation_figures import save_small, title
+from efficiency_radius import choices, doubled_radius
 from efficiency_tables import DESIGNS, MAPS, TORQUES, analysed, maps, over_roughness, over_speed, parts
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -125,7 +126,9 @@ def main() -> None:
     save_small(over_speeds(), IMAGES / "figure_5_11.png")
     save_small(over_roughnesses(), IMAGES / "figure_5_12.png")
     template = (HERE / "efficiency.template.md").read_text(encoding="utf-8")
-    (HERE / "efficiency.md").write_text(template.format(**parts()), encoding="utf-8")
+    (HERE / "efficiency.md").write_text(
+        template.format(**parts(), choices=choices(), doubled_radius=doubled_radius()), encoding="utf-8"
+    )
     print("wrote docs/efficiency.md")
 
 

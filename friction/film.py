@@ -15,7 +15,7 @@ Array = NDArray[Any]
 def pan_hamrock(speed: Array, material: Array, load: Array) -> Array:
     """Least film thickness over equivalent radius (...) from U, G, W (...).
 
-    Pan and Hamrock, ASME Journal of Tribology 111, 1989: H = 1.714 U^0.694 G^0.568 W^-0.128.
+    Pan and Hamrock, ASME Journal of Tribology 111, 1989, doi 10.1115/1.3261900: H = 1.714 U^0.694 G^0.568 W^-0.128.
     """
     return 1.714 * speed**0.694 * material**0.568 * load**-0.128
 

@@ -50,8 +50,11 @@ FLAGS = {
     64: "roughness_extrapolated",
     128: "temperature_extrapolated",
     256: "lambda_clamped",
+    512: "coefficient_limited",
 }
 LEAST_LAMBDA = 0.0266  # of the study: 2.5 GPa, 5 mm, 1 m/s, 100 degC, 1 um on both flanks
+# Least and greatest coefficient over the whole study, rounded outwards. Far outside the expressions give anything.
+COEFFICIENT_LIMITS = (0.00088, 0.1601)
 BOUNDARIES = (1.0, 3.0)
 BLENDS = ((0.9, 1.1), (2.7, 3.3))
 
@@ -145,7 +148,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
 
     Slide-to-roll is kept within 0.025 and 1, the pressure at 2.5 GPa at most and, from lambda = 1 on, at 0.5 GPa at
     least, each roughness at 0.1 um and lambda at 0.0266 at least: beyond, the expressions diverge or vanish. Elsewhere
-    they are extrapolated; ``formula_flags`` says what was done where.
+    they are extrapolated, and the result is kept within what the study has; ``formula_flags`` says what was done where.
 
     Parameters
     ----------
@@ -175,7 +178,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
         full = _full_film(strict, np.maximum(log_ratio, ends[3]))
         weight = _step(log_ratio, windows[1]) if blend else log_ratio >= ends[3]
         result = _joined(result, full, weight)
-    return np.asarray(np.exp(result))
+    return np.asarray(np.clip(np.exp(result), *COEFFICIENT_LIMITS))
 
 
 def _joined(below: Array, above: Array, weight: Array) -> Array:
@@ -213,6 +216,7 @@ def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
         64: outside("roughness", rough[0], below=False) | outside("roughness", rough[1], below=False),
         128: outside("temperature", conditions.temperature),
         256: conditions.film_thickness < LEAST_LAMBDA * composite,
+        512: np.isin(formula_coefficient(conditions), COEFFICIENT_LIMITS),
     }
     # One after the other, small arrays first: the sum is large.
     total: Any = np.uint16(0)

@@ -17,8 +17,8 @@ Array = NDArray[Any]
 def isothermal_traction(conditions: ContactConditions) -> Array:
     """Rolling traction without heating of the inlet [N/m of contact length] (...).
 
-    Goksem and Hargreaves, ASME Journal of Lubrication Technology 100, 1978; Kolivand 2009, Eq. 5.10:
-    4.318 (G U)^0.658 W^0.0126 R / alpha.
+    Goksem and Hargreaves, ASME Journal of Lubrication Technology 100, 1978, doi 10.1115/1.3453183; Kolivand 2009, Eq.
+    5.10: 4.318 (G U)^0.658 W^0.0126 R / alpha.
     """
     c = conditions
     scale = 4.318 * c.equivalent_radius / c.pressure_viscosity
@@ -34,12 +34,16 @@ def goksem_hargreaves(conditions: ContactConditions) -> Array:
 
 
 def murch_wilson(conditions: ContactConditions) -> Array:
-    """Thermal factor of Murch and Wilson, ASME Journal of Lubrication Technology 97, 1975 (...)."""
+    """Thermal factor (...) of Murch and Wilson, Journal of Lubrication Technology 97, 1975, doi 10.1115/1.3452559."""
     return np.asarray(3.94 / (3.94 + conditions.thermal_parameter**0.62))
 
 
 def gupta_cheng(conditions: ContactConditions) -> Array:
-    """Thermal factor with sliding, of Gupta, Cheng and others, ASME Journal of Tribology 114, 1992 (...)."""
+    """Thermal factor with sliding (...).
+
+    Gupta, Cheng and others, Tribology Transactions 35, 1992, doi 10.1080/10402009208982117, as quoted by Arana,
+    Larranaga and Ulacia 2019, Eq. 24, doi 10.1177/1350650118778655.
+    """
     c = conditions
     thermal = c.thermal_parameter
     cooling = 1.0 - 13.2 * c.pressure_parameter * thermal**0.42

@@ -30,6 +30,7 @@ from ..geometry.tooth_flanks import MemberName
 from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations
 
 if TYPE_CHECKING:
+    from ..cases.friction_table import FrictionTable
     from ..friction import FrictionModel, Lubricant, Operation
     from ..friction.operating import Array, Numbers, Roughness
 
@@ -143,7 +144,7 @@ def analyze(
     roughness: Roughness | list[Roughness] | Array | None = None,
     oil: str | Lubricant | None = None,
     friction_model: FrictionModel | None = None,
-    friction_feedback: bool = False,
+    friction_feedback: bool | None = None,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
@@ -169,15 +170,16 @@ def analyze(
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     speed
-        Speed of the pinion [1/min], one or several. With it the result has friction, power loss and efficiency, at
-        every combination of speeds, temperatures and roughnesses.
+        Speed of the pinion [1/min], one or several; the case's own if left out. With it the result has friction, power
+        loss and efficiency, at every combination of speeds, temperatures and roughnesses.
     temperature, roughness, oil
-        Of the oil [degC], of the flanks (RMS, um), and which oil; 90, 0.8 and 75w90 if left out. See
+        Of the oil [degC], of the flanks (RMS, um), and which oil; if left out the case's own, or 90, 0.8 and 75w90. See
         ``friction.Operation``.
     friction_model
-        Models of friction coefficient, film and rolling; the dissertation's if left out.
+        Models of friction coefficient, film and rolling; the case's own or the dissertation's if left out.
     friction_feedback
-        Let friction take its part of the torque from the normal forces, see ``friction.feedback``.
+        Let friction take its part of the torque from the normal forces, see ``friction.feedback``; the case's own or
+        not if left out.
     progress
         Called after every solved torque and mesh position.
     **options
@@ -199,6 +201,10 @@ def analyze(
         If the solver's package is not installed.
     """
     checked = case if isinstance(case, Case) else read_case(case)
+    table = checked.friction
+    if table is not None:
+        friction_model = friction_model or table.model()
+        friction_feedback = table.feedback if friction_feedback is None else friction_feedback
     return analyze_in_full(
         checked,
         flank=flank,
@@ -208,30 +214,42 @@ def analyze(
         deviated=deviated,
         modification=modification,
         solver=solver,
-        operation=operation_of(speed, temperature=temperature, roughness=roughness, oil=oil),
+        operation=operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil),
         friction_model=friction_model,
-        friction_feedback=friction_feedback,
+        friction_feedback=bool(friction_feedback),
         progress=progress,
         **options,
     ).tree
 
 
-def operation_of(speed: Numbers | None, **others: Any) -> Operation | None:
-    """Operating conditions from what was given of them; ``None`` without a speed.
+def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
+    """Operating conditions from what was given of them and else from a case; ``None`` without a speed in either.
+
+    Parameters
+    ----------
+    table
+        The case's own conditions.
+    **conditions
+        Arguments of ``friction.Operation``; those that are ``None`` count as not given.
 
     Raises
     ------
     InputError
         If other conditions are given and no speed, or a value is not possible.
     """
-    given = {name: value for name, value in others.items() if value is not None}
-    if speed is None:
+    given = {name: value for name, value in conditions.items() if value is not None}
+    if table is not None:
+        return table.operation(**given)
+    if "speed" not in given:
         if given:
-            raise InputError(f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min")
+            raise InputError(
+                f"{' and '.join(given)} without a speed: friction needs the speed of the pinion in 1/min, here or in a "
+                "table [friction] of the case"
+            )
         return None
     from ..friction import Operation
 
-    return Operation(speed, **given)
+    return Operation(**given)
 
 
 def _provenance(

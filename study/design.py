@@ -168,6 +168,7 @@ def _case(design: Design, designed: DesignedPair) -> Case:
         misalignment=design.misalignment,
         contact=design.contact,
         compliance=design.compliance,
+        friction=design.friction,
         target=TargetsTable(drive=design.target.drive, coast=design.target.coast),
     )
 

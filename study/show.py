@@ -49,7 +49,12 @@ def efficiencies(friction: xr.Dataset) -> str:
     left = len(rows) - len(shown)
     if np.any(friction["temperature_clamped"].values):
         table += "\n* beyond the oil's data: the last value was taken"
-    return table + (f"\n... and {left} more in the group friction" if left else "")
+    if left:
+        table += f"\n... and {left} more in the group friction"
+        known = sorted((row for row in rows if row[-1] != "nan"), key=lambda row: float(row[-1]))
+        for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
+            table += f"\n{word} efficiency: {row[-1]} % at {row[0]} N m, {row[1]} / min, {row[2]} degC, {row[3]} um"
+    return table
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:

@@ -222,11 +222,17 @@ def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.Mon
     for said, _, agrees in (*tables.claims_on_maps(), *tables.claims_on_efficiency()):
         row = next(line for line in page.splitlines() if line.startswith(f"| {said} "))
         assert row.rstrip().endswith("yes      |" if agrees else "no       |"), said
+    shown = rows(page, "make up for nearly all that")
+    quantities = script("efficiency_radius", monkeypatch).quantities
+    for factor, column in ((1.0, 1), (2.0, 2)):
+        for cells, value in zip(shown, quantities("a", factor), strict=True):
+            found, expected = ([float(n) for n in re.findall(r"[\d.]+", cell)] for cell in (cells[column], value))
+            assert found == pytest.approx(expected, rel=0.05, abs=0.011), cells[0]
 
 
 def test_example_case_is_a_case() -> None:
-    whole, formate, basic = (code for _, code in blocks(text("case_file"), "toml"))
-    case = parse_case(whole)
+    whole, formate, basic, friction = (code for _, code in blocks(text("case_file"), "toml"))
+    case = parse_case(whole + friction)
     middle = ease_off(gear_pair(case), (7, 7))
     assert np.mean(middle["inside"].values) > 0.5
     machine = cutting_table.Machine.model_validate(tomllib.loads(formate)["gear"]["convex"]["machine"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,15 +10,18 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from test_friction_kinematics import spur
+from test_friction_kinematics import shape_operators, spur
 
 import easeoff
 from easeoff.cases.model import ContactTable
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
-from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses
+from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
 from easeoff.friction.contacts import loaded_contacts
 from easeoff.friction.feedback import friction_torques
+from easeoff.friction.kinematics import action_fields, axes_of
+from easeoff.geometry import Misalignment
+from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
 from easeoff.study.show import summary
@@ -186,6 +190,18 @@ def test_frames_of_rolling_differ_by_the_lines_motion_alone(tree: xr.DataTree, r
     assert float(ratio.max()) < 1.3
 
 
+def test_equivalent_radius_is_that_of_the_conjugate_flanks_but_for_the_ease_off(tree: xr.DataTree) -> None:
+    """Relative curvature across the line, from the points of action and their normals alone."""
+    contacts, ease_off = loaded_contacts(tree), tree["ease_off"].to_dataset()
+    loaded = tree["loaded"].to_dataset()
+    points = np.stack([loaded[n].values[tuple(contacts.index)] for n in ("lengthwise", "profile")])
+    across = contacts.velocities.across
+    pinion, gear = shape_operators(axes_of(ease_off), action_fields(ease_off), points)
+    ratio = contacts.equivalent_radius * np.abs(dot(gear(across) - pinion(across), across))
+    assert ratio.min() > 0.9
+    assert ratio.max() < 1.1
+
+
 def test_unsolved_positions_are_nan(tree: xr.DataTree) -> None:
     loaded = tree["loaded"].to_dataset().copy(deep=True)
     loaded["status"][1, 2] = Status.NOT_CERTIFIED
@@ -212,7 +228,7 @@ def test_analyze_adds_the_group(result: xr.Dataset) -> None:
     found = easeoff.analyze(case, speed=1500.0, temperature=90.0, roughness=[0.2, 0.8])["friction"].to_dataset()
     expected = result["efficiency"].sel(speed=[1500.0], temperature=[90.0]).isel(roughness=[0, 2])
     xr.testing.assert_allclose(found["efficiency"], expected)
-    assert "friction" not in easeoff.analyze(case, torques=[100.0]).children
+    assert "friction" not in analysed("fh-design-a", torques=[100.0]).tree.children
 
 
 def test_spur_gears_lose_what_the_textbook_says() -> None:
@@ -357,6 +373,74 @@ def test_feedback_needs_no_particular_solver(analysis: Analysis, fed_back: xr.Da
     xr.testing.assert_allclose(found["efficiency"], expected["efficiency"], rtol=1e-9)
 
 
+# --- other pairs, other flanks, far conditions
+
+
+@pytest.fixture(scope="module", params=["nasa-12x36:drive", "fh-design-b:coast", "fm-11x41:coast"])
+def other(request: pytest.FixtureRequest) -> Analysis:
+    """A misaligned pair from next to no torque to very much."""
+    name, flank = request.param.split(":")
+    errors = Misalignment(0.1, -0.05, 0.03, 1e-3)
+    return analysed(name, flank=flank, misalignment=errors, torques=[0.01, 300.0, 3000.0])
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("model", COEFFICIENTS)
+def test_far_conditions_give_numbers(other: Analysis, model: str) -> None:
+    """A crawl and a race, cold and hot oil, no roughness and much: finite losses, coefficients within reason."""
+    operation = Operation([10.0, 1500.0, 10000.0], [20.0, 60.0, 150.0], [0.0, 0.1, 5.0, (0.0, 5.0)])
+    found = friction(other.tree, operation, FrictionModel(model, out_of_range="clamp"))
+    coefficient = found["friction_coefficient"]
+    touching = other.tree["loaded"].to_dataset()["force"].values > 0.0
+    assert np.array_equal(
+        np.isfinite(coefficient.values), np.broadcast_to(touching[..., None, None, None], coefficient.shape)
+    )
+    assert float(coefficient.min()) >= 0.0
+    assert float(coefficient.max()) < 0.6
+    assert np.all(found["mean_sliding_loss"] >= 0.0)
+    assert np.all(found["mean_rolling_loss"] > 0.0)
+    assert found["temperature_clamped"].values.tolist() == [1, 0, 1]
+    # Next to no torque is lost to the rolling traction at full speed; a usual one is not.
+    assert np.all(found["efficiency"].sel(torque=300.0) > 0.8)
+    assert np.all(found["efficiency"].sel(torque=0.01, speed=10000.0, temperature=20.0) < 0.9)
+
+
+def test_balance_holds_on_other_pairs_and_flanks(other: Analysis) -> None:
+    found = friction_feedback(other.tree, other.cases, Operation([10.0, 2500.0], 60.0, [0.1, (1.2, 0.4)]))
+    assert float(abs(found["energy_balance"]).max()) < 1e-10
+    assert np.all(np.isfinite(found["efficiency"]))
+
+
+def test_no_result_of_a_pair_depends_on_the_units(tree: xr.DataTree) -> None:
+    """Other units of length, time and mass throughout: powers change as they must, ratios not at all."""
+    length, time, mass = 1.05, 0.97, 1.02  # small: the formula's limits are in Pa and m
+    force, pressure = mass * length / time**2, mass / (length * time**2)
+    ease_off, loaded = tree["ease_off"].to_dataset(), tree["loaded"].to_dataset()
+    origins = {name: length * np.asarray(ease_off.attrs[name]) for name in ("pinion_origin_mm", "gear_origin_mm")}
+    factors = {"force": force, "length": length, "equivalent_radius": length, "pressure": pressure}
+    other = xr.DataTree.from_dict(
+        {
+            "ease_off": ease_off.assign(action_position=length * ease_off["action_position"]).assign_attrs(origins),
+            "loaded": loaded.assign({name: factor * loaded[name] for name, factor in factors.items()})
+            .assign_coords(torque=force * length * loaded["torque"])
+            .assign_attrs(contact_modulus_MPa=pressure * loaded.attrs["contact_modulus_MPa"]),
+        }
+    )
+    oil = lubricant("75w90")
+    like_it = replace(
+        oil,
+        dynamic_viscosity=pressure * time * oil.dynamic_viscosity,
+        pressure_viscosity=oil.pressure_viscosity / pressure,
+        thermal_conductivity=mass * length / time**3 * oil.thermal_conductivity,
+    )
+    one = friction(tree, Operation([300.0, 1500.0], 90.0, 0.8))
+    two = friction(other, Operation([300.0 / time, 1500.0 / time], 90.0, 0.8 * length, like_it))
+    for name in ("efficiency", "mean_friction_coefficient", "lambda_ratio", "friction_coefficient", "slide_to_roll"):
+        np.testing.assert_allclose(two[name].values, one[name].values, rtol=1e-9)
+    for name in ("mean_sliding_loss", "mean_rolling_loss", "input_power"):
+        np.testing.assert_allclose(two[name].values, force * length / time * one[name].values, rtol=1e-9)
+
+
 # --- what a user can get wrong, and the command line
 
 
@@ -393,9 +477,9 @@ def test_unknown_models_are_named() -> None:
 
 
 def test_conditions_need_a_speed() -> None:
-    assert operation_of(None, oil=None) is None
+    assert operation_of(None, speed=None, oil=None) is None
     with pytest.raises(InputError, match="oil and roughness without a speed"):
-        operation_of(None, oil="75w90", roughness=0.4, temperature=None)
+        operation_of(None, speed=None, oil="75w90", roughness=0.4, temperature=None)
     with pytest.raises(InputError, match="friction_feedback need the speed"):
         analysed("fh-design-a", friction_feedback=True)
 
@@ -413,12 +497,12 @@ def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.D
 def test_command_line(tmp_path: Path) -> None:
     out = tmp_path / "out.nc"
     options = ["--torque", "200", "--speed", "500:1500:3", "--roughness", "0.8/0.4,0.2", "--temperature", "60,90"]
-    made = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(out), *options, "--oil", "mil-l-23699"])
+    made = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(out), *options, "--oil", "pao-vg100"])
     assert made.exit_code == 0, made.output
     group = easeoff.read_result(out)["friction"].to_dataset()
     assert group["speed"].values.tolist() == [500.0, 1000.0, 1500.0]
     assert group["roughness_gear"].values.tolist() == [0.4, 0.2]
-    assert group.attrs["oil"] == "mil-l-23699"
+    assert group.attrs["oil"] == "pao-vg100"
     shown = CliRunner().invoke(main, ["show", str(out)]).output
     assert "0.8/0.4" in shown
     assert f"{100 * group['efficiency'].values[0, 2, 1, 0]:.2f}" in shown
@@ -448,3 +532,13 @@ def test_report_with_feedback_says_so(tree: xr.DataTree, fed_back: xr.Dataset) -
     whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": fed_back})
     whole.attrs = tree.attrs
     assert "fed back to the forces: oil 75w90" in summary(whole)
+
+
+def test_a_long_report_names_the_extremes(tree: xr.DataTree, result: xr.Dataset) -> None:
+    whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": result})
+    whole.attrs = tree.attrs
+    text = summary(whole)
+    assert result["efficiency"].size == 54
+    assert "... and 14 more" in text
+    for word, value in (("least", result["efficiency"].min()), ("greatest", result["efficiency"].max())):
+        assert f"{word} efficiency: {100 * float(value):.2f} % at " in text

@@ -17,7 +17,7 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.datasets import ease_off_dataset
 from easeoff.geometry.ease_off_surface import EaseOff, compute
 from easeoff.geometry.pair import GearPair
-from easeoff.geometry.vectors import column, dot, rotate
+from easeoff.geometry.vectors import column, cross, dot, rotate
 
 Array = NDArray[Any]
 NODES = (17, 13)
@@ -206,6 +206,49 @@ def test_involute_spur_gears_roll_and_slide_as_in_the_textbook() -> None:
     np.testing.assert_allclose(found.line_over_gear, second, rtol=1e-11)
     pitch_point = np.isclose(s, 0.0)
     assert np.max(found.sliding_speed[pitch_point]) < 1e-13
+
+
+def shape_operators(axes: Axes, fields: Any, points: Array) -> tuple[Any, Any]:
+    """What pinion's and gear's conjugate flanks make of a tangent: minus the change of the normal along it.
+
+    From the points of action alone: turning with a member, they and their normals are its flank.
+    """
+    here = surface_velocities(axes, fields, points)
+    slopes = [fields.evaluate(["position", "normal", "roll_angle"], points, d) for d in ((1, 0), (0, 1))]
+
+    def operator(turning: Array, velocity: Array) -> Any:
+        spin = cross(column(turning, here.normal), here.normal)
+        first, second = (s["position"] - s["roll_angle"] * velocity for s in slopes)
+        changes = [s["normal"] - s["roll_angle"] * spin for s in slopes]
+
+        def applied(tangent: Array) -> Array:
+            one, mixed, two = dot(first, first), dot(first, second), dot(second, second)
+            along, across = dot(tangent, first), dot(tangent, second)
+            parts = (two * along - mixed * across, one * across - mixed * along)
+            return np.asarray(-(parts[0] * changes[0] + parts[1] * changes[1]) / (one * two - mixed**2))
+
+        return applied
+
+    return operator(axes.pinion_axis, here.pinion), operator(axes.gear_axis / axes.ratio, here.gear)
+
+
+def test_equivalent_radius_goes_with_the_rolling_velocity(dataset: xr.Dataset) -> None:
+    """Both members' normals at the contact turn alike: (K_g - K_p) v = (K_g + K_p) v_s / 2 + w x n, v the rolling.
+
+    Along the contact line there is no relative curvature, across it one over the equivalent radius.
+    """
+    axes, fields = axes_of(dataset), action_fields(dataset)
+    points = np.random.default_rng(7).uniform(0.3, 0.7, (2, 200))
+    here = surface_velocities(axes, fields, points)
+    pinion, gear = shape_operators(axes, fields, points)
+    relative = [gear(t) - pinion(t) for t in (here.along, here.across)]
+    curvature = dot(relative[1], here.across)
+    for tangent, change in ((here.along, relative[0]), (here.along, relative[1])):
+        assert np.max(np.abs(dot(tangent, change) / curvature)) < 1e-5
+    sliding = here.along * here.sliding_along + here.across * here.sliding_across
+    spin = cross(column(axes.pinion_axis - axes.gear_axis / axes.ratio, here.normal), here.normal)
+    turning = dot(0.5 * (gear(sliding) + pinion(sliding)) + spin, here.across)
+    np.testing.assert_allclose(curvature * here.rolling_over_line, turning, rtol=1e-9)
 
 
 def test_velocities_do_not_depend_on_the_point_taken_on_an_axis(dataset: xr.Dataset) -> None:

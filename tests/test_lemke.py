@@ -9,8 +9,9 @@ import pytest
 
 from easeoff.contact import ContactProblem, lcp, solve
 from easeoff.contact.solvers import Status
-from easeoff.contact.solvers.lemke import LARGEST_SIZE, lemke
+from easeoff.contact.solvers.lemke import lemke
 from easeoff.contact.solvers.problem_classes import problems
+from easeoff.contact.solvers.settings import PIVOTING
 from easeoff.core.errors import InputError
 
 
@@ -113,7 +114,7 @@ def test_pivot_limit_is_a_status() -> None:
 
 
 def test_large_problems_are_refused() -> None:
-    n = LARGEST_SIZE + 1
+    n = PIVOTING + 1
     problem = ContactProblem(np.zeros(n), np.ones(n), 1.0, (np.ones(n), np.zeros((n, 0))))
     with pytest.raises(InputError, match=f"{n} segments"):
         solve(problem, "lemke")

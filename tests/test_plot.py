@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.path import Path as Outline
 from matplotlib.tri import LinearTriInterpolator, Triangulation
@@ -25,7 +26,7 @@ from easeoff.friction import Operation, friction
 from easeoff.study.plot import FRICTION_PICTURES, PICTURES, write_pictures
 from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
 from easeoff.study.plot.ease_off import contour_levels, ease_off_map
-from easeoff.study.plot.friction_maps import GRID, loaded_map, velocity_maps
+from easeoff.study.plot.friction_maps import APART, GRID, label_places, loaded_map, velocity_maps
 from easeoff.study.plot.load_sharing import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.mesh_cycle import envelope, pairs_in_view, passage
 from easeoff.study.plot.page import evenly_chosen, small_print
@@ -469,3 +470,19 @@ def test_small_print_names_flanks_and_misalignment(tree: xr.DataTree) -> None:
     assert "P −0.12 mm" in text
     assert "E" not in text.split("misalignment")[1].split("easeoff")[0]
     assert "misalignment none" in " ".join(small_print({"flank": "coast"}))
+
+
+def test_contour_lines_get_one_number_each_apart_and_inside() -> None:
+    axes = Figure().subplots()
+    axes.set(xlim=(0.0, 40.0), ylim=(0.0, 10.0))
+    x, y = np.meshgrid(np.linspace(0, 40, 81), np.linspace(0, 10, 41))
+    lines = axes.contour(x, y, y + 0.02 * x, levels=np.arange(1.0, 10.0))
+    outline = Outline([[2, 1], [38, 1], [38, 6], [2, 6], [2, 1]])
+    places = np.array(label_places(lines, outline, axes))
+    assert 4 <= len(places) <= 9
+    assert np.all(outline.contains_points(places))
+    levels = places[:, 1] + 0.02 * places[:, 0]
+    np.testing.assert_allclose(levels, np.round(levels), atol=1e-9)
+    assert np.unique(np.round(levels)).size == len(places)
+    gaps = np.abs(places[:, None] - places) / [40.0, 10.0] > APART
+    assert np.all(np.any(gaps, axis=2) | np.eye(len(places), dtype=bool))

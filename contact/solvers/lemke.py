@@ -24,10 +24,9 @@ from ..complementarity_form import eliminated_system, forces_and_rotation
 from ..scaling import ScaledProblem
 from .answer import ScaledAnswer
 from .backend import NoAnswerError
+from .settings import PIVOTING
 from .status import Status
 
-#: Largest number of segments: the tableau is dense, and its rounding errors grow with the pivots.
-LARGEST_SIZE = 1000
 #: An entry of the entering column below this, relative to the largest, is rounding.
 PIVOT_TOLERANCE = 1e-11
 #: Ratios that differ by less, relative to the level of the column, are ties.
@@ -58,8 +57,8 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     if unknown:
         raise InputError(f"lemke has no setting {', '.join(unknown)}: the only one is max_pivots")
     size = problem.separation.size
-    if size > LARGEST_SIZE:
-        raise InputError(f"lemke is meant for small problems: {size} segments are more than {LARGEST_SIZE}")
+    if size > PIVOTING:
+        raise InputError(f"lemke is meant for small problems: {size} segments are more than {PIVOTING}")
     matrix, vector, eliminated = eliminated_system(problem)
     result = lemke(matrix, vector, **settings)
     if result.ended == "ray":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import importlib
 import importlib.util
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -161,6 +162,16 @@ def _solve_native(
 def _solve_backend(
     problem: ContactProblem, scaled: ScaledProblem, name: str, polish: bool, form: str, settings: dict[str, Any]
 ) -> ContactSolution:
+    solution = _backend_solution(problem, scaled, name, polish, form, settings)
+    if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
+        reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
+        return replace(solution, message=f"{solution.message}; {reason}")
+    return solution
+
+
+def _backend_solution(
+    problem: ContactProblem, scaled: ScaledProblem, name: str, polish: bool, form: str, settings: dict[str, Any]
+) -> ContactSolution:
     entry = SOLVERS[name]
     options = {**entry.settings, **settings}
     if form == "lifted":
@@ -192,6 +203,12 @@ def _is_unbounded(problem: ScaledProblem) -> bool:
     rows = np.vstack([problem.compliance, problem.lever_arm[np.newaxis, :]])
     result = linprog(problem.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
     return result.status == 0 and float(result.fun or 0.0) < -1e-6 * float(np.abs(problem.separation).max())
+
+
+def _is_definite(matrix: NDArray[np.float64]) -> bool:
+    """Whether a positive semidefinite matrix has no eigenvalue that rounding could have made."""
+    eigenvalues = np.linalg.eigvalsh(matrix)
+    return bool(eigenvalues[0] > matrix.shape[0] * np.finfo(np.float64).eps * eigenvalues[-1])
 
 
 def _is_installed(name: str) -> bool:

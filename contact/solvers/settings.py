@@ -17,6 +17,10 @@ TIME_LIMIT = 10.0
 #: Certificate that the unpolished answer of an interior-point method must reach. Where force and gap of a segment
 #: vanish together, such methods leave both at the root of their tolerance; among thousands of segments some nearly do.
 INTERIOR_POINT = 1e-4
+#: Segments of the largest problems on which solvers without use for the structure were tried: three lines of 667.
+DENSE = 2001
+#: Segments beyond which Lemke's tableau is refused: it is dense, and its rounding errors grow with the pivots.
+PIVOTING = 1000
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,12 @@ class SolverSettings:
         Whether it wants sparse matrices.
     tolerance : float
         Certificate an unpolished answer must reach to be accepted.
+    largest : int or None
+        Number of segments up to which it is known to keep that tolerance on the problem library; None for all of it.
+        A solver that gets the whole matrix takes minutes on more. Nothing is refused for it but by `lemke`.
+    definite : bool
+        Whether it begins with a Cholesky factor of the whole compliance: where that is singular to rounding it has no
+        answer, or one that the certificate refuses.
     lifted_from : int or None
         Number of segments from which a structured problem is given in the lifted form; None for a solver that takes
         the dense form only.
@@ -50,6 +60,8 @@ class SolverSettings:
     kind: str
     sparse: bool = False
     tolerance: float = EXACT_TOLERANCE
+    largest: int | None = None
+    definite: bool = False
     lifted_from: int | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
 
@@ -99,6 +111,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "MIT",
         "dual active set, dense",
         tolerance=1e-6,
+        largest=DENSE,
         settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
     ),
     "piqp": SolverSettings(
@@ -122,6 +135,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "BSD-2-Clause",
         "proximal augmented Lagrangian, dense",
         tolerance=1e-7,
+        largest=DENSE,
         settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
     ),
     "highs": SolverSettings(
@@ -131,6 +145,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "primal active set, sparse input",
         sparse=True,
         tolerance=EXACT_TOLERANCE,
+        largest=1000,  # 9 s at 2001 segments: on a busy machine it meets its time limit
         settings={
             "primal_feasibility_tolerance": 1e-10,
             "dual_feasibility_tolerance": 1e-10,
@@ -166,6 +181,8 @@ SOLVERS: dict[str, SolverSettings] = {
         "BSD-3-Clause AND Apache-2.0",
         "dual active set, dense, for positive definite matrices",
         tolerance=1e-6,
+        largest=DENSE,
+        definite=True,
         settings={"tolerance": 1e-14, "max_iter": 10_000},
     ),
     "qpalm": SolverSettings(
@@ -184,6 +201,8 @@ SOLVERS: dict[str, SolverSettings] = {
         "GPL-2.0-or-later",
         "dual active set, dense, for positive definite matrices",
         tolerance=1e-6,
+        largest=DENSE,
+        definite=True,
     ),
     "cvxopt": SolverSettings(
         "cvxopt",
@@ -191,14 +210,17 @@ SOLVERS: dict[str, SolverSettings] = {
         "GPL-3.0-or-later",
         "interior point, dense",
         tolerance=INTERIOR_POINT,
+        largest=DENSE,
         settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
     ),
     "ecos": SolverSettings(
         "ecos",
         _COPYLEFT,
         "GPL-3.0-or-later",
-        "interior point for second-order cones",
+        "interior point for cones, dense, for positive definite matrices",
         tolerance=INTERIOR_POINT,
+        largest=DENSE,
+        definite=True,
         settings={"abstol": 1e-12, "reltol": 1e-12, "feastol": 1e-12, "max_iters": 200},
     ),
     "cvxpy": SolverSettings(
@@ -215,5 +237,6 @@ SOLVERS: dict[str, SolverSettings] = {
         "easeoff",
         _OWN,
         "Lemke's complementary pivoting, dense, to 1000 segments",
+        largest=PIVOTING,
     ),
 }

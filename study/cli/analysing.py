@@ -10,6 +10,7 @@ from .options import deviations, misalignment, torques
 
 # Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
 if TYPE_CHECKING:
+    from ...cases import Case
     from ..analysis import Analysis
 
 _OPTIONS = (
@@ -60,13 +61,13 @@ def analysis_options(command: Any) -> Any:
     return command
 
 
-def analysed(case: str, *, torques: Any, **options: Any) -> Analysis:
+def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:
     """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal.
 
     Parameters
     ----------
     case
-        Name or path of the case.
+        A checked case, or the name or path of one.
     torques
         Torques at the pinion [N m]; the case's own if ``None``.
     **options
@@ -77,7 +78,7 @@ def analysed(case: str, *, torques: Any, **options: Any) -> Analysis:
     from ...cases import read_case
     from ..analysis import analyze_in_full
 
-    checked = read_case(case)
+    checked = read_case(case) if isinstance(case, str) else case
     total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
     with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
         return analyze_in_full(checked, torques=torques, progress=lambda: _step(bar), **options)

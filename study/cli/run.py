@@ -5,13 +5,17 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .analysing import analysed, analysis_options
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import numbers, roughnesses
+
+if TYPE_CHECKING:
+    from ...cases.friction_table import FrictionTable
+    from ...friction import FrictionModel
 
 
 @click.command()
@@ -22,7 +26,8 @@ from .options import numbers, roughnesses
     "--speed",
     callback=numbers,
     metavar="N1,N2,...",
-    help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency.",
+    help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. What is "
+    "not given of speed, oil, temperature, roughness and models is the case's own, from its table [friction].",
 )
 @click.option("--oil", help="Lubricant: a shipped name or the path of its TOML file.  [default: 75w90]")
 @click.option("--temperature", callback=numbers, metavar="T1,T2,...", help="Of the oil in degC.  [default: 90]")
@@ -33,8 +38,16 @@ from .options import numbers, roughnesses
     help="RMS roughness Rq of the flanks in um, a number or PINION/GEAR.  [default: 0.8]",
 )
 @click.option("--friction-model", help="Model of the friction coefficient, or a number.  [default: kolivand]")
-@click.option("--clamp-temperature", is_flag=True, help="Take the end of the oil's data beyond them, and flag it.")
-@click.option("--friction-feedback", is_flag=True, help="Let friction take its part of the torque from the forces.")
+@click.option(
+    "--clamp-temperature/--no-clamp-temperature",
+    default=None,
+    help="Take the end of the oil's data beyond them, and flag it.  [default: no]",
+)
+@click.option(
+    "--friction-feedback/--no-friction-feedback",
+    default=None,
+    help="Let friction take its part of the torque from the forces.  [default: no]",
+)
 def run(
     case: str,
     output: Path,
@@ -44,25 +57,32 @@ def run(
     temperature: Any,
     roughness: Any,
     friction_model: str | None,
-    clamp_temperature: bool,
-    friction_feedback: bool,
+    clamp_temperature: bool | None,
+    friction_feedback: bool | None,
     **options: Any,
 ) -> None:
     """Analyse CASE, a shipped name or a file, and write the result."""
+    from ...cases import read_case
     from ...core.files import check_writable
     from ..analysis import operation_of
     from ..result import write_result
     from ..show import uncertified
 
-    operation = operation_of(speed, temperature=temperature, roughness=roughness, oil=oil)
+    checked = read_case(case)
+    table = checked.friction
+    operation = operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     if operation is None and (friction_model is not None or clamp_temperature or friction_feedback):
-        raise click.UsageError("--friction-model, --clamp-temperature and --friction-feedback go with --speed")
+        raise click.UsageError(
+            "--friction-model, --clamp-temperature and --friction-feedback go with --speed or a table [friction]"
+        )
+    if friction_feedback is None:
+        friction_feedback = table is not None and table.feedback
     check_writable(output)
     if plots is not None:
         check_writable(plots / "picture.png")
-    model = None if operation is None else _model(friction_model, clamp_temperature)
+    model = None if operation is None else _model(table, friction_model, clamp_temperature)
     friction = {"operation": operation, "friction_model": model, "friction_feedback": friction_feedback}
-    analysis = analysed(case, **options, **friction)
+    analysis = analysed(checked, **options, **friction)
     write_result(analysis.tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:
@@ -76,11 +96,15 @@ def run(
         sys.exit(EXIT_UNCERTIFIED)
 
 
-def _model(name: str | None, clamp: bool) -> Any:
-    """The friction model of a name or a number."""
+def _model(table: FrictionTable | None, name: str | None, clamp: bool | None) -> FrictionModel:
+    """The friction models of the case, with another coefficient by name or number and another way out of range."""
     from ...friction import FrictionModel
 
-    coefficient: str | float = name or "kolivand"
-    with suppress(ValueError):
-        coefficient = float(coefficient)
-    return FrictionModel(coefficient, out_of_range="clamp" if clamp else "error")
+    changed: dict[str, Any] = {}
+    if name is not None:
+        changed["coefficient"] = name
+        with suppress(ValueError):
+            changed["coefficient"] = float(name)
+    if clamp is not None:
+        changed["out_of_range"] = "clamp" if clamp else "error"
+    return FrictionModel(**changed) if table is None else table.model(**changed)

@@ -26,6 +26,7 @@ AXES = {
 UNITS = {"speed": "/ min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
 MOST_CURVES = 5
+LEAST_SPAN = 0.2  # of an axis of efficiencies [%]; less would make much of nothing
 
 
 def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float]) -> None:
@@ -39,6 +40,9 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
         label = f"{here[by].values[index]:.4g} {UNITS[by]}"
         axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
     plain_axes(axes)
+    low, high = axes.get_ylim()
+    more = max(0.0, 0.5 * (LEAST_SPAN - (high - low)))
+    axes.set_ylim(low - more, high + more)
     axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     legend_beside(axes)
 

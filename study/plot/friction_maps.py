@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
@@ -36,6 +39,11 @@ NAMES = {
 CONVENTIONS = ("rolling_frame", "sliding_of_ratio")
 GRID = (121, 61)
 LEVELS = 7
+DARKEST = 0.62  # of a colour map
+BRIDGE = 5.0  # times the usual length of a triangle's side
+EDGE = 0.05  # of the panel's height, that numbers stay off the edge
+SHORTEST = 0.08  # of the panel, below which a contour line gets no number
+APART = np.array([0.09, 0.12])  # of the panel, between numbers
 ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
 
 
@@ -106,19 +114,57 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
     if levels is None:
         levels = np.asarray(MaxNLocator(LEVELS).tick_values(*np.percentile(values[finite], ENDS[flank_map.smooth])))
     lines: ContourSet
+    outline = view.outline(view.common)
+    shades = pale(colours)
     if flank_map.smooth:
         shape = GRID
         known = np.ma.masked_invalid(values.reshape(shape))
         plane = (x.reshape(shape), y.reshape(shape), known)
-        shading = axes.contourf(*plane, levels=levels, cmap=colours, extend="both", zorder=1)
-        shading.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
+        shading = axes.contourf(*plane, levels=levels, cmap=shades, extend="both", zorder=1)
+        shading.set_clip_path(PathPatch(outline, transform=axes.transData))
         lines = axes.contour(*plane, levels=levels, colors=INK, linewidths=0.5, zorder=2)
-        lines.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
+        lines.set_clip_path(PathPatch(outline, transform=axes.transData))
     else:
         mesh = Triangulation(x[finite], y[finite])
-        axes.tricontourf(mesh, values[finite], levels=levels, cmap=colours, extend="both", zorder=1)
+        # Triangles that bridge a bay of the loaded region show what is not there.
+        corners = np.stack([mesh.x, mesh.y])[:, mesh.triangles]
+        longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
+        mesh.set_mask(longest > BRIDGE * np.median(longest))
+        axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
         lines = axes.tricontour(mesh, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
-    axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE - 0.5, inline_spacing=1)
+    places = label_places(lines, outline, axes)
+    if places:
+        manual: Any = places
+        axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE - 0.5, inline_spacing=1, manual=manual)
+
+
+def pale(name: str) -> Colormap:
+    """The lighter part of a colour map, on which dark numbers can be read."""
+    return LinearSegmentedColormap.from_list(f"pale {name}", colormaps[name](np.linspace(0.0, DARKEST, 64)))
+
+
+def label_places(lines: ContourSet, outline: Path, axes: Axes) -> list[tuple[float, float]]:
+    """Where contour lines get their numbers: one a level, on its longest piece, off the edges and off one another."""
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    size = np.array([right - left, top - bottom])
+    places: list[Array] = []
+    for level in lines.allsegs:
+        pieces = [np.asarray(piece) / size for piece in level if len(piece) > 2]
+        if not pieces:
+            continue
+        longest = max(pieces, key=lambda piece: np.hypot(*np.diff(piece, axis=0).T).sum())
+        # Off the edges: which sign of the radius shrinks the outline depends on its sense.
+        off = [outline.contains_points(longest * size, radius=sign * EDGE * size[1]) for sign in (1.0, -1.0)]
+        within = longest[np.all(off, axis=0)]
+        if len(within) < 3 or np.max(np.ptp(within, axis=0)) < SHORTEST:
+            continue
+        for share in (0.5, 0.35, 0.65, 0.2, 0.8):
+            place = within[int(share * (len(within) - 1))]
+            if all(np.any(np.abs(place - other) > APART) for other in places):
+                places.append(place)
+                break
+    return [(float(x), float(y)) for x, y in np.array(places).reshape(-1, 2) * size]
 
 
 def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
@@ -129,7 +175,9 @@ def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: A
     axes.set_title(NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     finite = flank_map.values[np.isfinite(flank_map.values)]
     if finite.size:
-        extent = f"{finite.min():.3g} to {finite.max():.3g}"
+        low, high = float(finite.min()), float(finite.max())
+        digits = int(np.clip(2 - np.floor(np.log10(max(high, 1e-9))), 0, 6))
+        extent = f"{low:.{digits}f} to {high:.{digits}f}"
         axes.set_title(extent, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
 
 
@@ -152,9 +200,10 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     for name in ("lambda_ratio", "friction_coefficient"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])
+    clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
     conditions = (
-        f"{torque_name(at['torque'])}, {at['speed']:g} / min, {friction.attrs['oil']} at {at['temperature']:g} °C, "
-        f"roughness {at['roughness']:.3g} µm"
+        f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
+        f"{friction.attrs['oil']} at {at['temperature']:g} °C{clamped}, roughness {at['roughness']:.3g} µm"
     )
     rows = -(-len(maps) // 2)
     height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)

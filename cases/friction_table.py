@@ -1,0 +1,96 @@
+"""Operating conditions and friction models in a case or design file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from .table import Number, Table, number
+
+if TYPE_CHECKING:
+    from ..friction import FrictionModel, Operation
+
+
+def _listed(value: Any) -> Any:
+    """One number counts as a list of one."""
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+def _roughnesses(value: Any) -> Any:
+    """The entries of a list of roughnesses, each a number or a pair; one number counts as a list of one."""
+    entries = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in _listed(value))
+    for entry in entries:
+        pair = entry if isinstance(entry, tuple) else (entry, entry)
+        if len(pair) != 2 or not all(isinstance(height, int | float) for height in pair):
+            raise ValueError(
+                f"{list(entry) if isinstance(entry, tuple) else entry!r}: give a number in um or a list of such, in "
+                "which [0.8, 0.4] as an entry is pinion and gear"
+            )
+    return entries
+
+
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]
+Roughness = Number | Annotated[tuple[Number, Number], Field(strict=False)]
+Roughnesses = Annotated[
+    tuple[Roughness, ...], BeforeValidator(_roughnesses), Field(strict=False, min_length=1, max_length=1000)
+]
+
+
+class FrictionTable(Table):
+    """How the pair runs, and by which models its friction is computed; with it, an analysis has friction.
+
+    Values and names are checked by ``friction.Operation`` and ``friction.FrictionModel``, whose arguments these are.
+    """
+
+    speed: Numbers = number("speed of the pinion, one or more", "1/min")
+    temperature: Numbers = number("of the oil at the inlet of the contact, one or more", "degC", default=(90.0,))
+    roughness: Roughnesses = number(
+        "RMS roughness of the flanks, one or more; in a list `[0.8, 0.4]` may stand for pinion and gear",
+        "um",
+        default=(0.8,),
+    )
+    oil: str = "75w90"
+    coefficient: str | float = number("model of the friction coefficient, or a number", "1", default="kolivand")
+    film: str = "pan_hamrock"
+    thermal_factor: str = "goksem_hargreaves"
+    rolling_frame: Literal["fixed", "contact_line"] = "fixed"
+    sliding_of_ratio: Literal["across", "whole"] = "across"
+    out_of_range: Literal["error", "clamp"] = "error"
+    feedback: bool = False
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        self.model().oil_states(self.operation())
+        return self
+
+    def operation(self, **changed: Any) -> Operation:
+        """The operating conditions, some of them changed.
+
+        Raises
+        ------
+        InputError
+            If a value is not possible, or there is no such oil.
+        """
+        from ..friction import Operation
+
+        own = {
+            "speed": self.speed,
+            "temperature": self.temperature,
+            "roughness": list(self.roughness),
+            "oil": self.oil,
+        }
+        return Operation(**(own | changed))
+
+    def model(self, **changed: Any) -> FrictionModel:
+        """The friction models, some of them changed.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown.
+        """
+        from ..friction import FrictionModel
+
+        own = self.model_dump(include=set(FrictionModel.__dataclass_fields__))
+        return FrictionModel(**(own | changed))

@@ -1,0 +1,188 @@
+"""The table [friction] of a case: checked when it is read, used by an analysis, changed by what the call gives."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import easeoff
+from easeoff.cases import case_toml, parse_case
+from easeoff.cases.reading import case_text
+from easeoff.core.errors import InputError
+from easeoff.friction import FILMS, THERMAL_FACTORS, FrictionModel, Operation, friction
+from easeoff.study.analysis import operation_of
+from easeoff.study.cli import main
+
+COARSE = """
+[contact]
+torques = [200.0]
+mesh_positions = 4
+segments_per_line = 11
+lengthwise_nodes = 15
+profile_nodes = 11
+"""
+TABLE = """
+[friction]
+speed = [500, 1500]
+temperature = 60
+roughness = [[0.8, 0.4], 0.2]
+oil = "PAO-VG100"
+coefficient = 0.06
+film = "dowson_higginson"
+thermal_factor = "none"
+rolling_frame = "contact_line"
+sliding_of_ratio = "whole"
+feedback = true
+"""
+TEXT = case_text("nasa-12x36") + TABLE
+
+
+def coarse(text: str) -> str:
+    head, _, rest = text.partition("[contact]")
+    return head + COARSE + rest[rest.index("\n[") :]
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("case") / "mine.toml"
+    path.write_text(coarse(TEXT), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def tree(file: Path) -> xr.DataTree:
+    return easeoff.analyze(file)
+
+
+def test_every_key_arrives() -> None:
+    table = parse_case(TEXT).friction
+    assert table is not None
+    operation = table.operation()
+    assert operation.speeds.tolist() == [500.0, 1500.0]
+    assert operation.temperatures.tolist() == [60.0]
+    assert operation.roughnesses.tolist() == [[0.8, 0.4], [0.2, 0.2]]
+    assert operation.lubricant.name == "pao-vg100"
+    assert table.model() == FrictionModel(
+        0.06, "dowson_higginson", "none", rolling_frame="contact_line", sliding_of_ratio="whole"
+    )
+    assert table.feedback
+
+
+def test_defaults_are_those_of_operation_and_model() -> None:
+    table = parse_case(case_text("nasa-12x36") + "[friction]\nspeed = 1500\n").friction
+    assert table is not None
+    assert table.model() == FrictionModel()
+    plain = Operation(1500.0)
+    for name in ("speeds", "temperatures", "roughnesses"):
+        np.testing.assert_array_equal(getattr(table.operation(), name), getattr(plain, name))
+    assert table.operation().lubricant.name == plain.lubricant.name
+    assert not table.feedback
+
+
+def test_written_cases_read_the_same() -> None:
+    case = parse_case(TEXT)
+    assert parse_case(case_toml(case)).model_dump() == case.model_dump()
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("", ["friction.speed", "is missing"]),
+        ("speed = 0", ["friction", "speed = 0", "above 0"]),
+        ("speed = -10", ["friction", "speed = -10"]),
+        ("speed = [100, nan]", ["friction.speed.1", "nan", "finite"]),
+        ("speed = [100, 100]", ["comes twice"]),
+        ('speed = "fast"', ["friction.speed.0", "'fast'", "number"]),
+        ("speed = []", ["friction.speed", "at least 1"]),
+        ("speed = 100\ntemperature = 140", ["temperature = 140", "25 to 100", "clamp"]),
+        ("speed = 100\nroughness = -1", ["roughness", "-1", "0 and 100 um"]),
+        ("speed = 100\nroughness = [[1, 2, 3]]", ["friction.roughness", "[1, 2, 3]", "pinion and gear"]),
+        ('speed = 100\nroughness = ["0.8/0.4"]', ["friction.roughness", "'0.8/0.4'", "pinion and gear"]),
+        ('speed = 100\noil = "butter"', ["oil = 'butter'", "75w90"]),
+        ('speed = 100\ncoefficient = "sand"', ["'sand'", "kolivand_blended"]),
+        ("speed = 100\ncoefficient = -0.1", ["-0.1", "zero or more"]),
+        ('speed = 100\nfilm = "thick"', ["film = 'thick'", *FILMS]),
+        ('speed = 100\nthermal_factor = "hot"', ["thermal_factor = 'hot'", *THERMAL_FACTORS]),
+        ('speed = 100\nrolling_frame = "moon"', ["friction.rolling_frame", "'moon'", "'fixed' or 'contact_line'"]),
+        ("speed = 100\nfeedback = 1", ["friction.feedback", "boolean"]),
+        ("speeds = 100\nspeed = 100", ["friction.speeds", "known are", "temperature"]),
+    ],
+)
+def test_mistakes_name_key_value_and_what_is_allowed(lines: str, words: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_case(f"{case_text('nasa-12x36')}\n[friction]\n{lines}\n", "mine.toml")
+    for word in ["mine.toml has a mistake", *words]:
+        assert word in str(caught.value)
+
+
+def test_beyond_the_oil_is_flagged_if_asked() -> None:
+    lines = 'speed = 100\ntemperature = 140\nout_of_range = "clamp"\n'
+    table = parse_case(f"{case_text('nasa-12x36')}\n[friction]\n{lines}").friction
+    assert table is not None
+    assert table.model().oil_states(table.operation()).clamped.tolist() == [True]
+
+
+def test_an_analysis_takes_the_table(tree: xr.DataTree) -> None:
+    """The same as with everything given by hand; the feedback shows in variables of its own."""
+    found = tree["friction"].to_dataset()
+    assert "energy_balance" in found
+    assert found.attrs["oil"] == "pao-vg100"
+    assert found.attrs["rolling_frame"] == "contact_line"
+    by_hand = easeoff.analyze(
+        parse_case(coarse(case_text("nasa-12x36"))),
+        speed=[500.0, 1500.0],
+        temperature=60.0,
+        roughness=[(0.8, 0.4), 0.2],
+        oil="pao-vg100",
+        friction_model=FrictionModel(
+            0.06, "dowson_higginson", "none", rolling_frame="contact_line", sliding_of_ratio="whole"
+        ),
+        friction_feedback=True,
+    )
+    xr.testing.assert_identical(by_hand["friction"].to_dataset(), found)
+
+
+def test_arguments_go_before_the_table(tree: xr.DataTree, file: Path) -> None:
+    found = easeoff.analyze(file, temperature=[50.0, 80.0], friction_model=FrictionModel(), friction_feedback=False)[
+        "friction"
+    ].to_dataset()
+    assert "energy_balance" not in found
+    assert found["speed"].values.tolist() == [500.0, 1500.0]
+    expected = friction(tree, Operation([500.0, 1500.0], [50.0, 80.0], [(0.8, 0.4), 0.2], "pao-vg100"))
+    xr.testing.assert_identical(found, expected)
+
+
+def test_what_is_given_by_hand_is_checked_with_the_table() -> None:
+    table = parse_case(TEXT).friction
+    assert table is not None
+    with pytest.raises(InputError, match="oil = 'butter'"):
+        operation_of(table, oil="butter")
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ([], {"speed": [500.0, 1500.0], "oil": "pao-vg100", "coefficient": "0.06", "fed_back": True}),
+        (
+            ["--speed", "800", "--oil", "75w90", "--friction-model", "kolivand", "--no-friction-feedback"],
+            {"speed": [800.0], "oil": "75w90", "coefficient": "kolivand", "fed_back": False},
+        ),
+    ],
+)
+def test_command_line(file: Path, tmp_path: Path, options: list[str], expected: dict[str, Any]) -> None:
+    out = tmp_path / "out.nc"
+    made = CliRunner().invoke(main, ["run", str(file), "-o", str(out), *options])
+    assert made.exit_code == 0, made.output
+    group = easeoff.read_result(out)["friction"].to_dataset()
+    assert group["speed"].values.tolist() == expected["speed"]
+    assert group["temperature"].values.tolist() == [60.0]
+    assert group["roughness_gear"].values.tolist() == [0.4, 0.2]
+    assert group.attrs["oil"] == expected["oil"]
+    assert group.attrs["friction_coefficient"] == expected["coefficient"]
+    assert group.attrs["film"] == "dowson_higginson"
+    assert ("energy_balance" in group) == expected["fed_back"]
