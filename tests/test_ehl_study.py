@@ -15,12 +15,14 @@ import xarray as xr
 from easeoff.core.errors import InputError, MissingPackageError
 from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl import Status
+from easeoff.friction.ehl import cases as cases_module
 from easeoff.friction.ehl import study as study_module
+from easeoff.friction.ehl.cases import NUMBERS, Resolution, Row, run_case
 from easeoff.friction.ehl.conditions import STEEL
 from easeoff.friction.ehl.design import REFINED, Condition, Design, oil_75w90
 from easeoff.friction.ehl.formula import FrictionFormula, read_formula, shipped_formula, write_formula
 from easeoff.friction.ehl.regression import SHIPPED, compare, fit_friction, shipped_studies, study_inputs
-from easeoff.friction.ehl.study import Resolution, Row, run_case, run_study, study_dataset
+from easeoff.friction.ehl.study import run_study, study_dataset
 from easeoff.friction.film import pan_hamrock
 
 
@@ -92,7 +94,7 @@ def test_friction_rises_as_the_lambda_ratio_falls(model: Literal["load_sharing",
 def fake(calls: list[Condition]) -> object:
     def case(condition: Condition, resolution: Resolution) -> Row:
         calls.append(condition)
-        row = dict.fromkeys(study_module._NUMBERS, 0.01)
+        row = dict.fromkeys(NUMBERS, 0.01)
         return {**row, "status": float(Status.CERTIFIED)}
 
     return case
@@ -127,7 +129,7 @@ def test_failed_case_is_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     def broken(*_: object) -> Row:
         raise FloatingPointError("overflow")
 
-    monkeypatch.setattr(study_module, "_computed", broken)
+    monkeypatch.setattr(cases_module, "_computed", broken)
     dataset = run_study(tmp_path / "study.nc", [0, 5])
     assert (dataset["status"] == Status.FAILED).all()
     assert np.isnan(dataset["friction_coefficient"]).all()
@@ -148,6 +150,11 @@ def test_dask_gives_the_same_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     xr.testing.assert_identical(spread, run_study(tmp_path / "b.nc", 12))
 
 
+def test_unknown_model_is_refused() -> None:
+    with pytest.raises(InputError, match="load_sharing"):
+        Resolution(model="dry")  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("number", [-1, 31500])
 def test_combination_that_does_not_exist_is_refused(number: int, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="does not exist"):
@@ -160,7 +167,7 @@ def invented(noise: float, cases: int = 600) -> xr.Dataset:
     """A study that shares the load by a known law, with noise."""
     design = Design()
     rng = np.random.default_rng(5)
-    certified: Row = {**dict.fromkeys(study_module._NUMBERS, 0.0), "status": float(Status.CERTIFIED)}
+    certified: Row = {**dict.fromkeys(NUMBERS, 0.0), "status": float(Status.CERTIFIED)}
     dataset = study_dataset(design, dict.fromkeys(design.subset(cases).tolist(), certified))
     dataset.attrs["boundary_friction"] = 0.1
     p, r, u, s, eta, alpha, sigma, modulus = study_inputs(dataset)
