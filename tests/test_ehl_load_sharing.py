@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from easeoff.core.errors import InputError
-from easeoff.friction.ehl import Asperities, LineContact, Oil, Status, mixed_film, smooth_film, traction
+from easeoff.friction.ehl import Asperities, LineContact, Oil, Status, film_dataset, mixed_film, smooth_film, traction
 from easeoff.friction.ehl.complementarity import evaluate
 from easeoff.friction.ehl.hierarchical import OFFSETS
 from easeoff.friction.ehl.load_sharing import mean_power
@@ -133,6 +133,15 @@ def test_friction_and_asperity_share_fall_with_the_lambda_ratio() -> None:
     assert (np.diff(frictions) < 0.0).all()
     assert shares[0] > 0.9
     assert shares[-1] < 1e-4
+
+
+def test_mixed_film_as_a_labelled_dataset() -> None:
+    film = mixed_film(GEAR, ROUGH, nodes=129)
+    data = film_dataset(film)
+    assert data["asperity_pressure"].attrs["units"] == "MPa"
+    share = float(data["asperity_pressure"].sum() / data["film_pressure"].sum())
+    assert share == pytest.approx(float(data["asperity_share"]))
+    assert 0.1 < share < 1.0
 
 
 def test_mass_flow_and_grid() -> None:

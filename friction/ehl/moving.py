@@ -7,7 +7,7 @@ the mean advance by one node. With that step, what a broken film lacks moves on 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -269,7 +269,9 @@ class _March:
         carried[-1] = 0.0
         outcome = solve(problem, np.maximum(carried, 0.0), self.approach, ROUGH[:1])
         if not outcome.converged:
+            spent = outcome.iterations
             outcome = solve(problem, self.pressure, self.approach, ROUGH)
+            outcome = replace(outcome, iterations=spent + outcome.iterations)
         point = outcome.point
         if outcome.converged:
             self.pressure, self.approach = point.pressure, point.approach
