@@ -21,7 +21,7 @@ from easeoff.friction.ehl.cases import NUMBERS, Resolution, Row, run_case
 from easeoff.friction.ehl.conditions import STEEL
 from easeoff.friction.ehl.design import REFINED, Condition, Design, oil_75w90
 from easeoff.friction.ehl.formula import FrictionFormula, read_formula, shipped_formula, write_formula
-from easeoff.friction.ehl.regression import SHIPPED, compare, fit_friction, shipped_studies, study_inputs
+from easeoff.friction.ehl.regression import SHIPPED, SHIPPED_RIDGES, compare, fit_friction, shipped_studies, study_inputs
 from easeoff.friction.ehl.study import run_study, study_dataset
 from easeoff.friction.film import pan_hamrock
 
@@ -220,8 +220,10 @@ def test_formula_is_held_at_the_ends_of_its_range_and_says_so() -> None:
     assert friction[0] == pytest.approx(friction[1], rel=1e-12)
     assert inside.tolist() == [False, True, True]
     coefficients = oil.pressure_viscosity * np.array([1.0, 1.4])
-    _, inside = formula(1e9, 0.02, 5.0, 0.1, oil.viscosity, coefficients, 0.5e-6)
+    other, inside = formula(1e9, 0.02, 5.0, 0.1, oil.viscosity, coefficients, 0.5e-6)
     assert inside.tolist() == [True, False]  # another kind of oil
+    end, _ = formula(1e9, 0.02, 5.0, 0.1, oil.viscosity, 2.0 * oil.pressure_viscosity, 0.5e-6)
+    assert float(end) == other[1]
     smooth, inside = formula(1e9, 0.02, 5.0, 0.1, oil.viscosity, oil.pressure_viscosity, [0.0, 5e-6])
     assert not inside.any()
     assert np.isfinite(smooth).all()
@@ -272,6 +274,24 @@ def test_shipped_studies_have_every_case_of_their_subset(number: int, design: De
     again = run_case(design.condition(int(dataset["combination"][100])), Resolution())
     stored = float(dataset["friction_coefficient"][100])
     assert again["film_friction"] + again["asperity_friction"] == pytest.approx(stored, rel=1e-3)
+
+
+def test_shipped_ridges_are_a_whole_subset_in_which_films_agree_and_asperities_carry_less() -> None:
+    with xr.open_dataset(SHIPPED_RIDGES, engine="netcdf4") as dataset:
+        dataset.load()
+    cases = dataset.sizes["combination"]
+    assert cases >= 30
+    np.testing.assert_array_equal(dataset["combination"], Design().subset(cases))
+    assert dataset.attrs["model"] == "passage"
+    good = dataset["status"] == Status.CERTIFIED
+    assert good.mean() > 0.8
+    assert np.isfinite(dataset["status"]).all()
+    sharing = shipped_studies()[0].sel(combination=dataset["combination"])
+    ratio = (dataset["friction_coefficient"] / sharing["friction_coefficient"]).where(good)
+    thick = ratio.where(dataset["lambda_ratio"] >= 3.0).dropna("combination")
+    assert float(np.abs(np.log(thick)).max()) < 0.05
+    thin = ratio.where(dataset["lambda_ratio"] < 0.5).dropna("combination")
+    assert float(thin.median()) < 0.6
 
 
 def test_shipped_study_beside_the_formula_of_the_dissertation() -> None:

@@ -145,7 +145,9 @@ class FrictionFormula:
         logarithms, material, modulus = logarithms_of(*inputs)
         slack = 1e-9
         inside = np.all((logarithms >= self.lowest - slack) & (logarithms <= self.highest + slack), axis=-1)
-        inside &= np.abs(material - np.polyval(self.oil, logarithms[..., 4])) <= _OTHER_OIL
+        usual = np.polyval(self.oil, np.clip(logarithms[..., 4], self.lowest[4], self.highest[4]))
+        inside &= np.abs(material - usual) <= _OTHER_OIL
+        material = np.clip(material, usual - _OTHER_OIL, usual + _OTHER_OIL)
         flat = logarithms.reshape(-1, len(VARIABLES))
         material, modulus = material.reshape(-1), modulus.reshape(-1)
         friction = np.empty(flat.shape[0])

@@ -40,6 +40,8 @@ _RIDGE = 1e-7
 
 #: Space-filling subsets of the design of the dissertation and of `design.REFINED`, run with the defaults.
 SHIPPED = tuple(Path(__file__).with_name(name) for name in ("study.nc", "study_refined.nc"))
+#: A subset of the former with moving profiles instead, which the formula is not fitted to.
+SHIPPED_RIDGES = Path(__file__).with_name("study_ridges.nc")
 
 
 def shipped_studies() -> tuple[xr.Dataset, ...]:
