@@ -15,6 +15,7 @@ from .fields import FlankFields
 Array = NDArray[Any]
 
 GAUSS_POINTS = 3
+FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
 
 
 def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
@@ -150,6 +151,25 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     second_order, third_order = curvature_and_skew(*(there[name] for name in parting))
     gap = there["ease_off_angle"] + 0.5 * second_order * left**2 + third_order * left**3 / 6.0
     return ClosestApproach(gap, closest - points, value["lever_arm"], curvature)
+
+
+def lost_contact(fields: FlankFields, mesh: MeshLines) -> float:
+    """Share of the points of the contact lines next to which there is no line contact.
+
+    There the gap does not open to both sides of the line, or its closest approach would lie so far beside the line
+    that nothing of the expansion about it holds. Designed flanks have none; flanks that bend from one node of a
+    measuring grid to the next have many.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    mesh
+        Contact lines from ``lines_in_mesh``.
+    """
+    closest = closest_approach(fields, mesh.lines.points)
+    far = np.max(np.abs(closest.shift), axis=0) > FARTHEST
+    return float(np.mean(far | ~(closest.curvature > 0.0)))
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:

@@ -128,6 +128,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "step": ("1", "step of the wear, 0 at the start"),
     "wear_depth": ("um", "metal worn off along the normal, on the member's own flank"),
     "revolutions": ("1", "revolutions of the pinion"),
+    "revolution_share": ("1", "share of the revolutions at each torque"),
     "largest_depth": ("um", "largest depth of wear on the flank"),
     "removed_volume": ("mm3", "volume worn off one tooth, from force and sliding"),
     "depth_integral": ("mm3", "volume worn off one tooth, as the integral of the depth over the flank"),

@@ -42,8 +42,9 @@ def deviated_ease_off(
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair whose flanks deviate (Kolivand 2009, Eq. 4.3 to 4.10).
 
-    Good to the first order; the error is of second order in the slopes of deviations and ease-off. For the flanks
-    themselves see ``deviated_surface``.
+    Good to the first order, but for one part: the pinion's deviation goes over the lever arm of the gear's normal,
+    which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
+    see ``deviated_surface``.
 
     Parameters
     ----------

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from ..core.attributes import labelled
 from ..core.errors import InputError
-from .deviation_interpolation import GridSpline, Interpolant, WeightedAverage
+from .deviation_interpolation import GridSpline, Interpolant, WeightedAverage, smoothed
 from .section import BlankSection
 
 Array = NDArray[Any]
-Method = Literal["spline", "weighted_average"]
+Method = Literal["spline", "smooth", "weighted_average"]
 LARGEST = 2.0  # [mm]; what departs further is another flank
 SAMPLES = (49, 25)  # nodes at which a formula is taken, lengthwise and up the profile
 ON_GRID = 1e-9
@@ -40,7 +40,8 @@ class Deviation:
     value
         Deviations along the outward normal at the nodes (columns, rows) [mm], positive where there is more metal.
     method
-        Between the nodes: ``spline`` or, as in the dissertation, ``weighted_average``.
+        Between the nodes: ``spline`` through all of them; ``smooth``, the surface of third order that fits them best;
+        or, as in the dissertation, ``weighted_average``.
 
     Raises
     ------
@@ -82,9 +83,15 @@ class Deviation:
             return WeightedAverage(self.axial.ravel(), self.radial.ravel(), self.value.ravel())
         return self._spline
 
+    @property
+    def scatter(self) -> float:
+        """Root mean square of what the nodes depart from the smooth surface [mm]: noise, waves and local wear."""
+        return float(np.sqrt(np.mean((self.value - smoothed(self.value)) ** 2)))
+
     @cached_property
     def _spline(self) -> GridSpline:
-        return GridSpline(self.axial, self.radial, self.value, self.section.corners.reshape(4, 2).T)
+        value = smoothed(self.value) if self.method == "smooth" else self.value
+        return GridSpline(self.axial, self.radial, value, self.section.corners.reshape(4, 2).T)
 
     def at(self, lengthwise: Array, profile: Array) -> Array:
         """Deviation (...) [mm] at fractions (...) of the flank."""

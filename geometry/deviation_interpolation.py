@@ -1,4 +1,4 @@
-"""Deviations between the nodes of a measuring grid: a spline through the nodes, and the dissertation's average.
+"""Deviations between the nodes of a measuring grid: a spline through the nodes, or smoothed ones, and an average.
 
 Both are functions of the axial and radial coordinate of a flank point, analytic in the sense that they can be
 differentiated by complex step. No coordinates of the flank itself are interpolated, its deviations alone.
@@ -186,6 +186,20 @@ class GridSpline:
             terms[2] = terms[2] * first[axis] ** 2 + terms[1] * second[axis]
             terms[1] = terms[1] * first[axis]
         return table
+
+
+def smoothed(value: Array) -> Array:
+    """Values at the nodes of a grid (columns, rows), of the surface of third order by rows and columns that fits best.
+
+    Waves and scatter go, what a global error is stays: surfaces of third order are kept exactly.
+    """
+    along, up = (np.linspace(-1.0, 1.0, n) for n in value.shape)
+    orders = [
+        (i, j) for i in range(min(DEGREE, along.size - 1) + 1) for j in range(min(DEGREE - i, up.size - 1) + 1)
+    ]  # fmt: skip
+    terms = np.stack([np.multiply.outer(along**i, up**j).ravel() for i, j in orders], axis=-1)
+    found, *_ = np.linalg.lstsq(terms, value.ravel(), rcond=None)
+    return np.asarray((terms @ found).reshape(value.shape))
 
 
 def _solved(first: Array, second: Array, right: Array) -> Array:

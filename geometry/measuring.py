@@ -48,10 +48,12 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
         found, slopes = complex_steps(lambda p: surface.evaluate(p)[0], unknowns[:2])
         jacobian = np.concatenate([slopes, -normal[None]]).transpose(2, 1, 0)
         error = found - position - unknowns[2] * normal
-        step = -np.linalg.solve(jacobian, error.T[..., None])[..., 0].T
-        unknowns += step
         if np.max(np.abs(error)) < 1e-12 * np.max(np.abs(position)):
             return np.asarray(unknowns[2])
+        # A start that ran away has no finite or no regular Jacobian: there is nothing to step from.
+        if not np.all(np.linalg.det(jacobian) != 0.0) or not np.all(np.isfinite(jacobian)):
+            break
+        unknowns += -np.linalg.solve(jacobian, error.T[..., None])[..., 0].T
     raise GeometryError(
         f"the normal of a nominal point misses the flank: {float(np.nanmax(np.abs(error))):.3g} mm are left between "
         "them. Do the points belong to this flank, in this position?"

@@ -19,15 +19,23 @@ from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
-from ..contact.segments import lines_in_mesh
+from ..contact.segments import lines_in_mesh, lost_contact
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
 from ..core.errors import InputError
 from ..geometry.assembly import Misalignment
+from ..geometry.deviation import Method
 from ..geometry.modification import Modification, modified_ease_off
 from ..geometry.pair import FlankName, GearPair
 from ..geometry.tooth_flanks import MemberName
-from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations
+from .deviations import (
+    Deviated,
+    Source,
+    deviated_geometry,
+    deviation_attributes,
+    flank_deviations,
+    require_line_contact,
+)
 
 if TYPE_CHECKING:
     from ..cases.friction_table import FrictionTable
@@ -67,6 +75,7 @@ def analyze_in_full(
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
     modification: Modification | None = None,
     solver: str = "auto",
     operation: Operation | None = None,
@@ -88,12 +97,14 @@ def analyze_in_full(
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
     teeth = finite_elements(case, pair)
-    departures = flank_deviations(pair, deviations or {})
+    departures = flank_deviations(pair, deviations or {}, interpolation)
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
     if modification is not None:
         geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
+    if departures:
+        require_line_contact(lost_contact(fields, mesh), departures)
     unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
     loaded, cases = loaded_contact(
         fields,
@@ -137,6 +148,7 @@ def analyze(
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
     modification: Modification | None = None,
     solver: str = "auto",
     speed: Numbers | None = None,
@@ -165,6 +177,9 @@ def analyze(
         the file of a measured grid.
     deviated
         How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
+    interpolation
+        Between the nodes of measured grids and datasets: ``spline``, ``smooth`` or ``weighted_average``, see
+        ``geometry.Deviation``.
     modification
         Added to the ease-off.
     solver
@@ -196,7 +211,8 @@ def analyze(
     InputError
         If an argument is out of range or the case has no such flanks.
     GeometryError
-        If the settings describe no tooth in the blank, or flanks that do not meet.
+        If the settings describe no tooth in the blank, or flanks that do not meet, or if deviations scatter so much
+        that there is no line contact.
     MissingSolverError
         If the solver's package is not installed.
     """
@@ -212,6 +228,7 @@ def analyze(
         misalignment=misalignment,
         deviations=deviations,
         deviated=deviated,
+        interpolation=interpolation,
         modification=modification,
         solver=solver,
         operation=operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil),

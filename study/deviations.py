@@ -11,16 +11,18 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
-from ..core.errors import InputError
+from ..core.errors import GeometryError, InputError
 from ..geometry.deviated_ease_off import deviated_ease_off
 from ..geometry.deviated_surface import deviated_pair
-from ..geometry.deviation import Deviation, deviation_from_dataset
+from ..geometry.deviation import Deviation, Method, deviation_from_dataset
+from ..geometry.formats.cmm import opened as open_netcdf
 from ..geometry.formats.measured import SUFFIXES, flank_deviation, read_measured_grid
 from ..geometry.pair import GearPair, PairGeometry, pair_geometry
 from ..geometry.tooth_flanks import MemberName, named_member
 
 Source = Deviation | xr.Dataset | str | Path
 Deviated = Literal["ease_off", "surface"]
+MOST_LOST = 0.002  # of the points of the contact lines; with less, update and surfaces agree to a percent
 
 
 def shipped_deviations() -> list[str]:
@@ -49,7 +51,19 @@ def measured_file(name_or_path: str | Path) -> xr.Dataset:
     return read_measured_grid(name_or_path)
 
 
-def flank_deviations(pair: GearPair, sources: Mapping[MemberName, Source]) -> dict[str, Deviation]:
+def _from_file(name_or_path: str | Path, member: str) -> xr.Dataset:
+    """A measured grid; or, of a file of ``study.wear``, what it leaves of a member's flank."""
+    path = Path(name_or_path)
+    if path.suffix == ".nc" and path.is_file():
+        opened = open_netcdf(path)
+        if "wear_depth" in opened:
+            return opened[["deviation"]].isel(step=-1).sel(member=member)
+    return measured_file(name_or_path)
+
+
+def flank_deviations(
+    pair: GearPair, sources: Mapping[MemberName, Source], interpolation: Method = "spline"
+) -> dict[str, Deviation]:
     """Deviations of the loaded flanks of a pair.
 
     Parameters
@@ -58,7 +72,9 @@ def flank_deviations(pair: GearPair, sources: Mapping[MemberName, Source]) -> di
         The pair, seen from the flanks in contact.
     sources
         By member: a ``Deviation``, a dataset (a measured grid, or ``deviation`` over lengthwise and profile), the path
-        of a measured grid, or the name of a shipped one.
+        of a measured grid or of a result of ``study.wear``, or the name of a shipped grid.
+    interpolation
+        Between the nodes of a grid or dataset, as in ``Deviation``.
 
     Raises
     ------
@@ -68,11 +84,18 @@ def flank_deviations(pair: GearPair, sources: Mapping[MemberName, Source]) -> di
     found = {}
     for name, source in sources.items():
         member = named_member(pair, name)
-        grid = measured_file(source) if isinstance(source, str | Path) else source
+        grid = _from_file(source, name) if isinstance(source, str | Path) else source
         if isinstance(grid, xr.Dataset):
             measured = "row" in grid.dims
             found[str(name)] = (
-                flank_deviation(grid, member) if measured else deviation_from_dataset(member.section, grid)
+                flank_deviation(grid, member, interpolation)
+                if measured
+                else deviation_from_dataset(member.section, grid, interpolation)
+            )
+        elif not isinstance(grid, Deviation):
+            raise InputError(
+                f"the deviation of the {name} is a {type(grid).__name__}: give a file, a dataset or a Deviation, as "
+                "geometry.deviation_from_formula makes it"
             )
         elif grid.section != member.section:
             raise InputError(f"the deviation of the {name} was made for another blank: use the section of this member")
@@ -111,6 +134,33 @@ def deviated_geometry(
         return pair_geometry(deviated_pair(pair, pinion=pinion, gear=gear), nodes)
     designed = pair_geometry(pair, nodes)
     return replace(designed, ease_off=deviated_ease_off(pair, designed.ease_off, pinion=pinion, gear=gear))
+
+
+def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> None:
+    """Refuse deviating flanks that have no line contact.
+
+    Parameters
+    ----------
+    lost
+        From ``contact.segments.lost_contact``.
+    deviations
+        By member.
+
+    Raises
+    ------
+    GeometryError
+        If it is lost; names the member whose nodes scatter most.
+    """
+    if lost <= MOST_LOST or not deviations:
+        return
+    scatter = {name: 1e3 * deviation.scatter for name, deviation in deviations.items()}
+    worst = max(scatter, key=lambda name: scatter[name])
+    raise GeometryError(
+        f"with these deviations the flanks have no line contact at {100 * lost:.1f} % of the points of the contact "
+        f"lines: the flank of the {worst} bends too much from node to node (it scatters by {scatter[worst]:.1f} um rms "
+        "about a surface of third order). Measure outliers again or leave them out, or smooth the deviation: "
+        "interpolation 'smooth'"
+    )
 
 
 def deviation_attributes(deviations: Mapping[str, Deviation], deviated: str) -> dict[str, float | str]:

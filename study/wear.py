@@ -7,7 +7,6 @@ materials and, in lapping, the compound.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,77 +18,40 @@ from ..cases.conversion import elastic_model, finite_elements
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
-from ..contact.segments import lines_in_mesh
+from ..contact.segments import lines_in_mesh, lost_contact
 from ..contact.wear import MEMBERS, engagement, integral, on_flank, rolling_fields, touched
 from ..core.attributes import labelled
-from ..core.errors import InputError
+from ..core.errors import GeometryError
 from ..geometry.assembly import Misalignment
 from ..geometry.deviated_ease_off import deviated_ease_off
-from ..geometry.deviation import Deviation
+from ..geometry.deviation import Deviation, Method
 from ..geometry.ease_off_surface import compute
 from ..geometry.pair import FlankName, GearPair, PairGeometry, grid, pair_geometry
 from ..geometry.rolling import rolling
 from ..geometry.tooth_flanks import MemberName, named_member
 from .analysis import prepared_pair
-from .deviations import Source, flank_deviations
+from .deviations import Source, flank_deviations, require_line_contact
+from .wear_law import WearLaw, duty_cycle
+
+__all__ = ["WearLaw", "wear"]
 
 Array = NDArray[Any]
 WEAR_NODES = (49, 33)  # of either flank
-
-
-@dataclass(frozen=True)
-class WearLaw:
-    """How flanks wear, and how far to follow them.
-
-    Parameters
-    ----------
-    pinion_coefficient, gear_coefficient
-        Depth per pressure and sliding way [mm^2/N]: Archard's dimensional coefficient. 1e-12 mm^2/N = 1e-18 m^2/N.
-    revolutions
-        Revolutions of the pinion after which to stop.
-    largest_step
-        Largest depth in one step [um]; between steps the contact is computed anew. The error is of first order in it.
-    largest_depth
-        Depth at which to stop before that [um]; none if left out.
-
-    Raises
-    ------
-    InputError
-        If a number cannot be used.
-    """
-
-    pinion_coefficient: float
-    gear_coefficient: float
-    revolutions: float
-    largest_step: float = 0.5
-    largest_depth: float | None = None
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            coefficient = name.endswith("coefficient")
-            if value is None and name == "largest_depth":
-                continue
-            if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not coefficient):
-                raise InputError(f"{name} = {value}: must be {'zero or more' if coefficient else 'greater than zero'}")
-        if max(self.pinion_coefficient, self.gear_coefficient) > 1e-3:
-            raise InputError(
-                f"wear coefficients {self.pinion_coefficient:g} and {self.gear_coefficient:g}: give them in mm^2/N, "
-                "1e-12 for a well lubricated gear"
-            )
 
 
 def wear(
     case: Case | str | Path,
     law: WearLaw,
     *,
-    torque: float,
+    torque: float | Mapping[float, float],
     flank: FlankName = "drive",
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
+    interpolation: Method = "spline",
     solver: str = "auto",
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """Wear of both flanks of a pair at one torque.
+    """Wear of both flanks of a pair, at one torque or a duty cycle.
 
     Parameters
     ----------
@@ -98,8 +60,8 @@ def wear(
     law
         Coefficients, step and stop.
     torque
-        Torque at the pinion [N m].
-    flank, misalignment, deviations, solver
+        Torque at the pinion [N m]; or several, with the share of the revolutions at each: ``{100.0: 0.7, 300.0: 0.3}``.
+    flank, misalignment, deviations, interpolation, solver
         As in ``analyze``; deviations are those at the start.
     progress
         Called after every step with the pinion's revolutions.
@@ -110,26 +72,32 @@ def wear(
         ``wear_depth`` and the flank's whole ``deviation`` (step, member, lengthwise, profile) on either member's own
         flank, the latter continued where nothing touches, to go on from. Over ``step``, 0 at the start: revolutions,
         largest depths, removed volume by Archard's law and by integral of the depth, peak to peak and greatest pressure
-        of the loaded contact. Attribute ``stop`` says why it ended.
+        of the loaded contact at every torque. Attribute ``stop`` says why it ended; if the worn flanks could not be
+        solved any more, the history ends before that.
 
     Raises
     ------
     InputError
         If an argument is out of range.
     GeometryError
-        If the flanks do not meet, or a contact cannot be solved.
+        If the flanks do not meet, or the contact to begin with cannot be solved.
     """
     checked = case if isinstance(case, Case) else read_case(case)
     pair = prepared_pair(checked, flank, misalignment)
-    run = _Run(checked, pair, law, torque, solver, flank_deviations(pair, deviations or {}))
+    run = _Run(checked, pair, law, duty_cycle(torque), solver, flank_deviations(pair, deviations or {}, interpolation))
     history = [run.state()]
     while run.stop is None:
-        run.step()
+        try:
+            run.step()
+        except GeometryError as error:
+            run.stop = str(error)
+            break
         history.append(run.state())
         if progress is not None:
             progress(run.revolutions)
     result = xr.concat(history, "step", combine_attrs="override").assign_coords(step=np.arange(len(history)))
-    result.attrs = {"stop": run.stop, "title": checked.title, "flank": flank, "torque_Nm": torque, **_attributes(law)}
+    result["revolution_share"] = ("torque", list(run.shares.values()))
+    result.attrs = {"stop": run.stop, "title": checked.title, "flank": flank, **_attributes(law)}
     return labelled(result)
 
 
@@ -142,9 +110,15 @@ class _Run:
     """A pair that wears; what the next step starts from."""
 
     def __init__(
-        self, case: Case, pair: GearPair, law: WearLaw, torque: float, solver: str, start: dict[str, Deviation]
+        self,
+        case: Case,
+        pair: GearPair,
+        law: WearLaw,
+        shares: dict[float, float],
+        solver: str,
+        start: dict[str, Deviation],
     ) -> None:
-        self.case, self.pair, self.law, self.torque, self.solver, self.start = case, pair, law, torque, solver, start
+        self.case, self.pair, self.law, self.shares, self.solver, self.start = case, pair, law, shares, solver, start
         settings = case.contact
         self.nodes = (settings.lengthwise_nodes, settings.profile_nodes)
         self.model = elastic_model(case, finite_elements(case, pair))
@@ -177,26 +151,32 @@ class _Run:
         ease_off = deviated_ease_off(self.pair, designed.ease_off, pinion=now["pinion"], gear=now["gear"])
         fields = loaded_fields(designed.flanks, ease_off, designed.teeth)
         pitch = self.pair.assembly.pinion_pitch
+        mesh = lines_in_mesh(fields, pitch, settings.mesh_positions)
+        require_line_contact(lost_contact(fields, mesh), now)
         self.loaded, _ = loaded_contact(
             fields,
             designed.teeth,
-            lines_in_mesh(fields, pitch, settings.mesh_positions),
+            mesh,
             ratio=self.pair.assembly.ratio,
-            torques=np.array([self.torque]),
+            torques=np.array(list(self.shares)),
             model=self.model,
             segments_per_line=settings.segments_per_line,
             solver=self.solver,
         )
-        once = engagement(self.loaded, self.motion, pitch, settings.segments_per_line)
+        count = settings.segments_per_line
+        parts = [(s, engagement(self.loaded, self.motion, pitch, count, i)) for i, s in enumerate(self.shares.values())]
         if not self.touched:
-            self.touched = {name: touched(once, name, self.t, self.h) for name in MEMBERS}
+            self.touched = {name: touched(parts[0][1], name, self.t, self.h) for name in MEMBERS}
         # A tooth of the gear meets the pinion once in a revolution of the gear.
         per_revolution = {
             "pinion": self.law.pinion_coefficient,
             "gear": self.law.gear_coefficient / self.pair.assembly.ratio,
         }
-        self.rate = {name: k * on_flank(once, name, self.t, self.h) for name, k in per_revolution.items()}
-        self.volume_rate = {name: k * once.work for name, k in per_revolution.items()}
+        self.rate: dict[str, Array] = {}
+        self.volume_rate: dict[str, float] = {}
+        for name, k in per_revolution.items():
+            self.rate[name] = k * np.sum([s * on_flank(once, name, self.t, self.h) for s, once in parts], axis=0)
+            self.volume_rate[name] = k * sum(s * once.work for s, once in parts)
 
     def step(self) -> None:
         """As many revolutions as the step control allows."""
@@ -238,8 +218,8 @@ class _Run:
                 "largest_depth": ("member", [1e3 * float(depth[n].max()) for n in MEMBERS]),
                 "removed_volume": ("member", [self.volume[n] for n in MEMBERS]),
                 "depth_integral": ("member", integrals),
-                "peak_to_peak": ((), float(self.loaded["peak_to_peak"][0])),
-                "max_pressure": ((), float(self.loaded["max_pressure"][0])),
+                "peak_to_peak": ("torque", self.loaded["peak_to_peak"].values),
+                "max_pressure": ("torque", self.loaded["max_pressure"].values),
             },
-            coords={"member": list(MEMBERS), "lengthwise": self.t, "profile": self.h},
+            coords={"member": list(MEMBERS), "torque": list(self.shares), "lengthwise": self.t, "profile": self.h},
         )

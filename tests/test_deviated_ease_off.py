@@ -145,6 +145,26 @@ def test_the_update_is_within_a_percent_on_a_real_pair(pinion: Formula, gear: Fo
     assert roll < 0.05 * np.max(moved)
 
 
+def test_what_is_of_first_order_in_the_error_is_the_lever_arm_of_the_pinion() -> None:
+    """The gear's arm stands for both; with the arm of the pinion's own normal the error is of second order."""
+    pair, before = case_pair(), designed(case_pair())
+    arm = np.cross(before.attrs["gear_axis"], before["action_position"].values - before.attrs["gear_origin_mm"])
+    share = before["lever_arm"].values / np.abs(np.sum(arm * before["action_normal"].values, axis=-1)) - 1.0
+    inside = before["inside"].values.astype(bool)
+    assert 0.002 < np.max(np.abs(share[inside])) < 0.01
+    errors = []
+    for factor in (1.0, 0.5, 0.25):
+        pinion = of(pair.pinion, PINION_ERRORS, factor)
+        updated = deviated_ease_off(pair, before, pinion=pinion)
+        exact = pair_geometry(deviated_pair(pair, pinion=pinion), NODES).ease_off
+        both = inside & exact["inside"].values.astype(bool)
+        error = 1e3 * (absolute(updated) - absolute(exact)) * before["lever_arm"].values
+        errors.append([np.max(np.abs(e[both])) for e in (error, error - updated["pinion_deviation"].values * share)])
+    for coarse, fine in pairwise(errors):
+        assert 3.5 < coarse[1] / fine[1] < 4.5
+    assert errors[-1][0] > 2.0 * errors[-1][1]
+
+
 def test_both_hands_and_every_kind_of_flank_deviate_alike() -> None:
     """Mirror images err alike to the last digit; coast flanks and face-hobbed ones err as little."""
     errors = {}
@@ -256,6 +276,10 @@ def test_a_deviation_of_another_blank_is_refused() -> None:
         deviated_pair(pair, pinion=of(pair.gear, uniform))
     with pytest.raises(InputError, match="another blank"):
         easeoff.analyze("fm-11x41", deviations={"pinion": of(pair.gear, uniform)})
+    with pytest.raises(InputError, match="of the gear is a ndarray: give a file, a dataset or a Deviation"):
+        easeoff.analyze("fm-11x41", deviations={"gear": np.zeros((5, 9))})  # type: ignore[dict-item]
+    with pytest.raises(InputError, match="member = 'axle'"):
+        easeoff.analyze("fm-11x41", deviations={"axle": of(pair.gear, uniform)})  # type: ignore[dict-item]
     with pytest.raises(InputError, match="allowed are ease_off, surface"):
         easeoff.analyze("fm-11x41", deviations={"gear": of(pair.gear, uniform)}, deviated="both")  # type: ignore[arg-type]
 

@@ -10,6 +10,7 @@ from pairs import GEAR_BLANK
 
 from easeoff.core.errors import InputError
 from easeoff.geometry.deviation import Deviation, Method, deviation_from_dataset, deviation_from_formula
+from easeoff.geometry.deviation_interpolation import smoothed
 from easeoff.geometry.formats.cmm import EdgeMargins, _grid
 
 Array = NDArray[np.float64]
@@ -132,3 +133,26 @@ def test_bad_input_is_refused() -> None:
         deviation_from_dataset(GEAR_BLANK, good.assign(deviation=good["deviation"].assign_attrs(units="mm")))
     with pytest.raises(InputError, match="must increase"):
         deviation_from_dataset(GEAR_BLANK, good.isel(profile=slice(None, None, -1)))
+
+
+def test_the_smooth_surface_takes_the_scatter_and_keeps_a_surface_of_third_order() -> None:
+    u, v = np.meshgrid(np.linspace(-1, 1, COLUMNS), np.linspace(-1, 1, ROWS), indexing="ij")
+    form = 0.01 * (1.0 + u - 2.0 * v + u * v - u**2 + 0.5 * v**2 + 0.3 * u**3 - 0.2 * u**2 * v + v**3)
+    axial, radial = measuring_grid()
+    kept = Deviation(GEAR_BLANK, axial, radial, form, "smooth")
+    value, _ = kept.interpolant(axial.ravel(), radial.ravel())
+    np.testing.assert_allclose(value.reshape(form.shape), form, rtol=0, atol=1e-15)
+    assert kept.scatter < 1e-15
+    # Of white noise ten of the forty-five degrees of freedom stay.
+    noise = np.random.default_rng(3).normal(size=(400, COLUMNS, ROWS))
+    left = np.array([smoothed(one) for one in noise])
+    assert np.mean(left**2) == pytest.approx(10 / 45, rel=0.05)
+    assert np.mean((noise - left) ** 2) == pytest.approx(35 / 45, rel=0.05)
+    assert kept.extrapolated(np.array([0.5, 0.0]), np.array([0.5, 0.5])).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("size", [(2, 2), (3, 2), (3, 4)])
+def test_on_few_nodes_the_smooth_surface_keeps_what_they_know(size: tuple[int, int]) -> None:
+    u, v = np.meshgrid(np.linspace(-1, 1, size[0]), np.linspace(-1, 1, size[1]), indexing="ij")
+    form = 1.0 + u - 2.0 * v + u * v
+    np.testing.assert_allclose(smoothed(form), form, rtol=0, atol=1e-14)

@@ -210,9 +210,9 @@ def test_a_dmis_file_of_another_hand_is_read(tmp_path: Path) -> None:
     )
     for i, line in enumerate(lines):
         if "=FEAT" in line:
-            head, *cells = line.split(",")
+            head, *cells = line.replace("=FEAT/", " = FEAT/ ").split(",")
             inches = [f"{float(v) / 25.4:.12f}" for v in cells[1:4]]
-            lines[i] = f"{head},{cells[0]},{','.join(inches)},$ $$ continued\n{','.join(cells[4:])} $$ normal"
+            lines[i] = f"{head}, {cells[0]}, {', '.join(inches)}, $ $$ continued\n{', '.join(cells[4:])} $$ normal"
     lines.insert(2, "MODE/PROG,MAN")
     path.write_text("\n".join(lines))
     again = read_measured_grid(path)
@@ -224,8 +224,9 @@ def test_a_dmis_file_of_another_hand_is_read(tmp_path: Path) -> None:
     [
         ("UNITS/MM,ANGDEC", "", "before any UNITS"),
         ("UNITS/MM", "UNITS/YARD", "unit 'YARD'"),
-        ("F(CONCAVE_R1_C1)", "F(POINT1)", "expected flank, row and column"),
-        ("F(CONCAVE_R1_C2)", "F(CONCAVE_R1_C1)", "a second F"),
+        ("F(CONCAVE_R1_C1)=", "F(POINT1)=", "expected flank, row and column"),
+        ("F(CONCAVE_R1_C2)=", "F(CONCAVE_R1_C1)=", "a second F"),
+        ("F(CONVEX_R1_C2)=FEAT/POINT,CART", "F(CONVEX_R1_C2)=FEAT/POINT,POL", "in POL coordinates: only CART"),
         ("FA(CONCAVE_R2_C3)=FEAT/POINT", "FA(CONCAVE_R2_C3)=FEAT/PLANE", "1 points were not measured"),
     ],
 )
@@ -235,6 +236,22 @@ def test_mistakes_in_a_dmis_file_are_named(old: str, new: str, message: str, tmp
     path.write_text(path.read_text().replace(old, new, 1))
     with pytest.raises(InputError, match=message):
         read_measured_grid(path)
+
+
+def test_results_begin_as_those_of_the_consortium_and_a_point_may_come_twice(tmp_path: Path) -> None:
+    """FILNAM, UNITS, OUTPUT/F, F, OUTPUT/FA, FA, as its example program writes them."""
+    path = tmp_path / "gear.dmo"
+    write_measured_grid(grid(), path)
+    lines = path.read_text().splitlines()
+    assert lines[0].startswith("FILNAM/'")
+    assert lines[1] == "UNITS/MM,ANGDEC"
+    assert [line.split("=")[0] for line in lines[2:6]] == [
+        f"{word}(CONCAVE_R1_C1)" for word in ("OUTPUT/F", "F", "OUTPUT/FA", "FA")
+    ]
+    path.write_text("\n".join([*lines[:2], "DATDEF/FA(PLANE1),DAT(A)", lines[3], *lines[2:]]))
+    np.testing.assert_allclose(
+        read_measured_grid(path)["deviation"].values, grid()["deviation"].values, rtol=0, atol=2e-7
+    )
 
 
 def test_the_command_line_takes_measured_grids(tmp_path: Path) -> None:

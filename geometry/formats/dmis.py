@@ -4,6 +4,12 @@ Of the language only what a grid of points takes: ``F(label)=FEAT/POINT,CART,x,y
 outward normal, ``FA(label)=FEAT/POINT,CART,...`` for the measured one, ``UNITS/MM`` or ``UNITS/INCH``, comments after
 ``$$`` and lines continued by ``$``. Other statements are passed over. Labels tell flank, row and column:
 ``CONCAVE_R1_C1`` for the root at the toe.
+
+The standard is sold; this follows what is public of it. A file of results as the Dimensional Metrology Standards
+Consortium's own example program writes it (github.com/QualityInformationFramework/qif-community, ``demoQIFin.py``):
+``FILNAM/`` first, then ``UNITS/``, and ``OUTPUT/F(label)`` or ``OUTPUT/FA(label)`` before what is put out. The
+statement of a point, with its spaces and its line continued by ``$``, as in an explanation of DMIS statements
+(blog.csdn.net/weixin_34766547/article/details/117210587).
 """
 
 from __future__ import annotations
@@ -17,14 +23,14 @@ from ...core.errors import InputError
 from . import cmm_csv
 
 LABEL = re.compile(r"(CONCAVE|CONVEX)\D+(\d+)\D+(\d+)")
-FEATURE = re.compile(r"(FA?)\(([^)]*)\)\s*=\s*FEAT/POINT,CART,(.*)", re.IGNORECASE)
+FEATURE = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
 UNITS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
 
 
 def text(dataset: xr.Dataset) -> str:
     """The file of a measured grid: every nominal point as ``F``, every measured one as ``FA``."""
     title = str(dataset.attrs.get("title", "measured grid")).replace("'", "")
-    lines = [f"DMISMD/'{title}',05.2", "UNITS/MM,ANGDEC"]
+    lines = [f"FILNAM/'{title}',05.2", "UNITS/MM,ANGDEC"]
     position, normal = dataset["position"].values, dataset["normal"].values
     measured = position + 1e-3 * dataset["deviation"].values[..., None] * normal
     for f, flank in enumerate(dataset["flank"].values):
@@ -34,7 +40,7 @@ def text(dataset: xr.Dataset) -> str:
                 direction = normal[f, r, c]
                 for kind, place in (("F", position[f, r, c]), ("FA", measured[f, r, c])):
                     numbers = ",".join(f"{value:.10f}" for value in (*place, *direction))
-                    lines.append(f"{kind}({label})=FEAT/POINT,CART,{numbers}")
+                    lines += [f"OUTPUT/{kind}({label})", f"{kind}({label})=FEAT/POINT,CART,{numbers}"]
     return "\n".join([*lines, "ENDFIL", ""])
 
 
@@ -57,8 +63,9 @@ def parsed(content: str, source: str) -> xr.Dataset:
     features: dict[str, dict[tuple[str, int, int], list[float]]] = {"F": {}, "FA": {}}
     for number, line in _statements(content):
         where = f"{source}, line {number}"
-        if line.upper().startswith("UNITS/"):
-            unit = line[6:].split(",")[0].strip().upper()
+        word, _, rest = line.partition("/")
+        if word.strip().upper() == "UNITS":
+            unit = rest.split(",")[0].strip().upper()
             if unit not in UNITS:
                 raise InputError(f"{where}: unit {unit!r}: allowed are {', '.join(UNITS)}")
             scale = UNITS[unit]
@@ -68,13 +75,16 @@ def parsed(content: str, source: str) -> xr.Dataset:
         if scale is None:
             raise InputError(f"{where}: a point before any UNITS/ statement: say in what unit it is")
         kind, label = found[1].upper(), found[2].strip().upper()
+        if found[3].upper() != "CART":
+            raise InputError(f"{where}: {kind}({label}) in {found[3]} coordinates: only CART is read")
         place = LABEL.search(label)
         if place is None:
             raise InputError(f"{where}: label {label!r}: expected flank, row and column as in CONCAVE_R1_C1")
         key = (place[1].lower(), int(place[2]), int(place[3]))
-        if key in features[kind]:
-            raise InputError(f"{where}: a second {kind}({label})")
-        features[kind][key] = _numbers(found[3], scale, where)
+        values = _numbers(found[4], scale, where)
+        # A program defines a point, and its results put it out again.
+        if features[kind].setdefault(key, values) != values:
+            raise InputError(f"{where}: a second {kind}({label}), other than the first")
     return _combined(features["F"], features["FA"], source)
 
 

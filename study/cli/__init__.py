@@ -23,6 +23,7 @@ from .plot import plot
 from .problems import problems
 from .run import run
 from .show import show
+from .wear import wear
 
 
 class _Mistake(click.ClickException):
@@ -47,5 +48,5 @@ def main() -> None:
     """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
 
 
-for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct):
+for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct, wear):
     main.add_command(_command)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ...cases import Case
     from ..analysis import Analysis
 
-_OPTIONS = (
+_PAIR = (
     click.argument("case"),
     click.option(
         "--flank",
@@ -21,13 +21,6 @@ _OPTIONS = (
         default="drive",
         show_default=True,
         help="Which flanks mesh: drive is pinion concave with gear convex.",
-    ),
-    click.option(
-        "--torque",
-        "torques",
-        callback=torques,
-        metavar="T1,T2,...",
-        help="Torques at the pinion in N m; the case's own if left out.",
     ),
     click.option(
         "--misalignment",
@@ -44,21 +37,44 @@ _OPTIONS = (
         help="Measured grid of the pinion or the gear, a file or a shipped one; may be given for both.",
     ),
     click.option(
+        "--interpolation",
+        type=click.Choice(["spline", "smooth", "weighted_average"]),
+        default="spline",
+        show_default=True,
+        help="Between the nodes of measured grids; smooth evens out their scatter.",
+    ),
+    click.option("--solver", default="auto", show_default=True, help="Contact solver."),
+)
+_ANALYSIS = (
+    click.option(
+        "--torque",
+        "torques",
+        callback=torques,
+        metavar="T1,T2,...",
+        help="Torques at the pinion in N m; the case's own if left out.",
+    ),
+    click.option(
         "--deviated",
         type=click.Choice(["ease_off", "surface"]),
         default="ease_off",
         show_default=True,
         help="Update the ease-off for the deviations, or compute with the deviating flanks themselves.",
     ),
-    click.option("--solver", default="auto", show_default=True, help="Contact solver."),
 )
+
+
+def pair_options(command: Any) -> Any:
+    """Add the argument CASE and what says in which state its pair is to a command."""
+    for option in reversed(_PAIR):
+        command = option(command)
+    return command
 
 
 def analysis_options(command: Any) -> Any:
     """Add the argument CASE and the options of an analysis to a command."""
-    for option in reversed(_OPTIONS):
+    for option in reversed(_ANALYSIS):
         command = option(command)
-    return command
+    return pair_options(command)
 
 
 def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:

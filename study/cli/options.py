@@ -143,3 +143,31 @@ def roughnesses(
             raise click.BadParameter(f"{part!r}: give a roughness in um, or PINION/GEAR, such as 0.8/0.5")
         found.append(pair[0] if len(pair) == 1 else (pair[0], pair[1]))
     return found
+
+
+def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
+    """Shares of the revolutions by torque [N m]: a torque alone, or TORQUE=SHARE separated by commas."""
+    shares: dict[float, float] = {}
+    for part in text.split(","):
+        torque, equals, share = part.partition("=")
+        try:
+            key, value = float(torque), float(share) if equals else 1.0
+        except ValueError as error:
+            raise click.BadParameter(
+                f"{part!r}: give a torque in N m, or TORQUE=SHARE,... such as 100=0.7,300=0.3"
+            ) from error
+        if key in shares:
+            raise click.BadParameter(f"{part!r}: a second share of {key:g} N m")
+        shares[key] = value
+    return shares
+
+
+def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
+    """Wear coefficients of pinion and gear [mm^2/N]."""
+    try:
+        found = [float(part) for part in text.split("/")]
+    except ValueError:
+        found = []
+    if len(found) not in (1, 2):
+        raise click.BadParameter(f"{text!r}: give a coefficient in mm^2/N, or PINION/GEAR, such as 1e-12/2e-12")
+    return found[0], found[-1]

@@ -1,0 +1,71 @@
+"""How flanks wear, and under what loads: coefficients, step, stop, duty cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.errors import InputError
+
+
+@dataclass(frozen=True)
+class WearLaw:
+    """How flanks wear, and how far to follow them.
+
+    Parameters
+    ----------
+    pinion_coefficient, gear_coefficient
+        Depth per pressure and sliding way [mm^2/N]: Archard's dimensional coefficient. 1e-12 mm^2/N = 1e-18 m^2/N.
+    revolutions
+        Revolutions of the pinion after which to stop.
+    largest_step
+        Largest depth in one step [um]; between steps the contact is computed anew. The error is of first order in it.
+    largest_depth
+        Depth at which to stop before that [um]; none if left out.
+
+    Raises
+    ------
+    InputError
+        If a number cannot be used.
+    """
+
+    pinion_coefficient: float
+    gear_coefficient: float
+    revolutions: float
+    largest_step: float = 0.5
+    largest_depth: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            coefficient = name.endswith("coefficient")
+            if value is None and name == "largest_depth":
+                continue
+            if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not coefficient):
+                raise InputError(f"{name} = {value}: must be {'zero or more' if coefficient else 'greater than zero'}")
+        if max(self.pinion_coefficient, self.gear_coefficient) > 1e-3:
+            raise InputError(
+                f"wear coefficients {self.pinion_coefficient:g} and {self.gear_coefficient:g}: give them in mm^2/N, "
+                "1e-12 for a well lubricated gear"
+            )
+
+
+def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
+    """Torques with their shares of the revolutions.
+
+    Raises
+    ------
+    InputError
+        If a torque or share is not positive, or the shares do not add up to one.
+    """
+    shares = dict(torque) if isinstance(torque, Mapping) else {torque: 1.0}
+    total = sum(shares.values())
+    usable = bool(shares) and all(np.isfinite(v) and v > 0.0 for pair in shares.items() for v in pair)
+    if not usable or abs(total - 1.0) > 1e-6:
+        given = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
+        raise InputError(
+            f"torque = {{{given}}}: give a torque in N m, or several with their shares of the revolutions, all greater "
+            f"than zero; the shares add up to {total:g}, not 1"
+        )
+    return {float(t): float(share) / total for t, share in shares.items()}

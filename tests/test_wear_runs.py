@@ -1,0 +1,144 @@
+"""Wear under a duty cycle, lapping, and both from the command line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from test_wear import small_case
+
+import easeoff
+from easeoff.core.errors import GeometryError, InputError
+from easeoff.geometry import Misalignment
+from easeoff.geometry.deviation import deviation_from_formula
+from easeoff.study.analysis import prepared_pair
+from easeoff.study.cli import main
+from easeoff.study.wear import WearLaw, wear
+
+LAW = WearLaw(1e-12, 1e-12, 4e6, 10.0)
+
+
+def test_a_duty_cycle_wears_as_its_torques_do_by_turns() -> None:
+    """In one step the depth is the sum of what the torques take off, each for its revolutions."""
+    together = wear(small_case(), LAW, torque={100.0: 0.7, 300.0: 0.3})
+    alone = [
+        wear(small_case(), WearLaw(1e-12, 1e-12, share * 4e6, 10.0), torque=torque)
+        for torque, share in ((100.0, 0.7), (300.0, 0.3))
+    ]
+    for name in ("wear_depth", "removed_volume"):
+        wanted = sum(history[name].values[-1] for history in alone)
+        np.testing.assert_allclose(together[name].values[-1], wanted, rtol=1e-9, atol=1e-15)
+    assert together["torque"].values.tolist() == [100.0, 300.0]
+    assert together["revolution_share"].values.tolist() == [0.7, 0.3]
+    for index, history in enumerate(alone):
+        assert float(together["peak_to_peak"][0, index]) == pytest.approx(
+            float(history["peak_to_peak"][0, 0]), rel=1e-9
+        )
+
+
+@pytest.mark.parametrize("torque", [-1.0, {100.0: 0.7, 200.0: 0.2}, {100.0: 1.5, 200.0: -0.5}, {}, np.nan])
+def test_a_duty_cycle_that_is_none_is_refused(torque: Any) -> None:
+    with pytest.raises(InputError, match="shares of the revolutions"):
+        wear(small_case(), LAW, torque=torque)
+
+
+def left_by(history: xr.Dataset) -> Any:
+    return {m: history[["deviation"]].isel(step=-1).sel(member=m) for m in ("pinion", "gear")}
+
+
+def pattern(misalignment: Misalignment, deviations: Any = None) -> float:
+    """Mean length of the contact lines of the unloaded pattern [mm]."""
+    tree = easeoff.analyze(small_case(16), torques=[10.0], misalignment=misalignment, deviations=deviations)
+    return float(tree["unloaded"]["line_length"].sel(pair=0).mean())
+
+
+@cache
+def lapped() -> tuple[list[xr.Dataset], list[Misalignment]]:
+    """The pair lapped in two positions to either side of its own, one after the other, with much compound."""
+    own = prepared_pair(small_case(), "drive", None).assembly.misalignment
+    positions = [replace(own, offset=own.offset + by) for by in (-0.1, 0.1)]
+    histories: list[xr.Dataset] = []
+    for position in positions:
+        left = left_by(histories[-1]) if histories else None
+        law = WearLaw(1e-8, 1e-8, 300.0, 1.0)
+        histories.append(wear(small_case(16), law, torque=100.0, misalignment=position, deviations=left))
+    return histories, positions
+
+
+def test_lapping_in_displaced_positions_extends_the_pattern_there() -> None:
+    histories, positions = lapped()
+    left = left_by(histories[-1])
+    for position in positions:
+        assert pattern(position, left) > 1.02 * pattern(position)
+
+
+def test_lapping_conserves_the_volume_over_all_positions() -> None:
+    """What Archard's law takes off position by position is the volume between the designed and the lapped flanks."""
+    histories, _ = lapped()
+    for history in histories:
+        last = history.isel(step=-1)
+        np.testing.assert_allclose(last["depth_integral"].values, last["removed_volume"].values, rtol=0.04)
+    deep = sum(history["wear_depth"].values[-1] for history in histories)
+    gone = -histories[-1]["deviation"].values[-1]
+    worn = np.all([history["wear_depth"].values[-1] > 0.0 for history in histories], axis=0)
+    np.testing.assert_allclose(gone[worn], deep[worn], rtol=0, atol=0.02 * deep.max())
+
+
+def test_flanks_without_line_contact_do_not_wear() -> None:
+    pair = prepared_pair(small_case(), "drive", None)
+    wavy = deviation_from_formula(pair.gear.section, lambda t, h: 5.0 * np.sin(40.0 * t) * np.sin(40.0 * h))
+    with pytest.raises(GeometryError, match="no line contact"):
+        wear(small_case(), LAW, torque=200.0, deviations={"gear": wavy})
+
+
+def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) -> None:
+    out, again = tmp_path / "worn.nc", tmp_path / "again.nc"
+    common = ["wear", "fm-11x41", "--torque", "100=0.5,200=0.5", "--revolutions", "2e6", "--largest-step", "5"]
+    done = CliRunner().invoke(main, [*common, "--coefficient", "1e-12/2e-12", "-o", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "all revolutions done" in done.output
+    assert "peak to peak at 200 N m" in done.output
+    with xr.open_dataset(out, engine="netcdf4") as stored:
+        first = stored.load()
+    assert first["wear_depth"].attrs["units"] == "um"
+    assert first.attrs["gear_coefficient_mm2_per_N"] == 2e-12
+    law = WearLaw(1e-12, 2e-12, 2e6, 5.0)
+    history = wear("fm-11x41", law, torque={100.0: 0.5, 200.0: 0.5})
+    np.testing.assert_allclose(first["wear_depth"].values, history["wear_depth"].values, rtol=1e-9)
+    worn = ["--deviation", f"pinion={out}", "--deviation", f"gear={out}"]
+    done = CliRunner().invoke(main, [*common, *worn, "-o", str(again)])
+    assert done.exit_code == 0, done.output
+    with xr.open_dataset(again, engine="netcdf4") as stored:
+        start = stored["deviation"].isel(step=0).values
+    np.testing.assert_allclose(start, first["deviation"].isel(step=-1).values, rtol=0, atol=1e-6)
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["again.nc", "worn.nc"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--torque", "heavy"], "give a torque in N m"),
+        (["--torque", "100=0.5,200=0.4"], "the shares add up to 0.9, not 1"),
+        (["--torque", "100=0.5,100=0.5"], "a second share of 100 N m"),
+        (["--coefficient", "1/2/3"], "give a coefficient in mm^2/N"),
+        (["--coefficient", "1.0"], "1e-12 for a well lubricated gear"),
+        (["--revolutions", "0"], "revolutions = 0.0: must be greater than zero"),
+        (["-o", "worn.csv"], "ends in .nc"),
+        (["--deviation", "axle=worn.nc"], "give pinion=FILE or gear=FILE"),
+        (["--deviation", "pinion=worn.nc"], "there is no such file"),
+        (["--flank", "left"], "'left' is not one of 'drive', 'coast'"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_named(options: list[str], message: str, tmp_path: Path) -> None:
+    usual = {"--torque": "200", "--revolutions": "1e6", "-o": str(tmp_path / "worn.nc")}
+    given = usual | dict(zip(options[::2], options[1::2], strict=True))
+    wrong = CliRunner().invoke(main, ["wear", "fm-11x41", *(part for pair in given.items() for part in pair)])
+    assert wrong.exit_code == 2
+    assert message in " ".join(wrong.output.replace("│", " ").split())
+    assert not list(tmp_path.iterdir())
