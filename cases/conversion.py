@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from ..contact.bending import ElasticModel
 from ..contact.compliance import ElasticFoundation, Material
-from ..contact.compliance.finite_elements.members import FiniteElementTooth, finite_element_tooth
+from ..contact.compliance.finite_elements.members import FiniteElementTooth, finite_element_tooth, solid_shell_tooth
 from ..core.errors import GeometryError, InputError
 from ..geometry.assembly import Assembly, Misalignment
 from ..geometry.basic_settings import blank_section
@@ -181,7 +181,7 @@ def materials(case: Case) -> tuple[Material, Material]:
 
 
 def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
-    """Teeth of pinion and gear by finite elements, or ``None`` if the case wants shells.
+    """Teeth of pinion and gear by finite elements or as solid shells, or ``None`` if the case wants plain shells.
 
     Raises
     ------
@@ -191,9 +191,12 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
     table = case.compliance
     if table.model == "shell":
         return None
-    pinion, gear = materials(case)
-    options: dict[str, Any] = {"fineness": table.fineness, "rim_depth": table.rim_depth}
-    return finite_element_tooth(pair, "pinion", pinion, **options), finite_element_tooth(pair, "gear", gear, **options)
+    make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
+    (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
+    return (
+        make(pair, "pinion", pinion, fineness=table.fineness, rim_depth=of_pinion),
+        make(pair, "gear", gear, fineness=table.fineness, rim_depth=of_gear),
+    )
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:

@@ -5,9 +5,9 @@ Names follow the REXS standard where it has one. A misspelt key is an error, nev
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
@@ -128,10 +128,18 @@ class ContactTable(Table):
         return self
 
 
+def _of_both_members(value: Any) -> Any:
+    return (value, value) if isinstance(value, int | float) else value
+
+
+Depth = Annotated[float, Field(strict=False, gt=0, lt=1000)]
+Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field(strict=False)]
+
+
 class ComplianceTable(Table):
     """Models of the elastic tooth."""
 
-    model: Literal["shell", "fe"] = "shell"
+    model: Literal["shell", "solid_shell", "fe"] = "shell"
     shell_form: Literal["five_field", "thesis"] = "five_field"
     plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
@@ -139,15 +147,18 @@ class ComplianceTable(Table):
     shear_factor: Number = number("shear correction factor", "1", default=1.0, gt=0, le=1)
     root: Literal["weber", "odonnell", "clamped"] = "weber"
     root_factor: Number = number("multiplies the flexibility of the root", "1", default=1.0, gt=0, le=10)
-    rim_depth: Number | None = number(
-        "finite elements: depth of the elastic body below the root; 1.2 times the tooth's height if left out",
+    rim_depth: Depths | None = number(
+        "with `fe` and `solid_shell`: depth of the elastic body below the root, of both members or of pinion and gear; "
+        "1.2 times the tooth's height if left out",
         "mm",
         default=None,
-        gt=0,
-        lt=1000,
     )
     fineness: Number = number(
-        "finite elements: multiplies the number of bricks in every direction", "1", default=1.0, ge=0.2, le=4
+        "with `fe` and `solid_shell`: multiplies the number of bricks and functions in every direction",
+        "1",
+        default=1.0,
+        ge=0.2,
+        le=4,
     )
 
     @model_validator(mode="after")

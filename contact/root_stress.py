@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ..core.attributes import labelled
+from ..core.errors import InputError
 from .bending import MEMBERS, member_points
 from .compliance.finite_elements.condensed import flank_shares
 from .compliance.finite_elements.members import FiniteElementTooth
@@ -49,6 +50,11 @@ def root_stress(
         ``root_stress`` (torque, member, lengthwise) over the cycle, ``root_stress_history`` (torque, member,
         mesh_position, pair) over the face, and ``max_root_stress`` (torque, member) [MPa]; NaN where a case is not
         certified.
+
+    Raises
+    ------
+    InputError
+        If a tooth is a solid shell.
     """
     certified = [case for case in cases if case.solution.status == Status.CERTIFIED]
     pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, STATIONS)
@@ -66,6 +72,8 @@ def root_stress(
     greatest = np.full((shape[0], 2), np.nan)
     along = np.full((shape[0], 2, STATIONS), np.nan)
     for member, tooth in enumerate(teeth):
+        if tooth.root is None:
+            raise InputError('root stresses need finite elements: model = "fe" under [compliance]')
         on_member = member_points(fields, MEMBERS[member], place)
         nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(

@@ -42,7 +42,7 @@ MEANINGS = {
     "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "torques": ("torques at the pinion, one or more", "N m"),
-    "model": ("`fe` for finite elements, see [finite elements](finite_elements.md)", ""),
+    "model": ("`fe` and `solid_shell` for accuracy instead of speed, see [finite elements](finite_elements.md)", ""),
     "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
     "plate": (
         "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
@@ -62,6 +62,7 @@ MEANINGS = {
 # Values that a model elsewhere checks: what it allows.
 ELSEWHERE = {
     "free_settings": "names of settings",
+    "rim_depth": "one or two numbers, each > 0 and < 1000",
     "speed": "a number or a list, each > 0 and ≤ 1e6",
     "temperature": "a number or a list, within the oil's data",
     "roughness": "a number or a list, each ≥ 0 and ≤ 100",

@@ -1,7 +1,8 @@
 """Corrective machine settings: the changes of settings that take a measured deviation back, and what they leave.
 
-The flank is known by its deviation from the one designed. Least squares on the settings find those that change the
-designed flank by the opposite of the deviation. Turning the tooth is no change of form: a rotation is left out.
+The flank is known by its deviation from the one designed. Least squares find the settings that would have made the
+measured flank; the opposite of their changes corrects it. (Settings that make the opposite deviation would do to first
+order only.) Turning the tooth is no change of form: a rotation is left out.
 """
 
 from __future__ import annotations
@@ -90,12 +91,12 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         return with_settings(profile, dict(zip(names, start + scales * steps, strict=True)))
 
     def left(steps: Array) -> Array:
-        """Deviation after the correction (n) [mm], a rotation removed."""
+        """What is measured beyond the flank that these settings make (n) [mm], a rotation removed."""
         changed = moved(steps)
         found = solve(changed.axial_and_radial, flank.parameters, target, changed.max_step)
         position, _, _ = changed.evaluate(found.parameters)
         turned = np.mod(np.arctan2(position[1], position[0]) - azimuth + np.pi, 2.0 * np.pi) - np.pi
-        error = measured + turned * lever
+        error = measured - turned * lever
         error = error - lever * float(lever @ error) / float(lever @ lever)
         return np.where(found.converged, error, FAR)
 
@@ -113,8 +114,8 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     )
     before, after = left(np.zeros(len(names))), left(found.x)
     return Correction(
-        moved(found.x).on(surface.part),
-        {name: float(v) for name, v in zip(names, scales * found.x, strict=True)},
+        moved(-found.x).on(surface.part),
+        {name: float(v) for name, v in zip(names, -scales * found.x, strict=True)},
         after.reshape(deviation.value.shape),
         float(np.sqrt(np.mean(before**2))),
         float(np.sqrt(np.mean(after**2))),

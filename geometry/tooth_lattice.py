@@ -17,7 +17,6 @@ there. The neighbouring teeth are left out: they change the deflections by less 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,11 +24,23 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from ..core.errors import GeometryError, InputError
+from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, body_nodes, overhang, usual_depth
 from .flank_surface import into_tooth
+from .lattice_numbering import LatticeSize, ToothLattice, numbered
 from .pair import GearPair
 from .section import BlankSection
 from .tooth_flanks import named_member
 from .tooth_surface import ToothSide, tooth_surface
+
+__all__ = [
+    "DEPTH_PER_HEIGHT",
+    "SHELL_HINT",
+    "LatticeSize",
+    "ToothLattice",
+    "graded",
+    "tooth_lattice",
+    "usual_depth",
+]
 
 Array = NDArray[Any]
 
@@ -39,102 +50,8 @@ CORNER = (
 )
 EDGE = 0.12  # of the bricks through the tooth, the thickness of those at its sides, for the sake of the root stress
 DEEPER = 1.7  # every brick of the body than the one above
-COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
 OVERHANG = 0.75  # of the body's depth, that it runs on beyond toe and heel
-DEEPEST = 0.65  # of the way from the root to the member's axis
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
-
-
-@dataclass(frozen=True)
-class LatticeSize:
-    """Number of bricks in each direction.
-
-    Parameters
-    ----------
-    lengthwise
-        Along the face.
-    upward
-        From the middle of the fillet to the tip.
-    through
-        From one side of the tooth to the other.
-    slot
-        From the middle of the slot to the middle of the fillet, on either side.
-    beside
-        In the pitch beyond the slot, on either side.
-    deep
-        From the root to the bottom of the body.
-    overhang
-        Of the body beyond either end of the tooth; zero to let it end there.
-    """
-
-    lengthwise: int = 14
-    upward: int = 5
-    through: int = 4
-    slot: int = 2
-    beside: int = 2
-    deep: int = 3
-    overhang: int = 2
-
-    def __post_init__(self) -> None:
-        if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1 or self.overhang < 0:
-            raise InputError(f"{self}: every number of bricks must be at least 1")
-
-    def finer(self, factor: float) -> LatticeSize:
-        """The same lattice with ``factor`` times as many bricks in every direction."""
-        return LatticeSize(
-            *(max(round(factor * n), 1) for n in (self.lengthwise, self.upward, self.through, self.slot)),
-            *(max(round(factor * n), 1) for n in (self.beside, self.deep, self.overhang)),
-        )
-
-
-@dataclass(frozen=True)
-class ToothLattice:
-    """Nodes and bricks of one tooth on its body, in the member's frame.
-
-    The nodes of the tooth and of the body under it are found by three numbers: lengthwise, through the tooth from the
-    loaded side, and up from the bottom of the body.
-
-    Parameters
-    ----------
-    nodes
-        Points (n, 3) [mm].
-    cells
-        Nodes (m, 3, 3, 3) of every brick.
-    column
-        Nodes (2 l + 1, 2 t + 1, 2 (d + u) + 1) of the tooth and the body under it.
-    root_row
-        Third index in ``column`` where the tooth begins.
-    held
-        Nodes at the bottom and at both sides of the body.
-    flank_normal
-        Unit normals (2 l + 1, 2 u + 1, 3) of the loaded side at the nodes ``flank``, outwards.
-    lengthwise
-        Lengthwise fractions (2 l + 1) of the sections.
-    profile
-        Profile fractions (2 l + 1, 2 u + 1) of the nodes ``flank`` on the blank; negative in the fillet.
-    slot
-        Nodes (2, 2 l + 1, 2 s + 1) of the slots' floors on the loaded and the opposite side, towards the tooth.
-    """
-
-    nodes: Array
-    cells: NDArray[np.int64]
-    column: NDArray[np.int64]
-    root_row: int
-    held: NDArray[np.int64]
-    flank_normal: Array
-    lengthwise: Array
-    profile: Array
-    slot: NDArray[np.int64]
-
-    @property
-    def flank(self) -> NDArray[np.int64]:
-        """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
-        return self.column[:, 0, self.root_row :]
-
-    @property
-    def opposite_flank(self) -> NDArray[np.int64]:
-        """Nodes (2 l + 1, 2 u + 1) on the other side."""
-        return self.column[:, -1, self.root_row :]
 
 
 def graded(count: int, ratio: float, steady: int = 3) -> Array:
@@ -145,38 +62,6 @@ def graded(count: int, ratio: float, steady: int = 3) -> Array:
     places[::2] = ends
     places[1::2] = 0.5 * (ends[1:] + ends[:-1])
     return places
-
-
-@dataclass(frozen=True)
-class _Sections:
-    """Plane coordinates (across, up) [mm] in the sections (nt), zero in mid tooth, negative on the loaded side."""
-
-    blank: BlankSection
-    lengthwise: Array
-    turn: float
-    middle: Array
-    depth: Array
-
-    def plane(self, points: Array) -> Array:
-        """Coordinates (2, nt, ...) of points (3, nt, ...)."""
-        radius = np.hypot(points[0], points[1])
-        _, height = self.blank.fractions(points[2], radius)
-        shape = (-1, *([1] * (points.ndim - 2)))
-        angle = self.turn * (np.arctan2(points[1], points[0]) - self.middle.reshape(shape))
-        angle = np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
-        return np.stack([radius * angle, height * self.depth.reshape(shape)])
-
-    def points(self, plane: Array) -> Array:
-        """Points (3, nt, ...) of coordinates (2, nt, ...)."""
-        shape = (-1, *([1] * (plane.ndim - 2)))
-        axial, radius = self.radial(plane[1])
-        angle = self.middle.reshape(shape) + self.turn * plane[0] / radius
-        return np.stack([radius * np.cos(angle), radius * np.sin(angle), axial])
-
-    def radial(self, up: Array) -> Array:
-        """Axial and radial coordinates (2, nt, ...) at heights (nt, ...)."""
-        shape = (-1, *([1] * (up.ndim - 1)))
-        return self.blank.points(self.lengthwise.reshape(shape), up / self.depth.reshape(shape))
 
 
 def tooth_lattice(
@@ -232,30 +117,22 @@ def tooth_lattice(
         raise GeometryError(f"the sides of the {member}'s tooth cross each other between fillet and tip; {SHELL_HINT}")
 
     top = np.concatenate([floors[0], inside[:, :, 0, 1:-1], floors[1][:, :, ::-1]], axis=2)
-    body = _body(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, DEEPER)[::-1])
+    body = body_nodes(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, DEEPER)[::-1])
     plane = np.concatenate([body.reshape(2, t.size, -1), inside[:, :, 1:].reshape(2, t.size, -1)], axis=2)
     nodes = np.moveaxis(sections.points(plane), 0, -1)
-    ends = [_overhang(sections, body, end, OVERHANG * depth, size.overhang) for end in (0, -1)]
+    away = OVERHANG * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
+    ends = [overhang(sections, body, end, away) for end in (0, -1)]
 
     normal = _flank_normals(sections, tooth.loaded, up)
     profile = sides[0][1] / sections.depth[:, None]
-    return _numbered(nodes, ends, size, body.shape[2:], normal, t, profile)
+    return numbered(nodes, ends, size, body.shape[2:], normal, (t, through, up), profile)
 
 
-def usual_depth(blank: BlankSection) -> float:
-    """Depth of the body that is taken if none is given [mm]: 1.2 times the tooth's height at mid face.
-
-    That is about 2.5 normal modules, the rim of the finite elements that the root springs were compared with.
-    """
-    root, tip = (np.array(blank.points(np.array(0.5), np.array(h))) for h in (0.0, 1.0))
-    return 1.2 * (float(np.linalg.norm(tip - root)) + blank.clearance)
-
-
-def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Array) -> _Sections:
+def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Array) -> LatticeSections:
     azimuths = [np.arctan2(tip[1], tip[0]) for tip in (front, back)]
     swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
     root, tip = (np.asarray(blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-    return _Sections(blank, t, turn, azimuths[0] + 0.5 * turn * swing, np.hypot(*(tip - root)))
+    return LatticeSections(blank, t, turn, azimuths[0] + 0.5 * turn * swing, np.hypot(*(tip - root)))
 
 
 def _both_ends(count: int) -> Array:
@@ -286,7 +163,7 @@ def _along(values: Array, curve: Array, places: Array) -> Array:
     return result
 
 
-def _side_curves(sections: _Sections, side: ToothSide, land: Array, slot: int, up: Array) -> tuple[Array, Array]:
+def _side_curves(sections: LatticeSections, side: ToothSide, land: Array, slot: int, up: Array) -> tuple[Array, Array]:
     """Slot floor (2, nt, 2 slot + 1) towards the corner, and side (2, nt, up) from there to the tip."""
     points, corner = _upward(side, side.fillet, side.flank)
     upward, floor = sections.plane(points), sections.plane(land)
@@ -295,101 +172,8 @@ def _side_curves(sections: _Sections, side: ToothSide, land: Array, slot: int, u
     return _along(floor, floor, towards), _along(upward[:, :, corner:], upward[:, :, corner:], up)
 
 
-def _flank_normals(sections: _Sections, side: ToothSide, up: Array) -> Array:
+def _flank_normals(sections: LatticeSections, side: ToothSide, up: Array) -> Array:
     points, corner = _upward(side, side.fillet, side.flank)
     normals, _ = _upward(side, side.fillet_normal, side.flank_normal)
     found = _along(normals[:, :, corner:], sections.plane(points)[:, :, corner:], up)
     return np.moveaxis(found / np.sqrt(np.sum(found**2, axis=0)), 0, -1)
-
-
-def _body(sections: _Sections, top: Array, corner: int, through: Array, depth: float, rise: Array) -> Array:
-    """Nodes (2, nt, columns, rows) of the body, from its bottom to the root."""
-    floor = top[1].min(axis=1)
-    here, below = (sections.radial(up)[1] for up in (floor, floor - 1.0))
-    falling = np.maximum(here - below, 1e-9)  # of the radius per mm of depth
-    bottom = floor - np.minimum(depth, DEEPEST * here / falling)
-    angle = top[0] / sections.radial(top[1])[1]
-    last = top.shape[2] - 1 - corner
-    spread = COLUMN_SPREAD * (floor - bottom) / here
-    left, right = angle[:, corner] - spread, angle[:, last] + spread
-    lower = angle.copy()
-    lower[:, corner : last + 1] = left[:, None] + (right - left)[:, None] * through
-    for edge, ends, new in ((0, slice(0, corner + 1), left), (-1, slice(last, None), right)):
-        old = angle[:, corner if edge == 0 else last]
-        share = (angle[:, ends] - angle[:, [edge]]) / (old - angle[:, edge])[:, None]
-        lower[:, ends] = angle[:, [edge]] + share * (new - angle[:, edge])[:, None]
-    radius = sections.radial(bottom)[1]
-    base = np.stack([radius[:, None] * lower, np.broadcast_to(bottom[:, None], lower.shape)])
-    return np.asarray((1.0 - rise) * top[..., None] + rise * base[..., None])
-
-
-def _overhang(sections: _Sections, body: Array, end: int, length: float, bricks: int) -> Array:
-    """Nodes (2 bricks, columns rows, 3) of the body beyond one end of the tooth, outwards."""
-    if bricks == 0:
-        return np.empty((0, body[0, 0].size, 3))
-    roots = np.asarray(sections.blank.points(np.array([0.0, 1.0]), np.zeros(2)))
-    away = graded(bricks, 1.5)[1:] * length / np.linalg.norm(roots[:, 1] - roots[:, 0])
-    t = sections.lengthwise[end] + (away if end else -away)
-    last, before = (sections.middle[end], sections.middle[-2]) if end else (sections.middle[0], sections.middle[1])
-    step = sections.lengthwise[1] - sections.lengthwise[0]
-    middle = last + (last - before) * away / step
-    root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-    beyond = _Sections(sections.blank, t, sections.turn, middle, np.hypot(*(tip - root)))
-    up = np.broadcast_to(body[1, end].ravel(), (t.size, body[1, end].size))
-    angle = body[0, end] / sections.radial(body[1])[1][end]
-    plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
-    return np.moveaxis(beyond.points(plane), 0, -1)
-
-
-def _numbered(
-    nodes: Array,
-    ends: list[Array],
-    size: LatticeSize,
-    body: tuple[int, int],
-    normal: Array,
-    t: Array,
-    profile: Array,
-) -> ToothLattice:
-    """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
-    columns, rows = body
-    in_body = np.arange(columns * rows).reshape(columns, rows)
-    first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
-    above = columns * rows + np.arange(2 * size.upward * (2 * size.through + 1)).reshape(2 * size.upward, -1)
-    under = in_body[first:last]
-    in_column = np.concatenate([under, above.T], axis=1)
-    tooth = np.arange(t.size) * nodes.shape[1]
-    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(4 * size.overhang) * in_body.size, 2)
-    whole = np.concatenate([toe[::-1], tooth, heel])
-    cells = np.concatenate([_layers(whole, in_body), _layers(tooth, in_column[:, rows - 1 :])])
-    held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
-    floors = np.stack(
-        [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
-    )
-    flat = np.concatenate([nodes.reshape(-1, 3), *(end.reshape(-1, 3) for end in ends)])
-    # Left-handed or right-handed, as the tooth's hand has it: all bricks are to have positive volume.
-    axes = [flat[cells[0][index]] - flat[cells[0][0, 0, 0]] for index in ((2, 0, 0), (0, 2, 0), (0, 0, 2))]
-    if np.linalg.det(np.stack(axes)) < 0.0:
-        cells = cells[:, ::-1]
-    return ToothLattice(
-        flat,
-        np.ascontiguousarray(cells),
-        tooth[:, None, None] + in_column,
-        rows - 1,
-        (whole[:, None] + held).ravel(),
-        normal,
-        t,
-        profile,
-        np.moveaxis(tooth[:, None, None] + floors, 1, 0),
-    )
-
-
-def _layers(sections: NDArray[np.int64], plane: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Nodes (m, 3, 3, 3) of bricks between sections that begin at given nodes, on the cells of a plane lattice."""
-    threes = np.lib.stride_tricks.sliding_window_view(sections, 3)[::2]
-    return np.asarray((threes[:, None, :, None, None] + _cells(plane)[:, None]).reshape(-1, 3, 3, 3))
-
-
-def _cells(lattice: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Nodes (m, 3, 3) of the plane cells of a lattice (2 a + 1, 2 b + 1)."""
-    windows = np.lib.stride_tricks.sliding_window_view(lattice, (3, 3))[::2, ::2]
-    return np.asarray(windows.reshape(-1, 3, 3))

@@ -128,7 +128,7 @@ def analyze_in_full(
         "/unloaded": unloaded,
         "/loaded": loaded,
     }
-    if teeth is not None:
+    if teeth is not None and case.compliance.model == "fe":
         groups["/root_stress"] = root_stress(fields, teeth, cases, loaded)
     tree = xr.DataTree.from_dict(groups)
     if operation is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -214,6 +215,8 @@ def test_second_analysis_does_not_factor_again(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(members, "elastic_body", refuse)
     again = members.finite_element_tooth(pair(), "gear", STEEL, fineness=0.25)
     np.testing.assert_array_equal(first.flank.factor, again.flank.factor)
+    assert first.root is not None
+    assert again.root is not None
     np.testing.assert_array_equal(first.root.stress, again.root.stress)
     for other in ({"fineness": 0.3}, {"fineness": 0.25, "rim_depth": 5.0}):
         with pytest.raises(AssertionError, match="factored again"):
@@ -253,6 +256,24 @@ def test_store_survives_damage_and_a_folder_that_cannot_be_written(
     monkeypatch.setenv(store.FOLDER_VARIABLE, str(blocked))
     with pytest.warns(UserWarning, match="not kept"):
         assert store.kept(key, make)["a"].size == 3
+
+
+def test_store_lets_go_of_what_was_not_asked_for_the_longest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
+    keys = [store.key_of(number) for number in range(4)]
+
+    def ask(number: int, time: float) -> None:
+        store.kept(keys[number], lambda: {"a": np.zeros(1000)})
+        os.utime(tmp_path / f"{keys[number]}.npz", (time, time))
+
+    for time, number in enumerate((0, 1, 2), start=1):
+        ask(number, time)
+    (tmp_path / "note.npz").write_bytes(b"not ours")
+    monkeypatch.setattr(store, "LARGEST_FOLDER", 3.5 * (tmp_path / f"{keys[0]}.npz").stat().st_size)
+    ask(0, 4.0)
+    ask(3, 5.0)
+    kept = {path.stem for path in tmp_path.iterdir()}
+    assert kept == {keys[0], keys[2], keys[3], "note"}
 
 
 def test_a_tooth_that_cannot_be_filled_is_refused_and_the_shell_remains() -> None:

@@ -131,20 +131,20 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
     [("fh-design-a", "coast", "pinion"), ("nasa-12x36", "coast", "gear"), ("fh-design-b", "drive", "gear")],
 )
 def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any, name: str) -> None:
-    """One pass leaves what is of second order in the errors, a second pass next to nothing."""
+    """A tenth of a millimetre off at first, a few hundredths of that after one pass, next to nothing after another."""
     designed = named_member(gear_pair(easeoff.read_case(case), flank), name)
     free = FREE if designed.loaded.settings.generated else FREE_FORMATE
     normal = np.random.default_rng(4).normal(size=len(free))
-    wrong = {setting: 0.15 * scale_of(setting) * float(by) for setting, by in zip(free, normal, strict=True)}
+    wrong = {setting: 0.6 * scale_of(setting) * float(by) for setting, by in zip(free, normal, strict=True)}
     surface, left = designed.loaded, []
     for _ in range(3):
         deviation = measured(designed, changed(surface, wrong))
         correction = corrective_settings(designed, deviation)
         left.append(correction.rms_before)  # without the rotation of the tooth
         surface = changed(surface, correction.changes)
-    assert left[0] > 3e-3
-    assert left[1] < 0.07 * left[0]
-    assert left[2] < 0.01 * left[0]
+    assert left[0] > 0.05
+    assert left[1] < 0.03 * left[0]
+    assert left[2] < 0.001 * left[0]
 
 
 def test_corrections_with_one_setting_find_that_setting() -> None:

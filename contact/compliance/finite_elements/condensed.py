@@ -110,15 +110,19 @@ class Feet:
     depth: Array
 
 
-def feet_of_normals(lattice: ToothLattice) -> Feet:
-    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest there is."""
+def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
+    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest there is.
+
+    Normals in the fillet may lead down into the body; if ``in_tooth``, not below the tooth's lowest nodes.
+    """
     middle = lattice.column[:, lattice.column.shape[1] // 2]
     count, rows = middle.shape
     start, normal = lattice.nodes[lattice.flank].reshape(-1, 3), lattice.flank_normal.reshape(-1, 3)
     at = np.meshgrid(np.arange(count, dtype=float), np.arange(lattice.root_row, rows, dtype=float), indexing="ij")
     place = np.stack([a.ravel() for a in at])
     depth = np.zeros(len(start))
-    limits = np.array([[count - 1.0], [rows - 1.0]])
+    lowest = np.array([[0.0], [float(lattice.root_row) if in_tooth else 0.0]])
+    highest = np.array([[count - 1.0], [rows - 1.0]])
 
     def shares(place: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
         (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(place, (count, rows), strict=True))
@@ -134,7 +138,7 @@ def feet_of_normals(lattice: ToothLattice) -> Feet:
         position, *tangents = (np.einsum("nk,nkx->nx", s, there) for s in (value, d_along, d_up))
         off = position + depth[:, None] * normal - start
         step = np.linalg.solve(np.stack([*tangents, normal], axis=2), off[..., None])[..., 0]
-        place = np.clip(place - np.clip(step[:, :2].T, -2.0, 2.0), 0.0, limits)
+        place = np.clip(place - np.clip(step[:, :2].T, -2.0, 2.0), lowest, highest)
         depth = depth - step[:, 2]
     nodes, value, _, _ = shares(place)
     position = np.einsum("nk,nkx->nx", value, lattice.nodes[nodes])
@@ -147,9 +151,9 @@ def flank_loads(lattice: ToothLattice) -> csc_array:
     return functionals(len(lattice.nodes), flank, np.ones(flank.shape), -lattice.flank_normal.reshape(-1, 3))
 
 
-def foot_displacements(lattice: ToothLattice) -> csc_array:
+def foot_displacements(lattice: ToothLattice, *, in_tooth: bool = False) -> csc_array:
     """Displacement at the foot of the normal of each node of the loaded side, along it into the tooth (3 n, k)."""
-    feet = feet_of_normals(lattice)
+    feet = feet_of_normals(lattice, in_tooth=in_tooth)
     return functionals(len(lattice.nodes), feet.nodes, feet.shares, -lattice.flank_normal.reshape(-1, 3))
 
 

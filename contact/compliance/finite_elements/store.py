@@ -1,7 +1,8 @@
-"""Arrays kept on disk under a key, so that no tooth is factored twice."""
+"""Arrays kept on disk under a key, so that no tooth is factored twice; the least used go when the folder is full."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import warnings
@@ -19,6 +20,8 @@ from ....core.files import whole_file
 
 Array = NDArray[Any]
 FOLDER_VARIABLE = "EASEOFF_CACHE"
+LARGEST_FOLDER = 500e6  # [bytes], some fifty pairs
+KEY_DIGITS = 40
 
 
 def cache_folder() -> Path | None:
@@ -38,14 +41,14 @@ def key_of(*parts: Any) -> str:
             digest.update(np.ascontiguousarray(part).tobytes())
         else:
             digest.update(repr(part).encode())
-    return digest.hexdigest()[:40]
+    return digest.hexdigest()[:KEY_DIGITS]
 
 
 def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     """Arrays by name, read if they are there, else made and kept.
 
-    A file that cannot be read is made anew. If it cannot be written, a warning says so, and the arrays are returned all
-    the same.
+    Of more than ``LARGEST_FOLDER`` bytes those not asked for the longest are deleted. A file that cannot be read is
+    made anew. If it cannot be written, a warning says so, and the arrays are returned all the same.
 
     Parameters
     ----------
@@ -60,13 +63,34 @@ def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     path = folder / f"{key}.npz"
     try:
         with np.load(path, allow_pickle=False) as stored:
-            return {name: stored[name] for name in stored.files}
+            arrays = {name: stored[name] for name in stored.files}
+        with contextlib.suppress(OSError):  # of a folder that can only be read
+            os.utime(path)
+        return arrays
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
         pass
     arrays = dict(make())
     try:
         with whole_file(path) as temporary, open(temporary, "wb") as stream:
             np.savez(stream, allow_pickle=False, **arrays)
+        _make_room(folder, path)
     except InputError as error:
         warnings.warn(f"the tooth's compliance is not kept: {error}; set {FOLDER_VARIABLE}", stacklevel=2)
     return arrays
+
+
+def _make_room(folder: Path, newest: Path) -> None:
+    """Delete the files longest unused, but for the newest, until the rest fits."""
+    files = []
+    for path in folder.glob(f"{'[0-9a-f]' * KEY_DIGITS}.npz"):
+        with contextlib.suppress(OSError):  # another run may have deleted it just now
+            status = path.stat()
+            files.append((status.st_mtime, status.st_size, path))
+    total = sum(size for _, size, _ in files)
+    for _, size, path in sorted(files):
+        if total <= LARGEST_FOLDER:
+            return
+        if path != newest:
+            with contextlib.suppress(OSError):
+                path.unlink()
+            total -= size
