@@ -16,8 +16,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from easeoff.friction.ehl import LineContact, Oil, generated_profile, rough_passage, smooth_film
-from easeoff.friction.ehl import hierarchical
+from easeoff.friction.ehl import (
+    Asperities,
+    LineContact,
+    Oil,
+    generated_profile,
+    hierarchical,
+    mixed_film,
+    rough_passage,
+    smooth_film,
+)
 from easeoff.friction.ehl.deflection import Deflection, logarithm_of_hats
 from easeoff.friction.ehl.reynolds import balance
 from scipy.linalg import lu_factor, lu_solve, toeplitz
@@ -43,6 +51,11 @@ def smooth(nodes: int) -> object:
     return smooth_film(CONTACT, nodes=nodes)
 
 
+def mixed(nodes: int) -> object:
+    """One film with asperities that share the load."""
+    return mixed_film(CONTACT, Asperities(1e-6, 20e-6), nodes=nodes)
+
+
 def rough(nodes: int) -> object:
     """A few steps of rough surfaces."""
     profiles = [generated_profile(0.3e-6, 30e-6, 10e-3, seed) for seed in (1, 2)]
@@ -61,7 +74,7 @@ def dense_solve(a: Any, c: Any, influence: Any, sides: Any) -> object:
 
 
 def measured(nodes: int) -> list[float]:
-    """Times of a smooth film, a linear solve, a deflection, a dense solve and a rough step."""
+    """Times of a smooth and a mixed film, a linear solve, a deflection, a dense solve, a rough step and a passage."""
     film = smooth_film(CONTACT, nodes=nodes)
     assert film.certified
     point, spacing = film.outcome.point, film.problem.deflection.spacing
@@ -72,15 +85,18 @@ def measured(nodes: int) -> list[float]:
     deflection = Deflection(nodes, spacing)
     times = [
         milliseconds(smooth, nodes),
+        milliseconds(mixed, nodes),
         milliseconds(hierarchical.solve, a, c, sides),
         milliseconds(deflection, point.pressure),
         np.nan,
         np.nan,
+        np.nan,
     ]
     if nodes <= LARGEST_DENSE:
-        times[3] = milliseconds(dense_solve, a, c, toeplitz(logarithm_of_hats(np.arange(nodes))), sides)
+        times[4] = milliseconds(dense_solve, a, c, toeplitz(logarithm_of_hats(np.arange(nodes))), sides)
     if nodes <= LARGEST_ROUGH:
-        times[4] = (milliseconds(rough, nodes) - times[0]) / ROUGH_STEPS
+        times[5] = (milliseconds(rough, nodes) - times[0]) / ROUGH_STEPS
+        times[6] = times[0] + nodes * times[5]  # once through the domain, one node a step
     return times
 
 
@@ -88,7 +104,7 @@ def main() -> None:
     """Print times in milliseconds, and the exponents of their growth."""
     sizes = [int(word) for word in sys.argv[1:]] or [129, 257, 513, 1025, 2049, 4097]
     times = np.array([measured(nodes) for nodes in sizes])
-    names = ["smooth film", "linear solve", "deflection", "dense solve", "rough step"]
+    names = ["smooth film", "mixed film", "linear solve", "deflection", "dense solve", "rough step", "passage"]
     print(tabulate([[n, *row] for n, row in zip(sizes, times, strict=True)], ["nodes", *names], floatfmt=".3g"))
     growth = np.diff(np.log(times), axis=0) / np.diff(np.log(sizes))[:, None]
     rows = [[f"{n} to {m}", *row] for n, m, row in zip(sizes, sizes[1:], growth, strict=False)]

@@ -194,6 +194,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "time": ("us", "time since the heights began to grow"),
     "kept_time": ("us", "time of the fields that were kept"),
     "film_pressure": ("MPa", "pressure of film and touching asperities together"),
+    "asperity_pressure": ("MPa", "part of the pressure that statistical asperities carry"),
     "film": ("um", "film thickness; behind the end of the film the gap"),
     "node_state": ("", "what holds at a node"),
     "settled": ("1", "1 for steps that count in averages, 0 elsewhere"),

@@ -97,8 +97,39 @@ def test_heat_lowers_friction_more_the_more_slides() -> None:
         ratios.append(warm.coefficient / cold.coefficient)
     assert 1.0 > ratios[0] > ratios[1] > ratios[2] > 0.2
     settled = traction(sliding(1.0), X, PRESSURE, FILM, thermal=True)
-    own = film_temperature(sliding(1.0), X, settled.stress, FILM, 0.14, 12890.0)
+    own = film_temperature(sliding(1.0), X, settled.stress, FILM, OIL.conductivity_at(PRESSURE), 12890.0)
     np.testing.assert_allclose(settled.temperature_rise, own, rtol=1e-4, atol=1e-6)
+
+
+def test_heated_oil_thins_by_roelands_law_of_the_temperature() -> None:
+    """From viscosity and slope at 50 deg C to the viscosities of 75W90 printed for 25, 75 and 100 deg C."""
+    oil = replace(OIL, temperature_viscosity=math.log(0.1626 / 0.0208) / 50.0, inlet_temperature=50.0)
+    fall, slope = oil.thermal_thinning(np.array([-25.0, 0.0, 25.0, 50.0]))
+    np.testing.assert_allclose(oil.viscosity * np.exp(-fall), [0.1626, 0.0499, 0.0208, 0.0106], rtol=0.06)
+    assert slope[1] == pytest.approx(oil.temperature_viscosity, rel=1e-12)
+    up, down = (oil.thermal_thinning(np.array([40.0 + d]))[0][0] for d in (1e-4, -1e-4))
+    assert oil.thermal_thinning(np.array([40.0]))[1][0] == pytest.approx((up - down) / 2e-4, rel=1e-6)
+    straight, _ = OIL.thermal_thinning(np.array([100.0]))
+    assert straight[0] == pytest.approx(3.8)
+    with pytest.raises(InputError, match="inlet_temperature"):
+        replace(OIL, inlet_temperature=-200.0)
+
+
+def test_conductivity_doubles_at_a_gigapascal() -> None:
+    np.testing.assert_allclose(OIL.conductivity_at(np.array([0.0, 1e9])), [0.14, 0.14 * (1.0 + 1.54 / 1.33)])
+
+
+def test_hottest_films_settle() -> None:
+    """A thick, fast, cold film, where each kelvin lowers the heat."""
+    oil = Oil(0.1626, 18e-9, law="two_slope", temperature_viscosity=0.047, conductivity=0.14, inlet_temperature=25.0)
+    contact = LineContact(2.5e9, 0.04, 20.0, oil, slide_to_roll=1.0)
+    x = np.linspace(-1.0, 1.0, 201) * contact.half_width
+    pressure = 2.5e9 * np.sqrt(1.0 - (x / contact.half_width) ** 2)
+    film = np.full_like(x, 8e-6)
+    result = traction(contact, x, pressure, film, thermal=True)
+    assert result.temperature_rise.max() > 1000.0  # far beyond what an oil stands: the numerics must
+    own = film_temperature(contact, x, result.stress, film, oil.conductivity_at(pressure), 12890.0)
+    np.testing.assert_allclose(result.temperature_rise, own, rtol=1e-4, atol=1e-3)
 
 
 def test_thermal_correction_asks_for_its_numbers() -> None:

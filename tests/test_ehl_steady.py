@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.optimize import brentq
+from scipy.stats import qmc
 
 from easeoff.core.errors import InputError
 from easeoff.friction import lubricant
@@ -80,6 +81,28 @@ def test_minimum_film_is_that_of_pan_and_hamrock(numbers: tuple[float, float, fl
     film = smooth_film(contact(*numbers), nodes=513)
     assert film.certified
     assert film.minimum_film == pytest.approx(pan_hamrock(film.contact), rel=0.03)
+
+
+def test_minimum_film_is_that_of_pan_and_hamrock_over_a_range() -> None:
+    """U 1e-12 to 1e-10, W 2e-5 to 5e-4, G 2200 to 5060, evenly, where L is from 4 to 8.
+
+    For the scatter of the formula all around see docs/mixed_ehl.md.
+    """
+    ratios = []
+    for a, b, c in qmc.Sobol(3, seed=3).random(64):
+        speed, load, material = 1e-12 * 100.0**a, 2e-5 * 25.0**b, 2200.0 * 2.3**c
+        viscous = material * (2.0 * speed) ** 0.25
+        if 4.0 < viscous < 8.0:
+            pressure = MODULUS * math.sqrt(load / (2.0 * math.pi))
+            velocity = speed * MODULUS * 0.02 / 0.04
+            film = smooth_film(contact(pressure, 0.02, velocity, 0.04, material / MODULUS), nodes=513)
+            assert film.certified
+            assert film.flow_variation < 1e-10
+            ratios.append(film.minimum_film / pan_hamrock(film.contact))
+    error = np.abs(np.array(ratios) - 1.0)
+    assert error.size > 25
+    assert (error < 0.03).mean() > 0.95
+    assert error.max() < 0.035
 
 
 @pytest.mark.parametrize(("load", "viscous"), [(10, 5), (30, 5), (10, 10), (30, 10), (10, 15), (30, 15), (10, 20)])

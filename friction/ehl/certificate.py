@@ -26,6 +26,7 @@ class Status(StoredStatus):
     NOT_CONVERGED = 1
     NOT_CERTIFIED = 2
     FAILED = 3
+    NOT_RUN = 4
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Certificate:
     load : float
         |integral of P - load| / load.
     negative_pressure : float
-        max(-P, 0), in units of the Hertz pressure.
+        max(-P, 0) of the lubricant, in units of the Hertz pressure.
     negative_lack : float
         max(-V, 0) over the mean flow: more lubricant than the gap holds.
     negative_gap : float
@@ -87,10 +88,10 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
     can_touch = math.isfinite(problem.touching_film)
     gap = point.gap[inner] / problem.touching_film if can_touch else np.full_like(lack, math.inf)
     load = problem.deflection.spacing * float(pressure.sum())
-    shared = np.minimum(np.minimum(pressure[inner], np.abs(lack)), np.abs(gap))
+    shared = np.minimum(np.minimum(point.fluid[inner], np.abs(lack)), np.abs(gap))
     return Certificate(
         load=abs(load - LOAD) / LOAD,
-        negative_pressure=max(-float(pressure.min()), 0.0) + float(np.abs(pressure[[0, -1]]).max()),
+        negative_pressure=max(-float(point.fluid.min()), 0.0) + float(np.abs(point.fluid[[0, -1]]).max()),
         negative_lack=max(-float(lack.min()), 0.0),
         negative_gap=max(-float(gap.min()), 0.0),
         complementarity=max(float(shared.max()), 0.0),

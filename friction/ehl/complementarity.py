@@ -31,7 +31,8 @@ from numpy.typing import NDArray
 from . import hierarchical
 from .conditions import LineContact
 from .deflection import Deflection
-from .reynolds import Balance, History, balance
+from .load_sharing import Asperities
+from .reynolds import Balance, History, balance, chained
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
@@ -92,6 +93,8 @@ class Problem:
     history : History, optional
     lacking : (n) array or float
         V that arrives at each node from upstream.
+    asperities : Asperities, optional
+        Roughness by its statistics, which carries a part of the pressure; H is then the separation of the mean planes.
     """
 
     contact: LineContact
@@ -100,6 +103,7 @@ class Problem:
     touching_film: float = -math.inf
     history: History | None = None
     lacking: Array | float = 0.0
+    asperities: Asperities | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +121,10 @@ class Point:
         V.
     gap : (n) array
         g.
+    fluid, fluid_by_film : (n) arrays
+        Pressure of the lubricant, and its derivative by H: P itself, or what statistical asperities leave of it.
+    clearance : (n) array
+        Mean thickness of the film: H, or the mean gap between statistically rough surfaces.
     """
 
     pressure: Array
@@ -125,6 +133,9 @@ class Point:
     balance: Balance
     lack: Array
     gap: Array
+    fluid: Array
+    fluid_by_film: Array
+    clearance: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,17 +163,28 @@ class Outcome:
 
 def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
     """Film, mass balance and gap at given pressures and approach."""
-    deflection = problem.deflection
+    contact, deflection = problem.contact, problem.deflection
     film = problem.profile + approach + deflection(pressure)
+    fluid, fluid_by_film, clearance, by_film = pressure, np.zeros_like(film), film, np.ones_like(film)
+    if problem.asperities is not None:
+        separation = contact.film_scale * film
+        carried, slope = problem.asperities.pressure(separation, contact.reduced_modulus)
+        fluid = pressure - carried / contact.hertz_pressure
+        fluid_by_film = -contact.film_scale / contact.hertz_pressure * slope
+        clearance, by_film = problem.asperities.mean_gap(separation)
+        clearance = clearance / contact.film_scale
     flow = balance(
-        problem.contact,
+        contact,
         deflection.spacing,
-        pressure,
-        film,
+        fluid,
+        clearance,
         history=problem.history,
         touching_film=problem.touching_film,
     )
-    return Point(pressure, film, approach, flow, flow.residual + problem.lacking, film - problem.touching_film)
+    if problem.asperities is not None:
+        flow = chained(flow, fluid_by_film, by_film)
+    gap = film - problem.touching_film
+    return Point(pressure, film, approach, flow, flow.residual + problem.lacking, gap, fluid, fluid_by_film, clearance)
 
 
 def solve(problem: Problem, pressure: Array, approach: float, paces: Sequence[Pace]) -> Outcome:
@@ -220,7 +242,7 @@ def _states(problem: Problem, point: Point, pace: Pace) -> States:
     members = np.stack(
         [
             point.lack / by_own_pressure,
-            point.pressure,
+            point.fluid,
             point.gap / (pace.gap_scale * abs(problem.deflection.influence[0])),
         ]
     )
@@ -232,11 +254,13 @@ def _newton_step(problem: Problem, point: Point, state: States) -> tuple[Array, 
     """Changes of pressures and approach that set the chosen members and the error of the load to zero, linearised."""
     spacing = problem.deflection.spacing
     whole, touching = state == State.FILM, state == State.TOUCHING
-    value = np.choose(state, [point.lack, point.pressure, point.gap])
+    ruptured = state == State.RUPTURED
+    value = np.choose(state, [point.lack, point.fluid, point.gap])
     by_pressure = np.where(whole, point.balance.by_pressure, 0.0)
-    by_pressure[2, state == State.RUPTURED] = 1.0
+    by_pressure[2, ruptured] = 1.0
     by_film = np.where(whole, point.balance.by_film, 0.0)
     by_film[2, touching] = 1.0
+    by_film[2, ruptured] = point.fluid_by_film[ruptured]
     # The influence is unit * (logarithm of hats + ln spacing). The second part lifts all nodes alike: it is left out of
     # the matrix and taken back from the approach.
     unit = -spacing / math.pi

@@ -29,6 +29,8 @@ class LineContact:
         (u1 - u2) over the rolling velocity [1]; |slide_to_roll| = 2 holds one surface still.
     reduced_modulus : float
         E' = 2 / [(1 - nu1^2) / E1 + (1 - nu2^2) / E2] [Pa].
+    inlet_viscosity : float
+        Viscosity in the flow over that in the shear [1]: below 1 where the inlet is heated, see `inlet`.
 
     Raises
     ------
@@ -42,12 +44,14 @@ class LineContact:
     oil: Oil
     slide_to_roll: float = 0.0
     reduced_modulus: float = STEEL
+    inlet_viscosity: float = 1.0
 
     def __post_init__(self) -> None:
         _check("hertz_pressure", self.hertz_pressure, "Pa")
         _check("radius", self.radius, "m")
         _check("rolling_velocity", self.rolling_velocity, "m/s")
         _check("reduced_modulus", self.reduced_modulus, "Pa")
+        _check("inlet_viscosity", self.inlet_viscosity, "1")
         if not abs(self.slide_to_roll) <= 2.0:
             raise InputError(f"slide_to_roll must be within [-2, 2], not {self.slide_to_roll!r}")
         if self.hertz_pressure > 0.1 * self.reduced_modulus:
@@ -106,6 +110,7 @@ class LineContact:
         """12 viscosity velocity R^2 / (a^3 p_h): the only group of the isoviscous equation in Hertz units [1]."""
         return (
             12.0
+            * self.inlet_viscosity
             * self.oil.viscosity
             * self.rolling_velocity
             * self.radius**2

@@ -30,7 +30,12 @@ def oil_75w90(temperature: float) -> Oil:
     InputError
         The temperature is beyond the table.
     """
-    return Oil.of(lubricant("75w90").at(temperature), eyring_stress=_EYRING_STRESS)
+    return Oil.of(
+        lubricant("75w90").at(temperature),
+        eyring_stress=_EYRING_STRESS,
+        law="two_slope",
+        inlet_temperature=temperature,
+    )
 
 
 @dataclass(frozen=True)
@@ -161,6 +166,17 @@ class Design:
             for number in np.ravel_multi_index(tuple(levels.T), self.shape):
                 chosen.setdefault(int(number))
         return np.array(list(chosen)[:size])
+
+
+#: The levels of the dissertation and others between them: what a formula needs that holds between the former as well.
+REFINED = Design(
+    hertz_pressure=(0.5, 0.6, 0.75, 0.9, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5),
+    radius=(5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0),
+    rolling_velocity=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 15.0, 17.0, 20.0),
+    slide_to_roll=(0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.35, 0.5, 0.75, 1.0),
+    temperature=(25.0, 30.0, 37.5, 45.0, 50.0, 55.0, 62.5, 70.0, 75.0, 82.5, 90.0, 100.0),
+    roughness=(0.1, 0.15, 0.2, 0.35, 0.5, 0.6, 0.7, 0.85, 1.0),
+)
 
 
 def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.int_]:

@@ -17,7 +17,7 @@ _STATES = {int(state): state.name for state in State}
 
 
 def film_dataset(film: Film) -> xr.Dataset:
-    """Pressure, film thickness and state by position, with the status and the certificate of the answer.
+    """Pressure, asperities' part, film thickness and state by position, with the status and certificate of the answer.
 
     Returns
     -------
@@ -26,7 +26,9 @@ def film_dataset(film: Film) -> xr.Dataset:
     """
     data: dict[str, Any] = {
         "film_pressure": ("rolling_position", 1e-6 * film.pressure),
+        "asperity_pressure": ("rolling_position", 1e-6 * film.asperity_pressure),
         "film": ("rolling_position", 1e6 * film.film),
+        "asperity_share": film.asperity_share,
         "node_state": ("rolling_position", film.state, flag_attributes(_STATES)),
         "status": ((), np.int8(film.status), Status.flag_attributes()),
         "worst_residual": film.certificate.worst,

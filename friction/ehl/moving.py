@@ -7,7 +7,7 @@ the mean advance by one node. With that step, what a broken film lacks moves on 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -237,6 +237,7 @@ class _March:
         self.step = 0
         point = start.outcome.point
         self.pressure, self.approach = point.pressure, point.approach
+        self.smooth = point.pressure
         self.mass = self.mass_before = self._mass(point)
         # Behind a steady film each node lacks what the one before lacks, and what its own balance adds.
         ruptured = start.state == State.RUPTURED
@@ -263,7 +264,14 @@ class _March:
             history,
             np.concatenate([[0.0], self.lack[:-1]]),
         )
-        outcome = solve(problem, self.pressure, self.approach, ROUGH)
+        # What roughness makes of the pressure moves on with the mean flow, more or less: a third fewer Newton steps.
+        carried = self.smooth + np.concatenate([[0.0], (self.pressure - self.smooth)[:-1]])
+        carried[-1] = 0.0
+        outcome = solve(problem, np.maximum(carried, 0.0), self.approach, ROUGH[:1])
+        if not outcome.converged:
+            spent = outcome.iterations
+            outcome = solve(problem, self.pressure, self.approach, ROUGH)
+            outcome = replace(outcome, iterations=spent + outcome.iterations)
         point = outcome.point
         if outcome.converged:
             self.pressure, self.approach = point.pressure, point.approach

@@ -16,6 +16,11 @@ Array = NDArray[np.float64]
 
 #: Constants of Roelands' law [Pa], [1].
 _ROELANDS_PRESSURE, _ROELANDS_LOGARITHM = 1.98e8, 9.67
+#: Where Roelands' law of the temperature has its pole [deg C].
+_ROELANDS_TEMPERATURE = -135.0
+#: Rise of the conductivity of a naphthenic mineral oil with the pressure, as k / k0 = 1 + a p / (1 + b p) [1/Pa]
+#: (Larsson and Andersson, Proceedings IMechE Part J 214 (2000) 337; other oils are within a tenth at 1 GPa).
+_CONDUCTIVITY_RISE = (1.54e-9, 0.33e-9)
 #: Transition of the two-slope law [Pa]: start, where the two lines would meet, and end.
 _TWO_SLOPE = (70e6, 380e6, 1400e6)
 #: Coefficients of the density by Dowson and Higginson [1/Pa].
@@ -46,9 +51,12 @@ class Oil:
     compressible : bool
         Density by Dowson and Higginson, or constant.
     temperature_viscosity : float, optional
-        Fall of ln(viscosity) with the temperature [1/K]; needed for the thermal correction.
+        Fall of ln(viscosity) with the temperature at the inlet [1/K]; needed for the thermal correction.
     conductivity : float, optional
-        Thermal conductivity [W/(m K)]; needed for the thermal correction.
+        Thermal conductivity at ambient pressure [W/(m K)]; needed for the thermal correction.
+    inlet_temperature : float, optional
+        [deg C]. With it a heated film thins by Roelands' law, less and less; without it ln(viscosity) falls in a
+        straight line, too far once the rise is some tens of kelvin.
 
     Raises
     ------
@@ -65,6 +73,7 @@ class Oil:
     compressible: bool = True
     temperature_viscosity: float | None = None
     conductivity: float | None = None
+    inlet_temperature: float | None = None
 
     def __post_init__(self) -> None:
         _check("viscosity", self.viscosity, "Pa s")
@@ -78,12 +87,17 @@ class Oil:
         ):
             if getattr(self, name) is not None:
                 _check(name, getattr(self, name), unit)
+        if self.inlet_temperature is not None and not self.inlet_temperature > _ROELANDS_TEMPERATURE:
+            raise InputError(
+                f"inlet_temperature must be above {_ROELANDS_TEMPERATURE:g} deg C, not {self.inlet_temperature!r}"
+            )
         if self.law not in ("roelands", "two_slope"):
             raise InputError(f"law {self.law!r} is not known: give 'roelands' or 'two_slope'")
-        if self.law == "roelands" and math.log(self.viscosity) + _ROELANDS_LOGARITHM <= 0.0:
+        by_roelands = self.law == "roelands" or self.inlet_temperature is not None
+        if by_roelands and math.log(self.viscosity) + _ROELANDS_LOGARITHM <= 0.0:
             raise InputError(
                 f"viscosity {self.viscosity:g} Pa s is below {math.exp(-_ROELANDS_LOGARITHM):.2g} Pa s, "
-                "where Roelands' law ends: give Pa s, not another unit, or take the two-slope law"
+                "where Roelands' laws end: give Pa s, not another unit, or the two-slope law and no inlet_temperature"
             )
 
     @classmethod
@@ -121,6 +135,26 @@ class Oil:
         slope = low + s * (2.0 * square + 3.0 * s * cubic) / width
         value = np.where(pressure < first, low * pressure, value + high * np.maximum(pressure - last, 0.0))
         return value, slope
+
+    def thermal_thinning(self, rise: Array) -> tuple[Array, Array]:
+        """Return by how much ln(viscosity) falls with a rise of the temperature [K], and the derivative [1/K].
+
+        That of the viscosity at ambient pressure; what the pressure adds to ln(viscosity) stays.
+        """
+        fall = self.temperature_viscosity or 0.0
+        if self.inlet_temperature is None:
+            return fall * rise, np.full_like(rise, fall)
+        above = self.inlet_temperature - _ROELANDS_TEMPERATURE
+        span = math.log(self.viscosity) + _ROELANDS_LOGARITHM
+        exponent = fall * above / span
+        base = 1.0 + rise / above
+        power = base**-exponent
+        return span * (1.0 - power), fall * power / base
+
+    def conductivity_at(self, pressure: Array) -> Array:
+        """Thermal conductivity at pressures >= 0 [Pa], in W/(m K)."""
+        rise, fall = _CONDUCTIVITY_RISE
+        return np.asarray((self.conductivity or 0.0) * (1.0 + rise * pressure / (1.0 + fall * pressure)))
 
     def relative_density(self, pressure: Array) -> tuple[Array, Array]:
         """Return density over that at ambient pressure, and its derivative [1/Pa], at pressures >= 0 [Pa]."""

@@ -24,7 +24,7 @@ it, see `fluid_part`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,6 +163,26 @@ def balance(
         by_film[2, 1:-1] += history.weight * density[1:-1]
         flow += mass[left]
     return Balance(residual, flow, by_pressure, by_film)
+
+
+def chained(flow: Balance, pressure_by_film: Array, film_by_film: Array) -> Balance:
+    """Balance of a fluid pressure and a mean gap that depend on the separation: derivatives by separation for H.
+
+    Parameters
+    ----------
+    flow : Balance
+        With derivatives by the lubricant's own pressure and the mean gap.
+    pressure_by_film, film_by_film : (n) arrays
+        Derivatives of both by the separation.
+    """
+    by_film = np.zeros_like(flow.by_film)
+    nodes = pressure_by_film.size
+    for k, offset in enumerate((-2, -1, 0, 1)):
+        row = slice(max(0, -offset), nodes - max(0, offset))
+        column = slice(max(0, offset), nodes + min(0, offset))
+        by_film[k, row] = flow.by_film[k, row] * film_by_film[column]
+        by_film[k, row] += flow.by_pressure[k, row] * pressure_by_film[column]
+    return replace(flow, by_film=by_film)
 
 
 def fluid_part(film: Array, touching_film: float) -> tuple[Array, Array]:

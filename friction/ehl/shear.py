@@ -23,8 +23,10 @@ BOUNDARY_FRICTION = 0.1
 
 #: ln(viscosity) beyond which the Eyring stress is that of its asymptote anyway; keeps exp from overflowing.
 _STIFFEST = 600.0
-#: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted.
+#: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted; change
+#: of the temperature [K] that ends the inner steps, and their number.
 _TOLERANCE, _ADJUSTMENTS = 1e-6, 60
+_KELVIN, _NEWTON_STEPS = 1e-6, 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,8 @@ class Traction:
     stress : (n) array
         Shear stress [Pa], with the sign of the sliding velocity.
     film, asperities : float
-        Friction coefficients: shear force of the film, and of the touching asperities, over the load [1].
+        Friction coefficients: shear force of the film, and of the touching asperities, over the load [1]. That of the
+        film is NaN if the thermal correction does not settle.
     temperature_rise : (n) array
         Mean rise of the film over the inlet temperature [K]; zero without the thermal correction.
     """
@@ -59,6 +62,7 @@ def traction(
     film: Array,
     *,
     fluid_part: Array | float = 1.0,
+    asperity_pressure: Array | float = 0.0,
     boundary_friction: float = BOUNDARY_FRICTION,
     thermal: bool = False,
     effusivity: float = STEEL_EFFUSIVITY,
@@ -72,11 +76,13 @@ def traction(
         [m], [Pa], [m]; equal distances.
     fluid_part : (n) array or float
         Part of the pressure that the lubricant carries, see `reynolds.fluid_part`; touching asperities carry the rest.
+    asperity_pressure : (n) array or float
+        What asperities carry beside `pressure` [Pa], see `load_sharing`.
     boundary_friction : float
         Friction coefficient of touching asperities [1].
     thermal : bool
-        Lower the viscosity in the shear stress by the film's own heat, see `film_temperature`. The film thickness stays
-        as it is: heating in the inlet is not covered.
+        Lower the viscosity in the shear stress by the film's own heat, see `film_temperature` and
+        `Oil.thermal_thinning`. The film thickness stays as it is, see `inlet.heated_inlet`.
     effusivity : float
         Root of conductivity, density and specific heat of the bodies [J/(m^2 K s^0.5)].
 
@@ -90,49 +96,69 @@ def traction(
     whole = loaded > 0.0  # where it is not, the film is ruptured
     thickening, _ = oil.log_viscosity(loaded)
     sliding = abs(np.sign(contact.sliding_velocity))
-    solid = sliding * boundary_friction * (1.0 - fluid_part) * loaded
+    solid = sliding * boundary_friction * ((1.0 - fluid_part) * loaded + asperity_pressure)
 
-    def stress_at(rise: Array) -> Array:
-        fall = 0.0 if oil.temperature_viscosity is None else oil.temperature_viscosity * rise
-        fluid = _eyring(contact, np.where(whole, thickening - fall, 0.0), film)
+    def stress_at(rise: Array) -> tuple[Array, Array]:
+        fall, by_rise = oil.thermal_thinning(rise)
+        fluid, by_fall = _eyring(contact, np.where(whole, thickening - fall, 0.0), film)
         if oil.limiting_shear is not None:
-            fluid = np.minimum(fluid, oil.limiting_shear * loaded)
-        return np.asarray(np.where(whole, fluid_part * fluid, 0.0) + solid)
+            ceiling = oil.limiting_shear * loaded
+            fluid, by_fall = np.minimum(fluid, ceiling), np.where(fluid < ceiling, by_fall, 0.0)
+        part = np.where(whole, fluid_part, 0.0)
+        return part * fluid + solid, -part * by_fall * by_rise
 
     rise = np.zeros_like(pressure)
-    stress = stress_at(rise)
+    stress, _ = stress_at(rise)
     if thermal:
         if oil.temperature_viscosity is None or oil.conductivity is None:
             raise InputError("the thermal correction needs the oil's temperature_viscosity and conductivity")
+        conductivity = oil.conductivity_at(loaded)
+        within = abs(contact.sliding_velocity) * film / (12.0 * conductivity)  # rise over the surfaces by the stress
         for _ in range(_ADJUSTMENTS):
-            rise = 0.5 * (rise + film_temperature(contact, position, stress, film, oil.conductivity, effusivity))
-            hotter = stress_at(rise)
-            change = float(np.abs(hotter - stress).sum())
-            stress = hotter
-            if change <= _TOLERANCE * float(stress.sum()):
+            surface = film_temperature(contact, position, stress, film, math.inf, effusivity)
+            last = stress
+            # Where a film heats itself, less heat arises: the rise is the root of an increasing, concave function.
+            rise = surface
+            for _ in range(_NEWTON_STEPS):
+                stress, slope = stress_at(rise)
+                change = (surface + within * stress - rise) / (1.0 - within * slope)
+                rise = np.maximum(rise + change, surface)
+                if float(np.abs(change).max()) < _KELVIN:
+                    break
+            stress, _ = stress_at(rise)
+            if float(np.abs(stress - last).sum()) <= _TOLERANCE * float(stress.sum()):
                 break
+            stress = 0.5 * (stress + last)
+        else:
+            stress = np.full_like(stress, math.nan)
     spacing = float(position[1] - position[0])
     over_load = spacing / contact.load
     return Traction(
         stress=math.copysign(1.0, contact.sliding_velocity) * stress,
         film=over_load * float((stress - solid).sum()),
-        asperities=over_load * float(solid.sum()),
+        asperities=over_load * float(np.sum(solid)),
         temperature_rise=rise,
     )
 
 
-def _eyring(contact: LineContact, thickening: Array, film: Array) -> Array:
-    """Shear stress of the film [Pa] >= 0 from ln(viscosity) over that at the inlet."""
+def _eyring(contact: LineContact, thickening: Array, film: Array) -> tuple[Array, Array]:
+    """Shear stress of the film [Pa] >= 0 from ln(viscosity) over that at the inlet, and its derivative by that."""
     oil = contact.oil
     rate = abs(contact.sliding_velocity) / np.maximum(film, 1e-12)
     newtonian = oil.viscosity * np.exp(np.minimum(thickening, _STIFFEST)) * rate
     if math.isinf(oil.eyring_stress):
-        return np.asarray(newtonian)
-    return np.asarray(oil.eyring_stress * np.arcsinh(newtonian / oil.eyring_stress))
+        return np.asarray(newtonian), np.asarray(newtonian)
+    strain = newtonian / oil.eyring_stress
+    return np.asarray(oil.eyring_stress * np.arcsinh(strain)), np.asarray(newtonian / np.hypot(1.0, strain))
 
 
 def film_temperature(
-    contact: LineContact, position: Array, stress: Array, film: Array, conductivity: float, effusivity: float
+    contact: LineContact,
+    position: Array,
+    stress: Array,
+    film: Array,
+    conductivity: Array | float,
+    effusivity: float,
 ) -> Array:
     """Mean temperature rise over the film thickness [K].
 
@@ -146,7 +172,7 @@ def film_temperature(
     contact : LineContact
     position, stress, film : (n) arrays
         [m], [Pa], [m].
-    conductivity : float
+    conductivity : (n) array or float
         Of the oil [W/(m K)].
     effusivity : float
         Of the bodies [J/(m^2 K s^0.5)].

@@ -13,6 +13,7 @@ from .certificate import Certificate, Status, certify, judge
 from .complementarity import SMOOTH, Outcome, Problem, State, States, solve
 from .conditions import LineContact
 from .deflection import Deflection
+from .load_sharing import Asperities
 from .reynolds import Array
 
 #: The inlet lies where the gap of the rigid surfaces is as many times the film.
@@ -20,6 +21,8 @@ _FLOODED = 120.0
 #: The coarsest grid of the sequence that leads to the wanted one has at most twice as many nodes.
 _COARSEST = 96
 _FEWEST, _MOST = 65, 16385
+#: Separation in rms heights at which statistical asperities hardly touch any more.
+_APART = 4.0
 #: Thicker and thinner films to start from on the coarsest grid, as factors of the estimate.
 _STARTS = (1.0, 2.0, 0.5, 4.0, 8.0)
 
@@ -36,7 +39,7 @@ class Film:
     pressure : (n) array
         [Pa].
     film : (n) array
-        Film thickness [m]; beyond the end of the film the gap.
+        Film thickness [m], the mean gap between statistically rough surfaces; beyond the end of the film the gap.
     state : (n) int array
         Values of `State`.
     status : Status
@@ -48,6 +51,8 @@ class Film:
         The same in units of the Hertz contact, with the mass balance.
     problem : Problem
         What was solved.
+    asperity_pressure : (n) array
+        What statistical asperities carry of the pressure [Pa]; zero between smooth surfaces.
     """
 
     contact: LineContact
@@ -60,6 +65,12 @@ class Film:
     iterations: int
     outcome: Outcome
     problem: Problem
+    asperity_pressure: Array
+
+    @property
+    def asperity_share(self) -> float:
+        """Part of the load that asperities carry [1]."""
+        return float(self.asperity_pressure.sum() / self.pressure.sum())
 
     @property
     def certified(self) -> bool:
@@ -141,7 +152,42 @@ def smooth_film(
     The grid is refined by halves from about a hundred nodes on, each starting from the one before: the end of the film
     then moves by a node or two on each grid, and the number of Newton steps does not grow with the number of nodes.
     """
-    start, end = domain(contact, flooded) if span is None else span
+    return _refined(contact, nodes, domain(contact, flooded) if span is None else span, None)
+
+
+def mixed_film(
+    contact: LineContact,
+    asperities: Asperities,
+    *,
+    nodes: int = 257,
+    flooded: float = _FLOODED,
+    span: tuple[float, float] | None = None,
+) -> Film:
+    """Solve for the mean film between rough surfaces whose asperities share the load, see `load_sharing`.
+
+    Parameters
+    ----------
+    contact : LineContact
+    asperities : Asperities
+        Both surfaces' roughness together.
+    nodes, flooded, span
+        As for `smooth_film`.
+
+    Returns
+    -------
+    Film
+        With `asperity_pressure`; otherwise as from `smooth_film`.
+    """
+    if span is None:
+        start, end = domain(contact, flooded)
+        # Far enough for the asperities to part.
+        end = max(end, 1.2 + 1.5 * math.sqrt(_APART * asperities.rms / contact.film_scale))
+        span = min(start, -end), end
+    return _refined(contact, nodes, span, asperities)
+
+
+def _refined(contact: LineContact, nodes: int, span: tuple[float, float], asperities: Asperities | None) -> Film:
+    start, end = span
     if not (start < -1.0 and end > 1.0 and math.isfinite(end - start)):
         raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start!r} to {end!r}")
     if not _FEWEST <= nodes <= _MOST:
@@ -151,17 +197,19 @@ def smooth_film(
         sizes.append((sizes[-1] + 1) // 2)
     grids = [np.linspace(start, end, size) for size in reversed(sizes)]
     for factor in _STARTS:
-        film = _from_dry_contact(contact, grids, factor)
+        film = _from_dry_contact(contact, grids, factor, asperities)
         if film.certified:
             break
     return film
 
 
-def _from_dry_contact(contact: LineContact, grids: list[Array], factor: float) -> Film:
+def _from_dry_contact(contact: LineContact, grids: list[Array], factor: float, asperities: Asperities | None) -> Film:
     """Refine from the dry contact with a film of `factor` times the estimate in between."""
     x = grids[0]
-    problem = _problem(contact, x)
+    problem = _problem(contact, x, asperities)
     film = factor * contact.central_film_estimate() / contact.film_scale
+    if asperities is not None:
+        film = max(film, factor * asperities.rms / contact.film_scale)
     # A film that is thick against the flattening spreads the load over more than the dry contact.
     width = max(1.0, 1.5 * math.sqrt(film))
     pressure = np.sqrt(np.maximum(1.0 - (x / width) ** 2, 0.0)) / width
@@ -171,13 +219,13 @@ def _from_dry_contact(contact: LineContact, grids: list[Array], factor: float) -
         if not outcome.converged:
             break
         pressure = np.interp(grid, x, np.maximum(outcome.point.pressure, 0.0))
-        x, problem = grid, _problem(contact, grid)
+        x, problem = grid, _problem(contact, grid, asperities)
         outcome = solve(problem, pressure, outcome.point.approach, SMOOTH)
     return described(contact, x, problem, outcome)
 
 
-def _problem(contact: LineContact, x: Array) -> Problem:
-    return Problem(contact, Deflection(x.size, float(x[1] - x[0])), 0.5 * x**2)
+def _problem(contact: LineContact, x: Array, asperities: Asperities | None = None) -> Problem:
+    return Problem(contact, Deflection(x.size, float(x[1] - x[0])), 0.5 * x**2, asperities=asperities)
 
 
 def described(contact: LineContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
@@ -188,11 +236,12 @@ def described(contact: LineContact, x: Array, problem: Problem, outcome: Outcome
         contact=contact,
         position=contact.half_width * x,
         pressure=contact.hertz_pressure * point.pressure,
-        film=contact.film_scale * point.film,
+        film=contact.film_scale * point.clearance,
         state=outcome.state,
         status=judge(outcome.converged, certificate),
         certificate=certificate,
         iterations=outcome.iterations,
         outcome=outcome,
         problem=problem,
+        asperity_pressure=contact.hertz_pressure * (point.pressure - point.fluid),
     )

@@ -8,7 +8,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,140 +18,9 @@ import xarray as xr
 from ...core.attributes import labelled
 from ...core.errors import InputError, MissingPackageError
 from ...core.files import check_writable, whole_file
+from .cases import NUMBERS, Resolution, Row, run_case
 from .certificate import Status
 from .design import Condition, Design, numbers
-from .moving import FLOODED, TOUCHING_FILM, rough_passage
-from .roughness import generated_profile
-from .shear import BOUNDARY_FRICTION
-from .steady import domain, smooth_film
-
-#: A case whose certified steps are fewer than this share is not converged.
-ENOUGH_STEPS = 0.9
-_RAMP = 20
-
-
-@dataclass(frozen=True)
-class Resolution:
-    """What the study assumes beyond the conditions, and how finely it computes.
-
-    Attributes
-    ----------
-    correlation_length : float
-        Of the generated profiles of both surfaces [m].
-    points : float
-        Grid spacings in a correlation length.
-    fewest, most : int
-        Bounds of the number of nodes. Where the upper one cuts in, the profile is coarser.
-    travel : float
-        How far the mean flow moves while averages are taken: as many correlation lengths, or one half width of the
-        contact if that is more. Before, it moves from the inlet to the middle.
-    flooded : float
-        See `steady.domain`.
-    order : int
-        Of the differences in space and time, see `moving.rough_passage`.
-    seed : int
-        Of the profiles; the surfaces have different ones.
-    touching_film, boundary_friction : float
-        [m], [1].
-    thermal : bool
-        Lower the viscosity in the shear stress by the film's own heat.
-    """
-
-    correlation_length: float = 30e-6
-    points: float = 3.0
-    fewest: int = 193
-    most: int = 1025
-    travel: float = 20.0
-    flooded: float = FLOODED
-    order: int = 2
-    seed: int = 1
-    touching_film: float = TOUCHING_FILM
-    boundary_friction: float = BOUNDARY_FRICTION
-    thermal: bool = True
-
-
-Row = dict[str, float]
-
-#: Numbers of a row besides the condition and the status; NaN where there is no answer.
-_NUMBERS = (
-    "film_friction",
-    "asperity_friction",
-    "asperity_share",
-    "mean_film",
-    "smooth_film",
-    "lambda_ratio",
-    "certified_share",
-    "newton_steps",
-    "nodes",
-    "run_time",
-)
-
-
-def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
-    """Compute one combination.
-
-    Returns
-    -------
-    dict
-        `status` and the numbers of the dataset, in its units. A case that fails is a row with its status.
-    """
-    resolution = resolution or Resolution()
-    start = time.perf_counter()
-    row: Row = {**dict.fromkeys(_NUMBERS, math.nan), "status": float(Status.FAILED)}
-    try:
-        row.update(_computed(condition, resolution))
-    except Exception as error:  # the study goes on; what went wrong is in the row
-        row["message"] = f"{type(error).__name__}: {error}"  # type: ignore[assignment]
-    row["run_time"] = time.perf_counter() - start
-    return row
-
-
-def _computed(condition: Condition, resolution: Resolution) -> Row:
-    contact = condition.contact
-    span = domain(contact, resolution.flooded)
-    length = (span[1] - span[0]) * contact.half_width
-    wanted = math.ceil(resolution.points * length / resolution.correlation_length) + 1
-    nodes = min(max(wanted, resolution.fewest), resolution.most)
-    spacing = length / (nodes - 1)
-    settle = max(_RAMP, math.ceil(-span[0] * contact.half_width / spacing))
-    averaged = math.ceil(max(resolution.travel * resolution.correlation_length, contact.half_width) / spacing)
-    period = max(2.0 * length, 50.0 * resolution.correlation_length)
-    first, second = (
-        generated_profile(1e-6 * rms, resolution.correlation_length, period, seed)
-        for rms, seed in (
-            (condition.roughness_1, 2 * resolution.seed),
-            (condition.roughness_2, 2 * resolution.seed + 1),
-        )
-    )
-    passage = rough_passage(
-        contact,
-        first,
-        second,
-        steps=settle + averaged,
-        nodes=nodes,
-        ramp=_RAMP,
-        settle=settle,
-        span=span,
-        touching_film=resolution.touching_film,
-        order=resolution.order,
-        boundary_friction=resolution.boundary_friction,
-        thermal=resolution.thermal,
-    )
-    smooth = smooth_film(contact)
-    enough = passage.certified_share >= ENOUGH_STEPS and smooth.certified
-    film = smooth.minimum_film if smooth.certified else math.nan
-    return {
-        "status": float(Status.CERTIFIED if enough else Status.NOT_CONVERGED),
-        "film_friction": passage.average("film_friction"),
-        "asperity_friction": passage.average("asperity_friction"),
-        "asperity_share": passage.average("asperity_share"),
-        "mean_film": 1e6 * passage.average("mean_film"),
-        "smooth_film": 1e6 * film,
-        "lambda_ratio": film / condition.composite_roughness,
-        "certified_share": passage.certified_share,
-        "newton_steps": float(passage.iterations.mean()),
-        "nodes": float(nodes),
-    }
 
 
 def run_study(
@@ -164,7 +33,7 @@ def run_study(
     seconds: float = math.inf,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Run combinations of the study that are not known yet, and write the dataset of all that are.
+    """Run combinations of the study that are not known yet, and write the dataset.
 
     Parameters
     ----------
@@ -178,7 +47,7 @@ def run_study(
     dask : bool
         Spread the cases over dask: over the client that is active, or else the processes of this machine.
     seconds : float
-        Begin no case after as many.
+        Begin no case after as many; the rest are rows with the status `NOT_RUN`.
     progress : callable, optional
         Called with the number of cases done and of all that were missing.
 
@@ -210,11 +79,13 @@ def run_study(
         _append(store, {"key": key, "number": number, "row": row})
         if progress is not None:
             progress(done, len(missing))
-    rows = {number: known[number] for number in conditions if number in known}
+    not_run: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
+    rows = {number: known.get(number, not_run) for number in conditions}
     dataset = study_dataset(design, rows)
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
     with whole_file(target) as temporary:
-        dataset.to_netcdf(temporary, engine="netcdf4")
+        packed = {name: {"zlib": True} for name in dataset.data_vars}
+        dataset.to_netcdf(temporary, engine="netcdf4", encoding=packed)
     return dataset
 
 
@@ -231,7 +102,7 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
         renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
         for name in names
     }
-    for name in _NUMBERS:
+    for name in NUMBERS:
         data[name] = ("combination", np.array([row[name] for row in rows.values()], dtype=float))
     friction = data["film_friction"][1] + data["asperity_friction"][1]
     data["friction_coefficient"] = ("combination", friction)
@@ -273,7 +144,7 @@ def _read(store: Path, key: str) -> dict[int, Row]:
         try:
             entry = json.loads(line)
             if entry["key"] == key:
-                known[int(entry["number"])] = {**dict.fromkeys(_NUMBERS, math.nan), **entry["row"]}
+                known[int(entry["number"])] = {**dict.fromkeys(NUMBERS, math.nan), **entry["row"]}
         except (ValueError, KeyError, TypeError):
             continue
     return known
