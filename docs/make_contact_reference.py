@@ -208,13 +208,13 @@ def solve_all() -> None:
 
 
 def tables() -> None:
-    """Differences of both models, with all edges and on the lines of contact alone."""
+    """Differences of all models, with all edges and on the lines of contact alone."""
     head = ["case", "N m", "model", "mean urad", "mean %", "greatest %", "p-p urad", "model's", "share %"]
     for edges in EDGES:
         rows = []
         for name in NAMES:
             for torque in setting(name)[1]:
-                for model in ("fe", "shell"):
+                for model in ("fe", "solid_shell", "shell"):
                     d = difference(name, model, torque, edges=edges)
                     level = float(reference(name).sel(torque=torque, edges=edges)["transmission_error"].mean())
                     numbers = [f"{x:.1f}" for x in (level, d.mean, d.error, *d.peak_to_peak, d.share)]

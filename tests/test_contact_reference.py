@@ -59,6 +59,14 @@ def test_finite_elements_where_lines_touch(kept: Any) -> None:
         assert found.share < 2.0
 
 
+def test_solid_shell(kept: Any) -> None:
+    """As finite elements in the mean and the pressure, without their time."""
+    for torque in kept.TORQUES["fm-11x41"]:
+        found = kept.difference("fm-11x41", "solid_shell", torque)
+        assert abs(found.mean) < 3.0
+        assert abs(found.peak) < 5.0
+
+
 def test_shell(kept: Any) -> None:
     """Mean within 5 % on both pairs and with misalignment; pressure within 5 %."""
     for name in kept.NAMES:
