@@ -264,7 +264,7 @@ def test_too_few_cases_for_a_formula_are_refused() -> None:
 def test_shipped_studies_have_every_case_of_their_subset(number: int, design: Design) -> None:
     dataset = shipped_studies()[number]
     cases = dataset.sizes["combination"]
-    assert cases >= 2500
+    assert cases == (31500, 3000)[number]
     np.testing.assert_array_equal(np.sort(dataset["combination"]), np.sort(design.subset(cases)))
     assert (dataset["status"] == Status.CERTIFIED).mean() > 0.99
     assert np.isnan(dataset["friction_coefficient"].where(dataset["status"] != Status.CERTIFIED)).all()
@@ -274,7 +274,7 @@ def test_shipped_studies_have_every_case_of_their_subset(number: int, design: De
     middle = dataset["friction_coefficient"].groupby_bins(dataset["lambda_ratio"], edges).median()
     assert (np.diff(middle) < 0.0).all()
     assert float(dataset["asperity_share"].where(dataset["lambda_ratio"] > 4.0).max()) < 1e-3
-    assert SHIPPED[number].stat().st_size < 500_000
+    assert SHIPPED[number].stat().st_size < 1_000_000
     assert {name: dataset.attrs[name] for name in asdict(Resolution())} == {
         name: int(value) if isinstance(value, bool) else value for name, value in asdict(Resolution()).items()
     }
