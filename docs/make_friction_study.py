@@ -1,8 +1,8 @@
 """Make the studies and the formula of ``friction/ehl``: python docs/make_friction_study.py [FOLDER].
 
 All 31,500 combinations of the dissertation's design and 3000 of the refined one, half an hour of one processor. Rows
-are kept in FOLDER, here if none is named, so that an interrupted run goes on where it stopped; with the extra ``dask`` all
-processors share the work. Prints the tables of docs/mixed_ehl.md.
+are kept in FOLDER, here if none is named, so that an interrupted run goes on where it stopped; with the extra ``dask``
+all processors share the work. Prints the tables of docs/mixed_ehl.md.
 """
 
 from __future__ import annotations
