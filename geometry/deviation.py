@@ -26,6 +26,18 @@ SAMPLES = (49, 25)  # nodes at which a formula is taken, lengthwise and up the p
 ON_GRID = 1e-9
 
 
+def require_method(name: str) -> None:
+    """Refuse an interpolation between nodes that there is none of.
+
+    Raises
+    ------
+    InputError
+        The message lists those there are.
+    """
+    if name not in get_args(Method):
+        raise InputError(f"interpolation {name!r}: allowed are {', '.join(get_args(Method))}")
+
+
 @dataclass(frozen=True, eq=False)
 class Deviation:
     """Deviation of one flank, given at the nodes of a grid.
@@ -56,8 +68,7 @@ class Deviation:
     method: Method = "spline"
 
     def __post_init__(self) -> None:
-        if self.method not in get_args(Method):
-            raise InputError(f"method = {self.method!r}: allowed are {', '.join(get_args(Method))}")
+        require_method(self.method)
         shapes = {name: np.shape(getattr(self, name)) for name in ("axial", "radial", "value")}
         if len(set(shapes.values())) != 1 or np.ndim(self.value) != 2 or min(np.shape(self.value)) < 2:
             given = ", ".join(f"{name} {shape}" for name, shape in shapes.items())

@@ -14,7 +14,7 @@ import xarray as xr
 from ..core.errors import GeometryError, InputError
 from ..geometry.deviated_ease_off import deviated_ease_off
 from ..geometry.deviated_surface import deviated_pair
-from ..geometry.deviation import Deviation, Method, deviation_from_dataset
+from ..geometry.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.formats.cmm import opened as open_netcdf
 from ..geometry.formats.measured import SUFFIXES, flank_deviation, read_measured_grid
 from ..geometry.pair import GearPair, PairGeometry, pair_geometry
@@ -81,6 +81,7 @@ def flank_deviations(
     InputError
         If a source cannot be used, or does not belong to that flank.
     """
+    require_method(interpolation)
     found = {}
     for name, source in sources.items():
         member = named_member(pair, name)

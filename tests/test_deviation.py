@@ -8,6 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from pairs import GEAR_BLANK
 
+import easeoff
 from easeoff.core.errors import InputError
 from easeoff.geometry.deviation import Deviation, Method, deviation_from_dataset, deviation_from_formula
 from easeoff.geometry.deviation_interpolation import smoothed
@@ -126,6 +127,8 @@ def test_bad_input_is_refused() -> None:
         Deviation(GEAR_BLANK, axial, radial, value + 12.0)
     with pytest.raises(InputError, match="weighted_average"):
         Deviation(GEAR_BLANK, axial, radial, value, "linear")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="interpolation 'cubic': allowed are spline"):
+        easeoff.analyze("fm-11x41", torques=[50.0], interpolation="cubic")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="no variable 'deviation'"):
         deviation_from_dataset(GEAR_BLANK, xr.Dataset())
     good = deviation_from_formula(GEAR_BLANK, lambda t, h: t).on_grid(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
