@@ -251,7 +251,8 @@ def pressure_maps(example: str) -> Figure:
     grid = figure.subplots(1, 2)
     shading = None
     for axes, view, surface, name in zip(grid, views, maps, ("designed", "deviating"), strict=True):
-        draw_flank(axes, view)
+        draw_flank(axes, view, labels=(True, axes is grid[0]))
+        axes.tick_params(axis="y", pad=16, length=0)  # beyond the word at the toe
         shading = draw_surface(axes, view, surface, levels) or shading
         axes.set_title(f"{name}, peak {surface.peak:.0f} MPa", fontsize=SMALL_SIZE + 1, color=INK, loc="left")
     if shading is not None:
