@@ -18,8 +18,9 @@ from ....core.errors import GeometryError
 from ....geometry.lattice_places import LatticePlaces
 from ....geometry.pair import GearPair
 from ....geometry.tooth_flanks import MemberName
-from ....geometry.tooth_lattice import SHELL_HINT, LatticeSize, ToothLattice, tooth_lattice
+from ....geometry.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 from ..material import Material
+from .members import unfilled
 from .store import kept, key_of
 from .surface import surface_compliance
 
@@ -112,7 +113,7 @@ def _response(lattice: ToothLattice, material: Material, member: str) -> dict[st
     try:
         whole = surface_compliance(lattice.nodes, lattice.cells, lattice.held, material, loaded, normal)
     except GeometryError as error:
-        raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
+        raise unfilled(member, error) from error
     place = lattice.nodes[loaded]
     distance = np.linalg.norm(place[:, None] - place, axis=2)
     np.fill_diagonal(distance, np.inf)

@@ -162,7 +162,7 @@ def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, 
     try:
         shell = solid_shell(lattice, material, counts)
     except GeometryError as error:
-        raise _unfilled(member, error) from error
+        raise unfilled(member, error) from error
     return square_root(shell.response(flank_loads(lattice), foot_displacements(lattice, in_tooth=True)))
 
 
@@ -175,7 +175,8 @@ def _long_enough(size: LatticeSize) -> LatticeSize:
     return replace(size, lengthwise=max(size.lengthwise, 4))
 
 
-def _unfilled(member: str, error: GeometryError) -> GeometryError:
+def unfilled(member: str, error: GeometryError) -> GeometryError:
+    """What to say of a member whose lattice has a brick turned inside out."""
     return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
 
 
@@ -183,7 +184,7 @@ def _condensed(lattice: ToothLattice, material: Material, member: str) -> dict[s
     try:
         body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
     except GeometryError as error:
-        raise _unfilled(member, error) from error
+        raise unfilled(member, error) from error
     feet, (stresses, station) = foot_displacements(lattice), stress_functionals(lattice, material)
     response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
     count = feet.shape[1]

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ..material import Material
+from .body import elastic_body
 from .bricks import quadratic, stiffness
-from .factor import COLUMNS, Factoriser, solver_of
+from .factor import COLUMNS, Factoriser
 from .half_space import point_force_displacement, point_force_traction
 
 Array = NDArray[Any]
@@ -69,11 +70,8 @@ def surface_compliance(
     MissingPackageError
         As ``factor.solver_of``.
     """
-    matrix = stiffness(nodes, cells, material)
-    movable = np.ones(3 * len(nodes), dtype=bool)
-    movable[(3 * held[:, None] + np.arange(3)).ravel()] = False
-    free = np.flatnonzero(movable)
-    solve = solver_of(matrix[free][:, free], factoriser)
+    body = elastic_body(nodes, cells, held, material, factoriser=factoriser)
+    free = body.free
     near = _near(nodes, cells, loaded, normal)
     field_matrix = stiffness(nodes, near, material).tocsr()[free]
     points, weighted_normals, onto_nodes = _faces(nodes, near)
@@ -96,7 +94,7 @@ def surface_compliance(
             traction[np.linalg.norm(offset, axis=1) < TOO_NEAR] = 0.0
             loads[:, k] = (onto_nodes @ traction).ravel()
         answer = np.zeros((3 * len(nodes), count))
-        answer[free] = solve(np.asarray(field_matrix @ known.reshape(-1, count) - loads[free]))
+        answer[free] = body.solve(np.asarray(field_matrix @ known.reshape(-1, count) - loads[free]))
         at_loaded = answer.reshape(len(nodes), 3, count)[loaded]
         result[:, part] = -np.einsum("mx,mxk->mk", normal, at_loaded)
     return result
