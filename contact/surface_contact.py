@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 from .compliance.finite_elements.flank_response import FlankResponse
 from .compliance.finite_elements.half_space import even_pressure_integral
 from .compliance.material import Material
+from .problem import ContactProblem
+from .solvers import solve
 from .surface_cells import Cells
 
 Array = NDArray[Any]
-ITERATIONS = 100
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class SurfaceContact:
     rotation
         Of the gear [rad].
     settled
-        Whether the active set settled; if not, force and rotation are NaN.
+        Whether the answer is certified; if not, force and rotation are NaN.
     """
 
     force: list[Array]
@@ -95,28 +96,11 @@ def solve_surface_contact(
     Returns
     -------
     SurfaceContact
-        Solved to rounding; not settled if a compliance is not positive definite or the active set keeps changing.
+        Certified, or not settled: if a compliance has a negative eigenvalue, for instance.
     """
-    sizes = np.cumsum([s.size for s in separation])[:-1]
-    gap, arm = np.concatenate(separation), np.concatenate(lever_arm)
-    unsettled = SurfaceContact(np.split(np.full(gap.size, np.nan), sizes), np.nan, False)
-    active = gap <= np.min(gap) + 0.5 * np.ptp(gap)
-    for _ in range(ITERATIONS):
-        parts = np.split(active, sizes)
-        by_arm, by_gap = np.zeros(gap.size), np.zeros(gap.size)
-        for own, matrix, part in zip(np.split(np.arange(gap.size), sizes), compliance, parts, strict=True):
-            chosen = own[part]
-            try:
-                factor = scipy.linalg.cho_factor(matrix[np.ix_(part, part)])
-            except np.linalg.LinAlgError:
-                return unsettled
-            by_arm[chosen], by_gap[chosen] = scipy.linalg.cho_solve(factor, np.stack([arm[chosen], gap[chosen]], 1)).T
-        rotation = (torque + arm @ by_gap) / (arm @ by_arm)
-        force = rotation * by_arm - by_gap
-        deflection = np.concatenate([m @ f for m, f in zip(compliance, np.split(force, sizes), strict=True)])
-        remaining = deflection + gap - rotation * arm
-        settled = np.where(active, force > 0.0, remaining < 0.0)
-        if np.array_equal(settled, active):
-            return SurfaceContact(np.split(force, sizes), float(rotation), True)
-        active = settled
-    return unsettled
+    problem = ContactProblem(
+        np.concatenate(separation), np.concatenate(lever_arm), torque, scipy.linalg.block_diag(*compliance)
+    )
+    solution = solve(problem)
+    by_pair = np.split(solution.force, np.cumsum([s.size for s in separation])[:-1])
+    return SurfaceContact(by_pair, solution.rotation, solution.certified)
