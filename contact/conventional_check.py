@@ -22,9 +22,10 @@ from ..geometry.flank_surface import seed_lattice
 from ..geometry.pair import DEFAULT_NODES, GearPair, Member, grid, pair_geometry
 from ..geometry.relative_curvature import RelativeCurvature, relative_curvature
 from ..geometry.vectors import dot
+from .closest_approach import closest_approach
 from .curves import contact_fields
 from .fields import FlankFields
-from .segments import MeshLines, closest_approach, lines_in_mesh
+from .segments import MeshLines, lines_in_mesh
 from .unloaded import unloaded_contact
 
 Array = NDArray[Any]

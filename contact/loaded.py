@@ -10,19 +10,22 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .bending import ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
+from .bending import MEMBERS, ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
+from .closest_approach import closest_approach
 from .compliance import WeberLineContact
 from .curves import contact_fields
+from .edges import PASSING, MeshEdges, edges_in_mesh
 from .fields import FlankFields
 from .line_contact_batch import LineContacts, solve_line_contacts
 from .line_contact_solution import solve_on_bending
 from .loaded_cases import LoadedCase, Segments, loaded_dataset
 from .modal_basis import basis_of_blocks
-from .segments import MeshLines, closest_approach, gauss_points
+from .segments import MeshLines, gauss_points
 from .solvers import Status, require_solver
 
 Array = NDArray[Any]
 SMALLEST_DEPTH = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
+REACH = 1.1  # times the rotation within which an edge must be met to be taken in
 SMALLEST_CURVATURE = 1e-5  # [1/mm]; flanks that fit closer than this make no line contact, and a wider band is no harm
 
 
@@ -34,12 +37,12 @@ def all_segments(
     count: int,
     elastic: tuple[ElasticTooth, ElasticTooth] | None = None,
 ) -> list[Segments | None]:
-    """Segments of every mesh position, with their compliance.
+    """Segments of the contact lines at every mesh position, with their compliance.
 
     Parameters
     ----------
     fields
-        Splines of ``curves.contact_fields`` and ``bending.tooth_fields``.
+        Splines of ``loaded_fields``.
     teeth
         The geometry's ``teeth``.
     model
@@ -56,36 +59,73 @@ def all_segments(
     list
         One entry a mesh position; ``None`` where no tooth pair can touch.
     """
-    lines = mesh.lines
-    points, weights = gauss_points(lines, count)
-    closest = closest_approach(fields, points)
-    # Two depths and all segments at once: the splines cost more to call than to evaluate.
-    shape = (lines.level.size, count, weights.size)
-    depths = fields.evaluate(["depth_pinion", "depth_gear"], points)
-    averaged = (closest.separation_angle, closest.lever_arm, closest.curvature, *depths.values())
-    means = [np.reshape(v, shape) @ weights for v in averaged]
-    place = np.reshape(points, (2, *shape)) @ weights
-    per_segment = np.reshape(points, (2, -1, weights.size))
-    whitened = whitened_loads(elastic or elastic_teeth(teeth, model), fields, per_segment, weights).T
-    length = np.repeat(lines.length / count, count).reshape(shape[:2])
+    lines = _on_lines(fields, elastic or elastic_teeth(teeth, model), mesh, count)
+    return _by_position(lines, model, mesh.rotations.size)
+
+
+def _by_position(rows: dict[str, Array], model: ElasticModel, positions: int) -> list[Segments | None]:
+    """Rows of a table of segments, see ``_on_lines``, parted by mesh position."""
     result: list[Segments | None] = []
-    for k in range(mesh.rotations.size):
-        chosen = np.flatnonzero(mesh.position == k)
+    for k in range(positions):
+        chosen = np.flatnonzero(rows["position"] == k)
         if chosen.size == 0:
             result.append(None)
             continue
-        angles, arms, curvature, pinion_depth, gear_depth = (m[chosen].ravel() for m in means)
-        columns = (chosen[:, None] * count + np.arange(count)).ravel()
-        pairs = np.repeat(mesh.pair[chosen], count)
+        here = {name: values[..., chosen] for name, values in rows.items()}
+        pairs = here["pair"]
         # Segments on different teeth are coupled through the blanks alone, which are taken as rigid.
-        rows = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
-        bending = basis_of_blocks(pairs.size, rows, [whitened[columns[own]] for own in rows])
-        lengths = length[chosen].ravel()
-        radii = 1.0 / np.maximum(curvature, SMALLEST_CURVATURE)
-        depth_p, depth_g = (np.maximum(depth, SMALLEST_DEPTH) for depth in (pinion_depth, gear_depth))
-        contact = WeberLineContact(lengths, radii, depth_p, depth_g, model.pinion, model.gear, model.foot_correction)
-        result.append(Segments(pairs, place[:, chosen].reshape(2, -1), angles, arms, lengths, radii, bending, contact))
+        blocks = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
+        bending = basis_of_blocks(pairs.size, blocks, [here["load"][:, own].T for own in blocks])
+        contact = WeberLineContact(
+            here["length"],
+            1.0 / np.maximum(here["curvature"], SMALLEST_CURVATURE),
+            *(np.maximum(here[f"depth_{member}"], SMALLEST_DEPTH) for member in MEMBERS),
+            model.pinion,
+            model.gear,
+            model.foot_correction,
+            overhang=here["overhang"],
+        )
+        place, angle, arm = (here[name] for name in ("place", "separation_angle", "lever_arm"))
+        result.append(Segments(pairs, place, angle, arm, bending, contact))
     return result
+
+
+def _on_lines(
+    fields: FlankFields, elastic: tuple[ElasticTooth, ElasticTooth], mesh: MeshLines, count: int
+) -> dict[str, Array]:
+    """Table of the segments on contact lines, their number last; ``load`` has their whitened unit loads."""
+    lines = mesh.lines
+    points, weights = gauss_points(lines, count)
+    closest = closest_approach(fields, points)
+    averaged = {
+        "separation_angle": closest.separation_angle,
+        "lever_arm": closest.lever_arm,
+        "curvature": closest.curvature,
+        **fields.evaluate(["depth_pinion", "depth_gear"], points),
+    }
+    shape = (-1, weights.size)
+    whitened = whitened_loads(elastic, fields, np.reshape(points, (2, *shape)), weights)
+    return {name: np.reshape(v, shape) @ weights for name, v in averaged.items()} | {
+        "position": np.repeat(mesh.position, count),
+        "pair": np.repeat(mesh.pair, count),
+        "place": np.reshape(points, (2, *shape)) @ weights,
+        "length": np.repeat(lines.length / count, count),
+        "overhang": np.full(lines.level.size * count, np.nan),
+        "load": whitened,
+    }
+
+
+def _on_edges(fields: FlankFields, elastic: tuple[ElasticTooth, ElasticTooth], edges: MeshEdges) -> dict[str, Array]:
+    """The same of the pieces of edges."""
+    found = edges.elements
+    names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
+    return {name: getattr(found, name) for name in names} | {
+        **fields.evaluate(["depth_pinion", "depth_gear"], found.points),
+        "position": edges.position,
+        "pair": edges.pair,
+        "place": found.points,
+        "load": whitened_loads(elastic, fields, found.points[..., None], np.ones(1)),
+    }
 
 
 def solve_all(
@@ -134,7 +174,8 @@ def solve_all(
 
 def loaded_fields(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) -> FlankFields:
     """Splines of everything the loaded contact needs on the gear flank."""
-    return contact_fields(flanks, ease_off, tooth_fields(teeth))
+    passing = {name: ease_off[name].transpose("lengthwise", "profile").values for name in PASSING}
+    return contact_fields(flanks, ease_off, tooth_fields(teeth) | passing)
 
 
 def loaded_contact(
@@ -146,6 +187,7 @@ def loaded_contact(
     torques: Array,
     model: ElasticModel | None = None,
     segments_per_line: int = 31,
+    edge_contact: bool = True,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -168,6 +210,8 @@ def loaded_contact(
         How the teeth give way.
     segments_per_line
         Segments of a contact line.
+    edge_contact
+        Whether edges of the teeth may touch beside the contact lines.
     solver
         Name of the solver, see ``solvers.available_solvers``.
     progress
@@ -188,6 +232,27 @@ def loaded_contact(
     torques = np.asarray(torques, dtype=float)
     if torques.size == 0 or not np.all(np.isfinite(torques) & (torques > 0.0)):
         raise InputError(f"torques = {torques.tolist()}: every torque must be a positive number in N m")
-    segments = all_segments(fields, teeth, model or ElasticModel(), mesh, segments_per_line)
+    model = model or ElasticModel()
+    elastic = elastic_teeth(teeth, model)
+    rows = _on_lines(fields, elastic, mesh, segments_per_line)
+    segments = _by_position(rows, model, mesh.rotations.size)
+    if edge_contact:
+        edges = _on_edges(fields, elastic, _edges_within_reach(fields, mesh, segments, float(torques.max()), ratio))
+        both = {name: np.concatenate([rows[name], edges[name]], axis=-1) for name in rows}
+        segments = _by_position(both, model, mesh.rotations.size)
     cases = solve_all(segments, torques, ratio, solver, options, progress)
     return loaded_dataset(segments, cases, torques, mesh.rotations), cases
+
+
+def _edges_within_reach(
+    fields: FlankFields, mesh: MeshLines, on_lines: list[Segments | None], torque: float, ratio: float
+) -> MeshEdges:
+    """Pieces of edges that the pair reaches as it turns under a torque [N m].
+
+    What more touches can only hold the pair back: its rotation with contact on lines alone is the farthest.
+    """
+    reached = np.full(mesh.rotations.size, np.nan)
+    for case in solve_all(on_lines, np.array([torque]), ratio, "auto", {}):
+        reached[case.mesh_position] = case.solution.rotation
+    farthest = np.nanmax(reached) if np.any(np.isfinite(reached)) else 0.0
+    return edges_in_mesh(fields, mesh, REACH * np.where(np.isfinite(reached), reached, farthest))

@@ -36,8 +36,8 @@ class Segments:
         Lengthwise and profile fractions on the gear (2, n).
     separation_angle
         Gap as a gear rotation [rad].
-    lever_arm, length, equivalent_radius
-        [mm].
+    lever_arm
+        Of the normal force about the gear axis [mm].
     bending
         Compliance of teeth and roots in modes, a block for every tooth pair.
     line_contact
@@ -48,8 +48,6 @@ class Segments:
     place: Array
     separation_angle: Array
     lever_arm: Array
-    length: Array
-    equivalent_radius: Array
     bending: ModalBasis
     line_contact: WeberLineContact
 
@@ -57,6 +55,21 @@ class Segments:
     def separation(self) -> Array:
         """Normal gap (n) [mm]."""
         return np.asarray(self.separation_angle * self.lever_arm)
+
+    @property
+    def length(self) -> Array:
+        """Length along the contact line (n) [mm]."""
+        return self.line_contact.length
+
+    @property
+    def equivalent_radius(self) -> Array:
+        """Radius of relative curvature across the contact line (n) [mm]."""
+        return self.line_contact.equivalent_radius
+
+    @property
+    def overhang(self) -> Array:
+        """How far beyond a tooth edge the flanks would come closest (n) [mm]; NaN on contact lines."""
+        return self.line_contact.overhang
 
     @cached_property
     def bending_problem(self) -> ContactProblem:
@@ -84,7 +97,8 @@ def loaded_dataset(
     cycle = (torques.size, rotations.size)
     pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
     status = np.full(cycle, Status.INFEASIBLE, dtype=np.int8)
-    scalars = {name: np.full(cycle, np.nan) for name in ("transmission_error", "iterations", *CERTIFICATE)}
+    names = ("transmission_error", "edge_share", "iterations", *CERTIFICATE)
+    scalars = {name: np.full(cycle, np.nan) for name in names}
     per_segment = {
         name: np.full((*cycle, size), np.nan)
         for name in (
@@ -99,6 +113,7 @@ def loaded_dataset(
             "tooth",
             "lengthwise",
             "profile",
+            "overhang",
         )
     }
     share = np.full((*cycle, pairs.size), np.nan)
@@ -123,12 +138,14 @@ def loaded_dataset(
             "tooth": here.pair,
             "lengthwise": here.place[0],
             "profile": here.place[1],
+            "overhang": here.overhang,
         }
         for name, value in values.items():
             per_segment[name][at][: here.pair.size] = value
         if certified:
             moment = solution.force * here.lever_arm
             share[at] = [np.sum(moment[here.pair == p]) / np.sum(moment) for p in pairs]
+            scalars["edge_share"][at] = np.sum(moment[np.isfinite(here.overhang)]) / np.sum(moment)
     error = scalars["transmission_error"]
     amplitudes = np.array([harmonics(row, ORDERS) for row in error])
     data: dict[str, Any] = {name: (("torque", "mesh_position"), value) for name, value in scalars.items()}

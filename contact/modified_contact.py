@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from ..geometry.modification import Modification, basis, modified_ease_off
 from ..geometry.pair import PairGeometry
 from .bending import ElasticModel, ElasticTooth, elastic_teeth
+from .closest_approach import closest_approach
 from .fields import FlankFields
 from .load_response import LinearLoads, held_in_contact, linear_loads, stacked
 from .loaded import all_segments, loaded_fields, solve_all
 from .loaded_cases import Segments
-from .segments import MeshLines, closest_approach, gauss_points, lines_in_mesh
+from .segments import MeshLines, gauss_points, lines_in_mesh
 from .solvers import Status
 
 Array = NDArray[Any]

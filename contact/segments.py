@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
-from .curves import ContactLines, curvature_and_skew, trace
+from .closest_approach import closest_approach
+from .curves import ContactLines, trace
 from .fields import FlankFields
 
 Array = NDArray[Any]
@@ -38,12 +39,15 @@ class MeshLines:
     pair
         Tooth pair of each line (m). The pair 0 is the one that is at its middle in the middle of the mesh cycle; the
         pair -1 is one pitch ahead of it, the pair 1 one pitch behind.
+    pinion_pitch
+        Angular pitch of the pinion [rad].
     """
 
     rotations: Array
     lines: ContactLines
     position: NDArray[np.int64]
     pair: NDArray[np.int64]
+    pinion_pitch: float
 
 
 def lines_in_mesh(fields: FlankFields, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
@@ -75,82 +79,7 @@ def lines_in_mesh(fields: FlankFields, pinion_pitch: float, mesh_positions: int 
     lines = trace(fields, levels)
     if lines.level.size == 0:
         raise GeometryError("no contact line lies on the common flank of gear and pinion: check the blanks")
-    return MeshLines(rotations, lines, position[lines.level], pair[lines.level])
-
-
-@dataclass(frozen=True)
-class ClosestApproach:
-    """Where the flanks come closest next to points (...) of contact curves.
-
-    Parameters
-    ----------
-    separation_angle
-        Gap there, as a gear rotation (...) [rad].
-    shift
-        How far it lies from the point, as fractions (2, ...).
-    lever_arm
-        Arm of the normal force about the gear axis (...) [mm].
-    curvature
-        Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
-    """
-
-    separation_angle: Array
-    shift: Array
-    lever_arm: Array
-    curvature: Array
-
-
-def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
-    """Gap, place and curvature of the closest approach next to points of a contact curve.
-
-    Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
-    the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
-    or where the way to it leaves the flank, the gap is evaluated.
-
-    Parameters
-    ----------
-    fields
-        Splines from ``curves.contact_fields``.
-    points
-        Points of contact curves (2, ...).
-    """
-    parting = ["separation_bend", "separation_bend_slope"]
-    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *parting], points)
-    first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
-    second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
-
-    # Unit length across the curve on the flank, as a direction (lengthwise, profile).
-    metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
-    gradient = [f["roll_angle"] for f in first]
-    determinant = metric[0] * metric[2] - metric[1] ** 2
-    across = (
-        np.stack([metric[2] * gradient[0] - metric[1] * gradient[1], metric[0] * gradient[1] - metric[1] * gradient[0]])
-        / determinant
-    )
-    slope = np.sqrt(gradient[0] * across[0] + gradient[1] * across[1])  # roll angle per mm across the curve
-    across = across / slope
-
-    def along_across(name: str) -> tuple[Array, Array]:
-        d = first[0][name] * across[0] + first[1][name] * across[1]
-        dd = second[0][name] * across[0] ** 2 + 2 * second[1][name] * across[0] * across[1]
-        return d, dd + second[2][name] * across[1] ** 2
-
-    _, roll_bend = along_across("roll_angle")
-    ease_slope, ease_bend = along_across("ease_off_angle")
-    by_roll = ease_slope / slope
-    bend_by_roll = (ease_bend - by_roll * roll_bend) / slope**2
-    stiffness = curvature_and_skew(*(value[name] for name in parting))[0] + bend_by_roll
-    # A gap that does not open across the curve has no closest approach there: keep the curve itself.
-    opens = stiffness > 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        step = np.where(opens, -by_roll / stiffness, 0.0)
-    curvature = np.where(opens, value["lever_arm"] * stiffness * slope**2, 0.0)
-    closest = np.clip(points + across * step / slope, 0.0, 1.0)
-    there = fields.evaluate(["roll_angle", "ease_off_angle", *parting], closest)
-    left = value["roll_angle"] - there["roll_angle"]
-    second_order, third_order = curvature_and_skew(*(there[name] for name in parting))
-    gap = there["ease_off_angle"] + 0.5 * second_order * left**2 + third_order * left**3 / 6.0
-    return ClosestApproach(gap, closest - points, value["lever_arm"], curvature)
+    return MeshLines(rotations, lines, position[lines.level], pair[lines.level], pinion_pitch)
 
 
 def lost_contact(fields: FlankFields, mesh: MeshLines) -> float:

@@ -18,9 +18,9 @@ from ..geometry.ease_off_surface import compute
 from ..geometry.flank_gap import flank_gap
 from ..geometry.flank_surface import solve_flank
 from ..geometry.pair import DEFAULT_NODES, GearPair, grid
+from .closest_approach import closest_approach
 from .curves import arc_length, contact_fields
 from .fields import FlankFields
-from .segments import closest_approach
 
 Array = NDArray[Any]
 FACING = 0.9  # smallest cosine between the normals of flanks that meet

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from ..core.attributes import labelled
+from .closest_approach import ClosestApproach, closest_approach
 from .curves import ContactLines
 from .fields import FlankFields
 from .harmonics import harmonics, peak_to_peak, rms
-from .segments import ClosestApproach, MeshLines, closest_approach
+from .segments import MeshLines
 
 Array = NDArray[Any]
 FINER = 16  # rotations between two mesh positions at which the envelope is taken

@@ -102,6 +102,8 @@ def loaded_contacts(tree: xr.DataTree) -> LoadedContacts:
         raise InputError("this result has no contact modulus: it was written by an older version; make it anew")
     force = loaded["force"].values
     touching = force > 0.0
+    length, radius = (1e-3 * loaded[name].values[touching] for name in ("length", "equivalent_radius"))
+    modulus = 1e6 * float(loaded.attrs["contact_modulus_MPa"])
     index = np.stack(np.nonzero(touching))
     number = np.cumsum(exists.ravel()).reshape(exists.shape) - 1
     chosen = number[index[1], index[2]]
@@ -109,10 +111,11 @@ def loaded_contacts(tree: xr.DataTree) -> LoadedContacts:
         index=index,
         torque=loaded["torque"].values,
         force=force[touching],
-        length=1e-3 * loaded["length"].values[touching],
-        hertz_pressure=1e6 * loaded["pressure"].values[touching],
-        equivalent_radius=1e-3 * loaded["equivalent_radius"].values[touching],
+        length=length,
+        # Of the whole strip also where an edge cuts it: there the pressure has no limit.
+        hertz_pressure=np.sqrt(force[touching] / length * modulus / (2.0 * np.pi * radius)),
+        equivalent_radius=radius,
         velocities=velocities.chosen(chosen),
         solved=loaded["status"].values == 0,
-        contact_modulus=1e6 * float(loaded.attrs["contact_modulus_MPa"]),
+        contact_modulus=modulus,
     )

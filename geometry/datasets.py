@@ -12,6 +12,7 @@ from ..core.attributes import flag_attributes, labelled
 from .curvature import principal_curvatures
 from .ease_off_surface import EaseOff
 from .flank_surface import Flank, NodeStatus
+from .rolling import drift
 from .tooth import ShellCoordinates, ToothBody
 
 Array = NDArray[Any]
@@ -105,6 +106,7 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
     grid = ("lengthwise", "profile")
     zero = first_contact(ease_off.angle.reshape(shape), ease_off.inside.reshape(shape))
     angle = ease_off.angle - zero
+    passing = drift(ease_off)
     values = {
         "ease_off": 1e3 * angle * ease_off.lever_arm,
         "ease_off_angle": angle,
@@ -114,6 +116,10 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
         "separation_skew": ease_off.separation_skew,
         "pinion_lengthwise": ease_off.pinion_lengthwise,
         "pinion_profile": ease_off.pinion_profile,
+        "pinion_lengthwise_rate": passing.lengthwise[0],
+        "pinion_profile_rate": passing.profile[0],
+        "pinion_lengthwise_acceleration": passing.lengthwise[1],
+        "pinion_profile_acceleration": passing.profile[1],
         "blade_distance": ease_off.blade_distance,
     }
     vectors = {"action_position": ease_off.action_position, "action_normal": ease_off.action_normal}

@@ -35,6 +35,8 @@ class EaseOff:
     ----------
     motion
         The conjugate motion it was computed with.
+    pinion_section
+        Blank of the pinion.
     pinion_parameters
         Parameters (2, n) of the pinion point conjugate to each node.
     pinion_position, pinion_normal
@@ -64,6 +66,7 @@ class EaseOff:
     """
 
     motion: ConjugateMotion
+    pinion_section: BlankSection
     pinion_parameters: Array
     pinion_position: Array
     pinion_normal: Array
@@ -264,9 +267,10 @@ def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     angles = [s.angle - 2 * np.pi * turns for s, turns in zip(surfaces, whole_turns, strict=True)]
     parts = motion.surface.flank_parts
     choice = deepest(parts, [s.blade_distance for s in surfaces], angles)
-    arrays = [field.name for field in fields(EaseOff) if field.name not in ("motion", "angle", "part")]
+    whole = ("motion", "pinion_section", "angle", "part")
+    arrays = [field.name for field in fields(EaseOff) if field.name not in whole]
     picked = {name: pick([getattr(s, name) for s in surfaces], choice) for name in arrays}
-    return EaseOff(motion=motion, angle=pick(angles, choice), part=choice, **picked)
+    return replace(surfaces[0], motion=motion, angle=pick(angles, choice), part=choice, **picked)
 
 
 def _place(motion: ConjugateMotion, parameters: Array) -> Array:
@@ -314,6 +318,7 @@ def _classified(
 
     return EaseOff(
         motion=motion,
+        pinion_section=section,
         pinion_parameters=parameters,
         pinion_position=known(position),
         pinion_normal=known(normal),

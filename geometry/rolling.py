@@ -21,6 +21,8 @@ from .vectors import column, cross, dot
 
 Array = NDArray[Any]
 
+DRIFT_STEPS = 2  # of Newton's method, from a place off by the second order of a small rotation
+
 
 @dataclass(frozen=True)
 class Rolling:
@@ -89,12 +91,16 @@ class Drift:
     ----------
     axial, radial
         Coordinates of the pinion point there [mm/rad].
+    lengthwise, profile
+        First and second derivative of that point's fractions on the pinion flank (2, n) [1/rad, 1/rad^2].
     lever_arm
         Arm about the gear axis of a force along its normal [mm/rad].
     """
 
     axial: Array
     radial: Array
+    lengthwise: Array
+    profile: Array
     lever_arm: Array
 
 
@@ -117,10 +123,33 @@ def drift(ease_off: EaseOff) -> Drift:
             position, normal = motion.action_point(a[:2], a[2])
             relative = position - column(motion.assembly.gear_origin, position)
             lever = np.abs(relative[0] * normal[1] - relative[1] * normal[0])
-            return np.stack([own[2], np.hypot(own[0], own[1]), lever])
+            radial = np.hypot(own[0], own[1])
+            return np.stack([own[2], radial, lever, *ease_off.pinion_section.fractions(own[2], radial)])
 
-        return np.asarray((shown(arguments + along) - shown(arguments - along)) / (2.0 * SKEW_STEP))
+        ahead, behind = (shown(_opposite(motion, arguments, arguments + sign * along)) for sign in (1.0, -1.0))
+        rates = (ahead - behind) / (2.0 * SKEW_STEP)
+        return np.concatenate([rates, (ahead - 2.0 * shown(arguments) + behind)[3:] / SKEW_STEP**2])
 
     arguments = np.concatenate([ease_off.pinion_parameters, (ease_off.roll_angle + ease_off.motion.center)[None]])
     with np.errstate(all="ignore"):
-        return Drift(*on_parts(ease_off.motion.surface.flank_parts, ease_off.part, arguments, on_part))
+        found = on_parts(ease_off.motion.surface.flank_parts, ease_off.part, arguments, on_part)
+    found = np.where(np.isfinite(ease_off.angle), found, np.nan)
+    return Drift(found[0], found[1], found[[3, 5]], found[[4, 6]], found[2])
+
+
+def _opposite(motion: ConjugateMotion, arguments: Array, near: Array) -> Array:
+    """Pinion parameters and rotations (3, n) near others that face the same places of the gear as ``arguments`` do."""
+
+    def place(a: Array) -> Array:
+        position, _ = motion.action_point(a[:2], a[2])
+        relative = position - motion.assembly.gear_origin.reshape(3, 1)
+        return np.stack([relative[2], np.sqrt(relative[0] ** 2 + relative[1] ** 2)])
+
+    wanted = place(arguments)
+    for _ in range(DRIFT_STEPS):
+        there, d = complex_steps(place, near)
+        miss = wanted - there
+        determinant = d[0][0] * d[1][1] - d[1][0] * d[0][1]
+        step = np.stack([miss[0] * d[1][1] - miss[1] * d[1][0], miss[1] * d[0][0] - miss[0] * d[0][1]]) / determinant
+        near = np.concatenate([near[:2] + step, near[2:]])
+    return near

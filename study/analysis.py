@@ -114,6 +114,7 @@ def analyze_in_full(
         torques=np.array(settings.torques if torques is None else torques, dtype=float),
         model=elastic_model(case, teeth),
         segments_per_line=settings.segments_per_line,
+        edge_contact=settings.edge_contact,
         solver=solver,
         progress=progress,
         **options,

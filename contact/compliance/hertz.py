@@ -17,6 +17,8 @@ At vanishing load the compliance still grows as a logarithm. Below a floor, wher
 delta continues as the quadratic through zero with the value and slope of the floor: once differentiable, zero at zero,
 with bounded stiffness and still a strictly convex energy. Below zero, which no solution reaches but an iteration may,
 it is linear.
+
+The strip may be cut by the edge of a tooth, see ``strip``.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
 from .material import Material
+from .strip import Strip
 
 FloatArray = NDArray[np.float64]
 
@@ -46,24 +49,31 @@ class _Bodies:
     unit: FloatArray
     contraction: FloatArray
     width_squared: FloatArray
+    overhang: FloatArray
+    flexibility: float
     correction: float
+
+    def strip(self, line_load: FloatArray) -> Strip:
+        """The pressed strip."""
+        return Strip.of(self.overhang, self.width_squared * line_load)
 
     def secant(self, line_load: FloatArray) -> FloatArray:
         """Deflection per line load [mm/(N/mm)]."""
-        h, squared = self.depth, self.width_squared * line_load
-        share = h / (np.sqrt(h * h + squared) + h)
-        per_body = self.unit * (np.arcsinh(h / np.sqrt(squared)) - self.contraction * share)
-        return np.asarray(per_body.sum(axis=0) + self.correction)
+        h, strip = self.depth, self.strip(line_load)
+        share = h / (np.sqrt(h * h + strip.half_width**2) + h)
+        per_body = self.unit * (np.arcsinh(h / strip.half_width) - self.contraction * share)
+        return np.asarray(per_body.sum(axis=0) + self.correction + self.flexibility / math.pi * strip.cut)
 
     def tangent(self, line_load: FloatArray) -> FloatArray:
         """Slope of the deflection over the line load [mm/(N/mm)]."""
-        h, squared = self.depth, self.width_squared * line_load
-        cosine = h / np.sqrt(h * h + squared)
-        per_body = self.unit * (np.arcsinh(h / np.sqrt(squared)) - 0.5 * (1.0 + self.contraction) * cosine)
-        return np.asarray(per_body.sum(axis=0) + self.correction)
+        h, strip = self.depth, self.strip(line_load)
+        s = np.sqrt(h * h + strip.half_width**2)
+        drop = h / (s + h) * (1.0 - strip.growth * (s - h) / s)
+        per_body = self.unit * (np.arcsinh(h / strip.half_width) - strip.growth * h / s - self.contraction * drop)
+        return np.asarray(per_body.sum(axis=0) + self.correction + self.flexibility / math.pi * strip.cut_slope)
 
     def energy(self, line_load: FloatArray) -> FloatArray:
-        """Energy per length, the closed integral of the secant times the line load [N]."""
+        """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""
         h, squared = self.depth, self.width_squared * line_load
         s = np.sqrt(h * h + squared)
         rest = (s + 2.0 * h) / 6.0 - self.contraction * (2.0 * s + h) / 3.0
@@ -93,11 +103,14 @@ class WeberLineContact:
     floor_ratio : float
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
+    overhang : array_like
+        How far beyond the edge of a tooth the bodies would come closest [mm]; NaN where no edge cuts the strip.
 
     Raises
     ------
     InputError
-        If an array is not positive and finite, the shapes do not broadcast, or an option is out of range.
+        If an array is not positive and finite (the overhang: zero, positive or NaN), the shapes do not broadcast, or an
+        option is out of range.
     """
 
     length: FloatArray
@@ -108,6 +121,7 @@ class WeberLineContact:
     material_gear: Material
     foot_correction: float = 0.0
     floor_ratio: float = 1e-3
+    overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))
     _bodies: _Bodies = field(init=False, repr=False)
     _floor: FloatArray = field(init=False, repr=False)
     _start: FloatArray = field(init=False, repr=False)
@@ -115,7 +129,7 @@ class WeberLineContact:
     _floor_energy: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear")
+        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
         arrays = [np.asarray(getattr(self, name), dtype=np.float64) for name in names]
         try:
             arrays = [np.array(array) for array in np.broadcast_arrays(*arrays)]
@@ -123,9 +137,11 @@ class WeberLineContact:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(names, arrays, strict=True))
             raise InputError(f"the arrays of a line contact must broadcast together; got {shapes}") from None
         for name, array in zip(names, arrays, strict=True):
-            bad = ~(np.isfinite(array) & (array > 0.0))
+            allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
+            if name == "overhang":
+                allowed, bad = "zero, positive or NaN", (array < 0.0) | np.isinf(array)
             if bad.any():
-                raise InputError(f"{name} must be positive and finite [mm]; got {array[bad][0]!r}")
+                raise InputError(f"{name} must be {allowed} [mm]; got {array[bad][0]!r}")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if not (math.isfinite(self.foot_correction) and self.foot_correction >= 0.0):
@@ -142,6 +158,8 @@ class WeberLineContact:
             unit=2.0 / (math.pi * moduli),
             contraction=poisson_ratio / (1.0 - poisson_ratio),
             width_squared=4.0 / math.pi * self.flexibility * self.equivalent_radius,
+            overhang=self.overhang,
+            flexibility=self.flexibility,
             correction=self.foot_correction * self.flexibility,
         )
         floor = self.floor_ratio**2 * self.depth_pinion * self.depth_gear / bodies.width_squared
@@ -166,6 +184,7 @@ class WeberLineContact:
             first.material_gear,
             first.foot_correction,
             first.floor_ratio,
+            np.concatenate([contact.overhang for contact in contacts]),
         )
 
     @property
@@ -244,31 +263,35 @@ class WeberLineContact:
         Returns
         -------
         numpy.ndarray
-            Energy [N mm], strictly convex in the force.
+            Energy [N mm], strictly convex in the force; NaN where an edge cuts the strip: it is not in closed form.
         """
         line_load, raised = self._line_load(force)
         above = self._bodies.energy(raised) + self._floor_energy
         energy = np.where(line_load < self._floor, self._quadratic_energy(line_load), above)
-        return np.asarray(energy * self.length)
+        return np.where(np.isnan(self.overhang), energy * self.length, np.nan)
 
     def half_width(self, force: ArrayLike) -> FloatArray:
-        """Half-width of the Hertzian contact strip [mm]; zero where the force is not positive.
+        """Half-width of the pressed strip [mm]; zero where the force is not positive.
 
         Parameters
         ----------
         force : array_like
             Normal force on every segment [N].
         """
-        line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)
-        return np.asarray(np.sqrt(self._bodies.width_squared * line_load))
+        line_load = np.asarray(force, dtype=np.float64) / self.length
+        pressed = line_load > 0.0
+        return np.where(pressed, self._bodies.strip(np.where(pressed, line_load, 1.0)).half_width, 0.0)
 
     def pressure(self, force: ArrayLike) -> FloatArray:
         """Largest Hertzian pressure, 2 q / (pi b) [MPa]; zero where the force is not positive.
 
+        NaN where an edge cuts the strip: at a sharp edge the pressure has no limit.
+
         Parameters
         ----------
         force : array_like
             Normal force on every segment [N].
         """
         line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)
-        return np.asarray(2.0 / math.pi * np.sqrt(line_load / self._bodies.width_squared))
+        whole = 2.0 / math.pi * np.sqrt(line_load / self._bodies.width_squared)
+        return np.where(np.isnan(self.overhang), whole, np.nan)

@@ -103,5 +103,9 @@ def _instant(mesh: MeshLines, position: int) -> MeshLines:
     every = mesh.lines
     lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])
     return MeshLines(
-        mesh.rotations[position : position + 1], lines, np.zeros(chosen.size, dtype=np.int64), mesh.pair[chosen]
+        mesh.rotations[position : position + 1],
+        lines,
+        np.zeros(chosen.size, dtype=np.int64),
+        mesh.pair[chosen],
+        mesh.pinion_pitch,
     )

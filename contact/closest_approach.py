@@ -1,0 +1,182 @@
+"""The gap across a contact curve, and where next to the curve the flanks come closest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .curves import curvature_and_skew
+from .fields import FlankFields
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class AcrossLine:
+    """Gap and roll angle across the contact curve through each of the points (...).
+
+    Parameters
+    ----------
+    roll_angle, ease_off_angle
+        At the points [rad].
+    lever_arm
+        Arm of the normal force about the gear axis [mm].
+    direction
+        One millimetre across the curve, towards growing roll angle, as fractions (2, ...) [1/mm].
+    metric
+        First fundamental form of the gear flank by the fractions (3, ...): E, F, G [mm^2].
+    gradient
+        Derivatives of the roll angle by the fractions (2, ...) [rad].
+    slope
+        Change of the roll angle along it [rad/mm].
+    ease_off_slope, ease_off_bend
+        First and second derivative of the ease-off by the roll angle, across the curve [1, 1/rad].
+    separation_curvature, separation_skew
+        Of the gap, by the pinion rotation [1/rad, 1/rad^2].
+    """
+
+    roll_angle: Array
+    ease_off_angle: Array
+    lever_arm: Array
+    direction: Array
+    metric: Array
+    gradient: Array
+    slope: Array
+    ease_off_slope: Array
+    ease_off_bend: Array
+    separation_curvature: Array
+    separation_skew: Array
+
+    def gap(self, left: Array) -> Array:
+        """Gap as a gear rotation (...) [rad] when the pinion is ``left`` (...) [rad] beyond the roll angle."""
+        return np.asarray(
+            self.ease_off_angle + 0.5 * self.separation_curvature * left**2 + self.separation_skew * left**3 / 6.0
+        )
+
+    def gap_slope(self, left: Array) -> Array:
+        """Slope of that gap across the curve, towards growing roll angle (...) [rad/mm]."""
+        by_roll = self.ease_off_slope - self.separation_curvature * left - 0.5 * self.separation_skew * left**2
+        return np.asarray(by_roll * self.slope)
+
+    def length_along(self, way: Array) -> Array:
+        """Length (...) [mm] along the curve of a short way, given as fractions (2, ...)."""
+        e, f, g = self.metric
+
+        def product(one: Array, other: Array) -> Array:
+            mixed = one[0] * other[1] + one[1] * other[0]
+            return np.asarray(e * one[0] * other[0] + f * mixed + g * one[1] * other[1])
+
+        squared = product(way, way) - product(way, self.direction) ** 2
+        return np.sqrt(np.maximum(squared, 0.0))
+
+    @property
+    def stiffness(self) -> Array:
+        """Second derivative of the gap across the curve by the roll angle (...) [1/rad]."""
+        return np.asarray(self.separation_curvature + self.ease_off_bend)
+
+    @property
+    def curvature(self) -> Array:
+        """Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open."""
+        return np.where(self.stiffness > 0.0, self.lever_arm * self.stiffness * self.slope**2, 0.0)
+
+
+def across_line(fields: FlankFields, points: Array) -> AcrossLine:
+    """Gap and roll angle across the contact curves through points (2, ...) of the gear flank.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    points
+        Lengthwise and profile fractions (2, ...).
+    """
+    parting = ["separation_bend", "separation_bend_slope"]
+    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *parting], points)
+    first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
+    second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
+
+    # Unit length across the curve on the flank, as a direction (lengthwise, profile).
+    metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
+    gradient = [f["roll_angle"] for f in first]
+    determinant = metric[0] * metric[2] - metric[1] ** 2
+    across = (
+        np.stack([metric[2] * gradient[0] - metric[1] * gradient[1], metric[0] * gradient[1] - metric[1] * gradient[0]])
+        / determinant
+    )
+    slope = np.sqrt(gradient[0] * across[0] + gradient[1] * across[1])
+    across = across / slope
+
+    def along_across(name: str) -> tuple[Array, Array]:
+        d = first[0][name] * across[0] + first[1][name] * across[1]
+        dd = second[0][name] * across[0] ** 2 + 2 * second[1][name] * across[0] * across[1]
+        return d, dd + second[2][name] * across[1] ** 2
+
+    _, roll_bend = along_across("roll_angle")
+    ease_slope, ease_bend = along_across("ease_off_angle")
+    by_roll = ease_slope / slope
+    curvature, skew = curvature_and_skew(*(value[name] for name in parting))
+    return AcrossLine(
+        roll_angle=value["roll_angle"],
+        ease_off_angle=value["ease_off_angle"],
+        lever_arm=value["lever_arm"],
+        direction=across,
+        metric=np.stack(metric),
+        gradient=np.stack(gradient),
+        slope=slope,
+        ease_off_slope=by_roll,
+        ease_off_bend=(ease_bend - by_roll * roll_bend) / slope**2,
+        separation_curvature=curvature,
+        separation_skew=skew,
+    )
+
+
+@dataclass(frozen=True)
+class ClosestApproach:
+    """Where the flanks come closest next to points (...) of contact curves.
+
+    Parameters
+    ----------
+    separation_angle
+        Gap there, as a gear rotation (...) [rad].
+    shift
+        How far it lies from the point, as fractions (2, ...).
+    lever_arm
+        Arm of the normal force about the gear axis (...) [mm].
+    curvature
+        Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
+    """
+
+    separation_angle: Array
+    shift: Array
+    lever_arm: Array
+    curvature: Array
+
+
+def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
+    """Gap, place and curvature of the closest approach next to points of a contact curve.
+
+    Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
+    the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
+    or where the way to it leaves the flank, the gap is evaluated.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    points
+        Points of contact curves (2, ...).
+    """
+    here = across_line(fields, points)
+    # A gap that does not open across the curve has no closest approach there: keep the curve itself.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        step = np.where(here.stiffness > 0.0, -here.ease_off_slope / here.stiffness, 0.0)
+    closest = np.clip(points + here.direction * step / here.slope, 0.0, 1.0)
+    parting = ["separation_bend", "separation_bend_slope"]
+    there = fields.evaluate(["roll_angle", "ease_off_angle", *parting], closest)
+    left = here.roll_angle - there["roll_angle"]
+    second_order, third_order = curvature_and_skew(*(there[name] for name in parting))
+    gap = there["ease_off_angle"] + 0.5 * second_order * left**2 + third_order * left**3 / 6.0
+    return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature)
