@@ -216,6 +216,12 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
     )
 
 
+def edge_contact(case: Case) -> bool:
+    """Whether tooth edges may touch beside the contact lines: as the case says, else with the accurate models."""
+    chosen = case.contact.edge_contact
+    return case.compliance.model != "shell" if chosen is None else chosen
+
+
 def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     """The gear pair of a case, seen from one pair of flanks.
 

@@ -116,7 +116,7 @@ class ContactTable(Table):
     torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = (50.0, 250.0, 500.0)
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
     segments_per_line: Integer = number("segments of a contact line", "1", default=31, ge=3, le=2000)
-    edge_contact: bool = True
+    edge_contact: bool | None = None
     lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
     profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
     separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, gt=0, lt=1000)

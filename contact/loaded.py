@@ -187,7 +187,7 @@ def loaded_contact(
     torques: Array,
     model: ElasticModel | None = None,
     segments_per_line: int = 31,
-    edge_contact: bool = True,
+    edge_contact: bool = False,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,

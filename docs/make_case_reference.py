@@ -41,6 +41,11 @@ MEANINGS = {
     "follow_root": ("whether the tips of the pinion's blades shall run along its root cone", ""),
     "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
+    "edge_contact": (
+        "whether tooth edges may touch beside the contact lines, see [finite elements](finite_elements.md#edges); with "
+        "`fe` and `solid_shell` alone if left out",
+        "",
+    ),
     "torques": ("torques at the pinion, one or more", "N m"),
     "model": ("`fe` and `solid_shell` for accuracy instead of speed, see [finite elements](finite_elements.md)", ""),
     "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
@@ -149,7 +154,7 @@ def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
     if name in ELSEWHERE:
         return ELSEWHERE[name]
-    if field.annotation is bool:
+    if bool in (field.annotation, *get_args(field.annotation)):
         return "`true`, `false`"
     for option in (field.annotation, *get_args(field.annotation)):
         if get_origin(option) is Literal:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..cases.conversion import elastic_model, finite_elements, gear_pair
+from ..cases.conversion import edge_contact, elastic_model, finite_elements, gear_pair
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
@@ -114,7 +114,7 @@ def analyze_in_full(
         torques=np.array(settings.torques if torques is None else torques, dtype=float),
         model=elastic_model(case, teeth),
         segments_per_line=settings.segments_per_line,
-        edge_contact=settings.edge_contact,
+        edge_contact=edge_contact(case),
         solver=solver,
         progress=progress,
         **options,

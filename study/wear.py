@@ -161,8 +161,6 @@ class _Run:
             torques=np.array(list(self.shares)),
             model=self.model,
             segments_per_line=settings.segments_per_line,
-            # An edge does not sweep the flank it is on: what it loses is no depth over an area.
-            edge_contact=False,
             solver=self.solver,
         )
         count = settings.segments_per_line

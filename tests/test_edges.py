@@ -1,0 +1,207 @@
+"""Edges beside the contact lines: against the exact gap of the turned flanks, and what they do to a loaded pair."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from easeoff import read_case
+from easeoff.cases import Case, gear_pair
+from easeoff.cases.conversion import edge_contact
+from easeoff.contact.bending import ElasticModel
+from easeoff.contact.edges import EdgeElements, edge_elements, edges_in_mesh
+from easeoff.contact.fields import FlankFields
+from easeoff.contact.loaded import REACH, loaded_contact, loaded_fields
+from easeoff.contact.segments import MeshLines, lines_in_mesh
+from easeoff.contact.surface_cells import flanks_in_mesh
+from easeoff.geometry import Misalignment, pair_geometry
+from easeoff.geometry.flank_gap import flank_gap
+from easeoff.geometry.flank_surface import solve_flank
+from easeoff.geometry.pair import GearPair, PairGeometry
+from easeoff.study.analysis import analyze
+
+PAIRS = {
+    "fm-11x41": Misalignment(offset=-0.15, pinion_axial=0.12),
+    "fm-11x41 at its toe": Misalignment(offset=-0.08, pinion_axial=0.05),
+    "fh-12x41-45": Misalignment(),
+    "nasa-12x36": Misalignment(),
+}
+WIDEST = 3e-4  # [rad]
+
+
+def misaligned(name: str) -> GearPair:
+    return gear_pair(read_case(name.split()[0])).misaligned(PAIRS[name])
+
+
+@cache
+def prepared(name: str) -> tuple[PairGeometry, FlankFields, MeshLines]:
+    pair = misaligned(name)
+    geometry = pair_geometry(pair)
+    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    return geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 8)
+
+
+@cache
+def found(name: str) -> tuple[np.ndarray, EdgeElements]:
+    """Pinion rotations over the whole passage of a tooth pair and a little beyond, and what may touch there."""
+    _, _, mesh = prepared(name)
+    pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
+    rotations = (mesh.rotations[:, None] - pairs * mesh.pinion_pitch).ravel()
+    return rotations, edge_elements(prepared(name)[1], rotations, np.full(rotations.size, WIDEST))
+
+
+def exact(name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Gap as a gear rotation (n) and fractions on the pinion (2, n) along the normals of the turned gear flank."""
+    pair = misaligned(name)
+    flanks = flanks_in_mesh(pair)
+    rotations, elements = found(name)
+    gap, fractions = np.full(elements.level.size, np.nan), np.full((2, elements.level.size), np.nan)
+    for level in np.unique(elements.level):
+        own = elements.level == level
+        places = elements.points[:, own]
+        gear = solve_flank(pair.gear.loaded, pair.gear.section, *pair.gear.section.points(*places))
+        start = flanks.fields("pinion_parameters", places)
+        turned = rotations[level] + flanks.motion.center
+        there = flank_gap(flanks.motion, gear.position, gear.normal, turned, flanks.first_contact, start)
+        arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
+        gap[own] = there.gap / arm
+        z, radius = there.pinion_position[2], np.hypot(*there.pinion_position[:2])
+        fractions[:, own] = np.stack(pair.pinion.section.fractions(z, radius))
+    return gap, fractions
+
+
+def off_edge(places: np.ndarray) -> np.ndarray:
+    """How far places (2, n) lie from toe, heel and tip, as fractions."""
+    return np.min(np.abs([places[0], 1.0 - places[0], 1.0 - places[1]]), axis=0)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_gap_is_that_of_the_turned_flanks(name: str) -> None:
+    """The expansion about conjugate contact holds over the millimetre to an edge: 3 % of the gap and half a urad."""
+    elements = found(name)[1]
+    assert elements.level.size > 40
+    gap, _ = exact(name)
+    assert np.all(np.abs(elements.separation_angle - gap) < 0.03 * np.abs(elements.separation_angle) + 0.5e-6)
+    assert np.all(elements.separation_angle < WIDEST)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_elements_lie_on_an_edge_of_one_flank_and_within_the_other(name: str) -> None:
+    """Of the gear exactly; of the pinion, which moves over the gear, within 0.2 % of the flank."""
+    elements = found(name)[1]
+    _, pinion = exact(name)
+    on_gear, on_pinion = off_edge(elements.points) < 1e-12, off_edge(pinion) < 2e-3
+    assert np.all(on_gear | on_pinion)
+    assert np.any(on_pinion)
+    # The gear of this pair has the higher teeth: no edge of it comes near.
+    assert np.any(on_gear) == (name != "nasa-12x36")
+    assert np.all((pinion > -5e-3) & (pinion < 1.005))
+    assert np.all((elements.points >= 0.0) & (elements.points <= 1.0))
+
+
+def test_edges_begin_where_contact_lines_end() -> None:
+    """Next to both ends of every line on the flank there is an edge with the gap of the line's end."""
+    _, fields, mesh = prepared("fh-12x41-45")
+    edges = edges_in_mesh(fields, mesh, np.full(mesh.rotations.size, WIDEST))
+    position = fields("position", edges.elements.points)
+    checked = 0
+    for m in range(mesh.pair.size):
+        own = (edges.position == mesh.position[m]) & (edges.pair == mesh.pair[m])
+        for end in (0, -1):
+            place = mesh.lines.points[:, m, end, None]
+            gap = float(fields("ease_off_angle", place)[0])
+            if gap > 0.5 * WIDEST:
+                continue
+            distance = np.linalg.norm(position[:, own] - fields("position", place), axis=0)
+            nearest = int(np.argmin(distance))
+            assert distance[nearest] < 0.5
+            assert abs(edges.elements.separation_angle[own][nearest] - gap) < 0.05 * WIDEST
+            assert edges.elements.overhang[own][nearest] < 0.2
+            checked += 1
+    assert checked >= 6
+
+
+def test_finer_elements_change_little(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what edges carry as they are pressed evenly: the length times the overlap."""
+    _, fields, _ = prepared("fm-11x41")
+    rotations, elements = found("fm-11x41")
+
+    def overlap(e: EdgeElements) -> float:
+        return float(np.sum(e.length * (WIDEST - e.separation_angle)))
+
+    widest = np.full(rotations.size, WIDEST)
+    values = {}
+    for count in (40, 80, 640):
+        monkeypatch.setattr("easeoff.contact.edges.ELEMENTS", count)
+        values[count] = overlap(edge_elements(fields, rotations, widest))
+    errors = {count: abs(value / values[640] - 1.0) for count, value in {**values, 160: overlap(elements)}.items()}
+    assert errors[160] < 0.015
+    assert errors[160] < 0.6 * errors[80] < 0.6 * errors[40]
+
+
+def loaded(name: str, torque: float, *, edge_contact: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation [rad] and share of the edges over the mesh cycle."""
+    geometry, fields, mesh = prepared(name)
+    ratio = misaligned(name).assembly.ratio
+    result, _ = loaded_contact(
+        fields,
+        geometry.teeth,
+        mesh,
+        ratio=ratio,
+        torques=np.array([torque]),
+        model=ElasticModel(),
+        edge_contact=edge_contact,
+    )
+    assert np.all(result["status"] == 0)
+    np.testing.assert_allclose(result["load_share"].sum("pair"), 1.0, atol=1e-9)
+    return 1e-6 * result["transmission_error"].values[0], result["edge_share"].values[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "torque"), [("fm-11x41", 500.0), ("fm-11x41 at its toe", 50.0), ("fh-12x41-45", 500.0)]
+)
+def test_what_touches_besides_holds_the_pair_back(name: str, torque: float) -> None:
+    """So the search within the rotation that the lines allow misses nothing; away from edges nothing changes."""
+    lines, nothing = loaded(name, torque, edge_contact=False)
+    edges, share = loaded(name, torque, edge_contact=True)
+    assert np.all(nothing == 0.0)
+    assert np.all(edges <= lines * (1.0 + 1e-9))
+    assert REACH >= 1.0
+    assert 0.03 < share.max() < 0.2
+    without = share < 1e-12
+    np.testing.assert_allclose(edges[without], lines[without], rtol=1e-9)
+    assert np.all(edges[share > 0.01] < lines[share > 0.01])
+
+
+def test_a_little_load_touches_no_edge() -> None:
+    """An ease-off keeps the edges clear of each other: that is what it is for."""
+    assert np.max(loaded("fm-11x41", 20.0, edge_contact=True)[1]) < 1e-3
+
+
+def changed(name: str, **contact: object) -> Case:
+    case = read_case(name)
+    return case.model_copy(update={"contact": case.contact.model_copy(update=contact)})
+
+
+def test_accurate_models_take_edges_in_and_the_shell_when_asked() -> None:
+    case = read_case("fm-11x41")
+    assert not edge_contact(case)
+    for model in ("solid_shell", "fe"):
+        assert edge_contact(case.model_copy(update={"compliance": case.compliance.model_copy(update={"model": model})}))
+    assert edge_contact(changed("fm-11x41", edge_contact=True))
+
+
+def test_one_word_in_the_case_lets_edges_touch() -> None:
+    few = {"mesh_positions": 4, "segments_per_line": 15}
+    trees = [analyze(changed("fm-11x41", edge_contact=on, **few), torques=[500.0])["loaded"] for on in (True, False)]
+    on, off = (tree.to_dataset() for tree in trees)
+    assert float(on["edge_share"].max()) > 0.03
+    assert float(off["edge_share"].max()) == 0.0
+    assert np.all(np.isnan(off["overhang"]))
+    at_edge = np.isfinite(on["overhang"].values)
+    assert np.all(np.isnan(on["pressure"].values[at_edge]))
+    assert np.all(np.isfinite(on["pressure"].values[np.isfinite(on["force"].values) & ~at_edge]))
+    assert np.all(on["half_width"].values[at_edge & (on["force"].values > 0.0)] > 0.0)
+    assert np.isfinite(on["max_pressure"].item())
