@@ -41,12 +41,13 @@ def reference(name: str) -> xr.Dataset:
 
 
 @cache
-def analysed(name: str, model: str, fineness: float = 1.0) -> xr.DataTree:
-    """The same by line contact, with the model ``fe``, ``solid_shell`` or ``shell``."""
+def analysed(name: str, model: str, fineness: float = 1.0, edge_contact: bool | None = None) -> xr.DataTree:
+    """The same by line contact, with the model ``fe``, ``solid_shell`` or ``shell``; edges as usual with the model."""
     case, torques, misalignment = setting(name)
     read = easeoff.read_case(case)
     compliance = read.compliance.model_copy(update={"model": model, "fineness": fineness})
-    changed = read.model_copy(update={"compliance": compliance})
+    contact = read.contact.model_copy(update={"edge_contact": edge_contact})
+    changed = read.model_copy(update={"compliance": compliance, "contact": contact})
     return easeoff.analyze(changed, torques=torques, misalignment=misalignment)
 
 
@@ -78,10 +79,13 @@ class Difference:
     pressure: float
 
 
-def difference(name: str, model: str, torque: float, fineness: float = 1.0, edges: str = EDGES[0]) -> Difference:
-    """How an analysis differs from the contact without the split; pressures always with all edges."""
+def difference(
+    name: str, model: str, torque: float, fineness: float = 1.0, edges: str = EDGES[0], edge_contact: bool | None = None
+) -> Difference:
+    """How an analysis differs from the contact without the split; pressures of the reference always with all edges."""
     kept = reference(name).sel(torque=torque, edges=edges)
-    loaded = analysed(name, model, fineness)["loaded"].to_dataset().sel(torque=torque)
+    tree = analysed(name, model, fineness, edge_contact if edges == EDGES[0] else False)
+    loaded = tree["loaded"].to_dataset().sel(torque=torque)
     same = loaded.sel(mesh_position=kept["mesh_position"])
     theirs, ours = kept["transmission_error"].values, same["transmission_error"].values
     mean = float(theirs.mean())
@@ -105,12 +109,13 @@ def away_from_edges(kept: xr.Dataset) -> float:
 
 
 def at_stations(loaded: xr.Dataset, kept: xr.Dataset) -> np.ndarray:
-    """Pressures of an analysis (mesh_position, station) at the stations of the reference; zero beyond its lines."""
+    """Pressures on the lines of an analysis (mesh_position, station) at the stations of the reference, zero beyond."""
     result = np.zeros(kept["pressure"].shape)
     for k in range(kept.sizes["mesh_position"]):
         here, there = loaded.isel(mesh_position=k), kept.isel(mesh_position=k)
         for pair in np.unique(there["tooth"].values[np.isfinite(there["tooth"].values)]):
-            own, at = here["tooth"].values == pair, there["tooth"].values == pair
+            own, at = (one["tooth"].values == pair for one in (here, there))
+            own &= np.isfinite(here["pressure"].values)
             if np.any(own):
                 order = np.argsort(here["lengthwise"].values[own])
                 places, values = (here[n].values[own][order] for n in ("lengthwise", "pressure"))

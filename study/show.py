@@ -133,6 +133,13 @@ def summary(tree: xr.DataTree) -> str:
         "worst\nresidual",
         "certified\npositions",
     ]
+    # Edges are a column where they may touch; older results know nothing of them.
+    if "overhang" in loaded and bool(loaded["overhang"].notnull().any()):
+        headers.insert(-2, "on edges\nup to %")
+        rows = [
+            (*row[:-2], f"{100.0 * share:.1f}", *row[-2:])
+            for row, share in zip(rows, loaded["edge_share"].max("mesh_position").values, strict=True)
+        ]
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
     parts = [

@@ -33,30 +33,39 @@ def test_kept_contact_balances(kept: Any) -> None:
 
 
 def test_finite_elements(kept: Any) -> None:
-    """Mean within 3 %, peak to peak within 10 %, pressure within 5 %; load share within 3 % but at the largest torque.
+    """Mean within 3 %, peak to peak within 10 %, load share within 3 % of the load, pressure within 5 %.
 
-    There the edges of the next tooth pair carry load before it has a contact line, of which a line contact knows
-    nothing.
+    Also where edges beside the contact lines carry up to 8 % of it: at great torque, and misaligned.
     """
-    for torque in kept.TORQUES["fm-11x41"]:
-        found = kept.difference("fm-11x41", "fe", torque, FINENESS)
+    torques = [("fm-11x41", torque) for torque in kept.TORQUES["fm-11x41"]]
+    for name, torque in (*torques, ("fm-11x41-toe", 50.0), ("fm-11x41-heel", 50.0), ("fh-12x41-45", 200.0)):
+        found = kept.difference(name, "fe", torque, FINENESS)
         assert abs(found.mean) < 3.0
         assert found.error < 3.0
         theirs, ours = found.peak_to_peak
         assert ours == pytest.approx(theirs, rel=0.1)
-        assert found.share < (3.0 if torque < 500.0 else 4.5)
+        assert found.share < 3.0
         assert abs(found.peak) < 5.0
-        assert found.pressure < 2.0
+        assert found.pressure < 3.0
 
 
 def test_finite_elements_where_lines_touch(kept: Any) -> None:
-    """Without the edges, which a line contact does not know, the split alone is left: load share within 2 %."""
+    """Without edges on either side the split alone is left: load share within 2 %."""
     for torque in kept.TORQUES["fm-11x41"]:
         found = kept.difference("fm-11x41", "fe", torque, FINENESS, edges="on lines")
         assert abs(found.mean) < 3.0
         theirs, ours = found.peak_to_peak
         assert ours == pytest.approx(theirs, rel=0.1)
         assert found.share < 2.0
+
+
+def test_edges_are_what_a_line_contact_lacks(kept: Any) -> None:
+    """Load shares at the toe, where the next tooth pair is met at its edge: off by 6.5 % without, 1.5 % with."""
+    without, with_edges = (
+        kept.difference("fm-11x41-toe", "shell", 50.0, edge_contact=edge_contact) for edge_contact in (False, True)
+    )
+    assert without.share > 5.0
+    assert with_edges.share < 3.0
 
 
 def test_solid_shell(kept: Any) -> None:
