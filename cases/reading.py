@@ -67,7 +67,7 @@ def _found(kind: str, name_or_path: str | Path) -> tuple[str, Path | None]:
     try:
         return path.read_text(encoding="utf-8"), path.absolute().parent
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{kind} {name!r} cannot be read as text: {error}") from error
+        raise InputError(f"{kind} {name!r} cannot be read: a {kind} is a text file, in TOML ({error})") from error
 
 
 def read_case(name_or_path: str | Path) -> Case:
@@ -159,6 +159,10 @@ def _checked(model: type[Model], text: str, origin: str, folder: Path | None) ->
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not a TOML file: {error}") from error
+    if model is Case and "easeoff_design" in data and "easeoff_case" not in data:
+        raise InputError(f"{origin} is a design: make a case of it with 'easeoff design {origin} -o CASE'")
+    if model is Design and "easeoff_case" in data and "easeoff_design" not in data:
+        raise InputError(f"{origin} is a case already: analyse it with 'easeoff run {origin} -o RESULT'")
     return _validated(model, data, origin, folder)
 
 
@@ -229,6 +233,8 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
         return f"must be {words[name]} {context[name]:g}"
     if kind == "finite_number":
         return "must be a finite number"
+    if kind == "tuple_type":
+        return "must be a list in brackets, such as [50.0, 150.0]"
     return str(item["msg"][0].lower() + item["msg"][1:])
 
 
