@@ -77,8 +77,8 @@ def deck(axes: tuple[np.ndarray, ...], stiffness: float) -> str:
         bricks = np.stack(ends if block else ends[4:] + ends[:4], axis=-1)
         elements = np.arange(bricks[..., 0].size).reshape(bricks.shape[:3]) + 1 + block * bricks[..., 0].size
         lines.append(f"*ELEMENT, TYPE=C3D8, ELSET=BLOCK{block}")
-        table = zip(elements.ravel(), bricks.reshape(-1, 8), strict=True)
-        lines += [f"{e}, " + ", ".join(map(str, brick)) for e, brick in table]
+        numbered = zip(elements.ravel(), bricks.reshape(-1, 8), strict=True)
+        lines += [f"{e}, " + ", ".join(map(str, brick)) for e, brick in numbered]
         wide, long = np.searchsorted(axes[0], 1.5) + 1 - block, np.searchsorted(axes[1], 7.0) + 1 - block
         surfaces += [f"*SURFACE, NAME=SURFACE{block}"]
         surfaces += [f"{e}, S{2 - block}" for e in elements[:wide, :long, 0].ravel()]
@@ -111,8 +111,8 @@ def bunched(middle: float, half: float, count: int, widest: float) -> np.ndarray
         return places[1:]
 
     within = np.linspace(middle - half, middle + half, count + 1)
-    ends = [outwards(within[0], 0.0, -1.0)[::-1], within, outwards(within[-1], 1.0, 1.0)]
-    return with_middles(np.concatenate(ends))
+    before, beyond = outwards(within[0], 0.0, -1.0)[::-1], outwards(within[-1], 1.0, 1.0)
+    return with_middles(np.concatenate([before, within, beyond]))
 
 
 def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, float, float]:
@@ -150,9 +150,9 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
                     at = [p[k + 1] + c * 0.5 * (p[k + 2] - p[k]) for p, k, c in ((lengthwise, i, a), (upward, j, b))]
                     height = [1.0 - ((p - m) / half) ** 2 for p, m, half in zip(at, middle, halves, strict=True)]
                     both = np.outer(quadratic(np.array(a))[0], quadratic(np.array(b))[0])
-                    place = np.einsum("ab,abx->x", both, flank[window])
+                    point = np.einsum("ab,abx->x", both, flank[window])
                     fraction = np.sum(both * lattice.profile[window])
-                    cells.append((place, *(side / 4.0 for side in sides), at[0], fraction))
+                    cells.append((point, *(side / 4.0 for side in sides), at[0], fraction))
                     weights.append(area / 16.0 * height[0] * height[1])
     moved = np.zeros(load.size)
     moved[body.free] = body.solve(load.ravel()[body.free][:, None])[:, 0]
@@ -164,12 +164,11 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
     widths = np.linalg.norm(across, axis=1)
     nothing = np.zeros(len(cells))
     place = np.array([c[3:] for c in cells]).T
-    sides = np.stack([lengths, widths], axis=1)
     flat = Cells(
         *(nothing.astype(np.int64),) * 2,
         along,
         across / widths[:, None],
-        sides,
+        np.stack([lengths, widths], axis=1),
         position,
         place,
         place,

@@ -15,6 +15,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 from unittest.mock import patch
 
@@ -25,6 +26,7 @@ from easeoff.contact.scaling import ScaledProblem
 from easeoff.contact.solvers import available_solvers, solve, solve_many
 from easeoff.contact.solvers import many
 from easeoff.contact.solvers import modal_newton as modal
+from easeoff.contact.solvers.answer import ScaledAnswer
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
 from numpy.polynomial.legendre import legvander
@@ -107,6 +109,17 @@ def many_as_arrays(cases: list[ContactProblem]) -> Any:
         return solve_many(cases)
 
 
+def answered(answer: ScaledAnswer | None) -> ScaledAnswer:
+    """The answer of a method that must not give up here."""
+    assert answer is not None
+    return answer
+
+
+def relative_difference(force: Any, other: Any) -> float:
+    """Greatest difference of two solutions over the greatest force."""
+    return float(np.abs(force - other).max() / force.max())
+
+
 class Rows:
     """Seconds of every way at one size, and what was found."""
 
@@ -117,10 +130,12 @@ class Rows:
         self.solutions = solve_many(self.cases)
         assert all(solution.certified for solution in self.solutions)
         self.scaled = [case.scaling.scale(case) for case in self.cases]
-        self._kernels(), self._doors(), self._others()
+        self._kernels()
+        self._doors()
+        self._others()
         whole = [whole_problem(size, k / 16.0, refined=refined) for k in range(POSITIONS)]
         self.seconds["compression of the factor"] = median_seconds(
-            [lambda c=c: modal_basis(c.compliance[1]) for c in whole]
+            [partial(modal_basis, c.compliance[1]) for c in whole]
         )
 
     def _kernels(self) -> None:
@@ -130,32 +145,35 @@ class Rows:
         if self.size <= LARGEST["Cholesky"]:
             matrix = self.scaled[0].compliance
             self.seconds["Cholesky factor of n x n"] = median_seconds([lambda: dpotrf(matrix.T, lower=1, clean=0)])
-        self.seconds["modal, cold"] = median_seconds([lambda s=s, a=a: modal_newton(s, a) for s, a in cold])
+        self.seconds["modal, cold"] = median_seconds([partial(modal_newton, s, a) for s, a in cold])
         self.seconds["modal, warm from the position before"] = median_seconds(
-            [lambda s=s, a=a: modal_newton(s, a) for s, a in warm]
+            [partial(modal_newton, s, a) for s, a in warm]
         )
-        self.seconds["modal as arrays, cold"] = median_seconds([lambda s=s, a=a: as_arrays(s, a) for s, a in cold])
-        self.iterations = [statistics.mean(modal_newton(s, a).iterations for s, a in those) for those in (cold, warm)]  # type: ignore[union-attr]
+        self.seconds["modal as arrays, cold"] = median_seconds([partial(as_arrays, s, a) for s, a in cold])
+        self.iterations = [
+            statistics.mean(answered(modal_newton(s, a)).iterations for s, a in those) for those in (cold, warm)
+        ]
         self.error = np.nan
         if self.size <= LARGEST["dense active set"]:
-            exact = [primal_dual_active_set(s, a) for s, a in zip(self.scaled, neighbours, strict=True)]
+            exact = [answered(primal_dual_active_set(s, a)) for s, a in zip(self.scaled, neighbours, strict=True)]
             self.error = max(
-                float(np.abs(solution.force - case.scaling.unscale_force(answer.force)).max() / solution.force.max())  # type: ignore[union-attr]
+                relative_difference(solution.force, case.scaling.unscale_force(answer.force))
                 for solution, case, answer in zip(self.solutions, self.cases, exact, strict=True)
             )
             self.seconds["dense active set, cold"] = median_seconds(
-                [lambda s=s, a=a: primal_dual_active_set(s, a) for s, a in cold[:2]]
+                [partial(primal_dual_active_set, s, a) for s, a in cold[:2]]
             )
 
     def _doors(self) -> None:
         def fresh() -> list[ContactProblem]:
             return [case.with_torque(case.torque) for case in self.cases]  # scaled anew
 
+        def anew(case: ContactProblem, active: Any = None) -> Any:
+            return solve(case.with_torque(case.torque), initial_active=active)
+
         warm = list(zip(self.cases[1:], self.solutions, strict=False))
-        self.seconds["solve, cold"] = median_seconds([lambda c=c: solve(c.with_torque(c.torque)) for c in self.cases])
-        self.seconds["solve, warm"] = median_seconds(
-            [lambda c=c, s=s: solve(c.with_torque(c.torque), initial_active=s.active) for c, s in warm]
-        )
+        self.seconds["solve, cold"] = median_seconds([partial(anew, c) for c in self.cases])
+        self.seconds["solve, warm"] = median_seconds([partial(anew, c, s.active) for c, s in warm])
         self.seconds["solve_many, each"] = median_seconds([lambda: solve_many(fresh())]) / POSITIONS
         self.seconds["solve_many as arrays, each"] = median_seconds([lambda: many_as_arrays(fresh())]) / POSITIONS
 
@@ -164,7 +182,7 @@ class Rows:
             if name in ("native", "lemke", "cvxpy") or name in self.given_up:
                 continue
             solution = solve(self.cases[0], name)
-            taken = median_seconds([lambda c=c, n=name: solve(c, n) for c in self.cases])
+            taken = median_seconds([partial(solve, c, name) for c in self.cases])
             if solution.certified and solution.polished:
                 self.seconds[f"{name}, polished"] = taken
             if taken > PATIENCE or not solution.certified:
@@ -220,7 +238,10 @@ def row_of(name: str, results: list[Rows]) -> list[str]:
         ratio = "" if unit is None or seconds is None else f" ({seconds / unit:.2g})"
         cells.append("" if seconds is None else f"{1e6 * seconds:.0f}{ratio}")
     known = [(r.size, r.seconds[name]) for r in results if r.size >= 150 and name in r.seconds]
-    slope = np.polyfit(*np.log(np.array(known)).T, 1)[0] if len(known) > 1 else np.nan
+    slope = np.nan
+    if len(known) > 1:
+        sizes, seconds_of = np.log(np.array(known)).T
+        slope = float(np.polyfit(sizes, seconds_of, 1)[0])
     return [name, *cells, f"{slope:.2f}"]
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from .table import Number, Table, number
 
@@ -58,14 +60,21 @@ class FrictionTable(Table):
     sliding_of_ratio: Literal["across", "whole"] = "across"
     out_of_range: Literal["error", "clamp"] = "error"
     feedback: bool = False
+    _folder: Path | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self, info: ValidationInfo) -> Self:
+        # The folder of the file is no key of it: the reader hands it over beside the keys. A table that goes from a
+        # design to a case is checked again and has it already.
+        if info.context and info.context["folder"] is not None:
+            self._folder = Path(info.context["folder"]).absolute()
         self.model().oil_states(self.operation())
         return self
 
     def operation(self, **changed: Any) -> Operation:
         """The operating conditions, some of them changed.
+
+        A relative path of an oil starts from the folder of the case; a changed one from the working folder.
 
         Raises
         ------
@@ -73,14 +82,31 @@ class FrictionTable(Table):
             If a value is not possible, or there is no such oil.
         """
         from ..friction import Operation
+        from ..friction.lubricant import lubricant
 
-        own = {
+        own: dict[str, Any] = {
             "speed": self.speed,
             "temperature": self.temperature,
             "roughness": list(self.roughness),
-            "oil": self.oil,
         }
+        if "oil" not in changed:
+            own["oil"] = lubricant(self.oil, self._folder)
         return Operation(**(own | changed))
+
+    def seen_from(self, folder: Path) -> Self:
+        """The table as a case in another folder has it: with the relative path of an oil from there."""
+        from ..friction.lubricant import is_shipped
+
+        moved = self.model_copy()
+        if not is_shipped(self.oil) and not Path(self.oil).is_absolute():
+            file = Path(self._folder or "", self.oil).absolute()
+            try:
+                oil = Path(os.path.relpath(file, folder.absolute()))
+            except ValueError:  # no way leads from one drive of Windows to another
+                oil = file
+            moved = self.model_copy(update={"oil": oil.as_posix()})
+        moved._folder = folder.absolute()
+        return moved
 
     def model(self, **changed: Any) -> FrictionModel:
         """The friction models, some of them changed.

@@ -126,6 +126,8 @@ class ContactTable(Table):
         for value in self.torques:
             if not 0.0 < value < 1e7:
                 raise ValueError(f"torques contains {value}: every torque must be greater than 0 and below 1e7 N m")
+            if self.torques.count(value) > 1:
+                raise ValueError(f"torques contains {value} twice: give every torque once")
         return self
 
 

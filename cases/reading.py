@@ -51,18 +51,23 @@ def case_text(name_or_path: str | Path) -> str:
 
 
 def _text(kind: str, name_or_path: str | Path) -> str:
+    return _found(kind, name_or_path)[0]
+
+
+def _found(kind: str, name_or_path: str | Path) -> tuple[str, Path | None]:
+    """The text, and the folder of the file; none of a shipped one."""
     name, folder = str(name_or_path), _folder(kind)
     shipped = folder.joinpath(f"{name}.toml")
     if "/" not in name and "\\" not in name and shipped.is_file():
-        return shipped.read_text(encoding="utf-8")
+        return shipped.read_text(encoding="utf-8"), None
     path = Path(name_or_path)
     if not path.is_file():
         known = ", ".join(_names(folder))
         raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8"), path.absolute().parent
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{kind} {name!r} cannot be read as text: {error}") from error
+        raise InputError(f"{kind} {name!r} cannot be read: a {kind} is a text file, in TOML ({error})") from error
 
 
 def read_case(name_or_path: str | Path) -> Case:
@@ -83,12 +88,23 @@ def read_case(name_or_path: str | Path) -> Case:
     >>> read_case("nasa-12x36").pinion.number_of_teeth
     12
     """
-    return parse_case(case_text(name_or_path), str(name_or_path))
+    text, folder = _found("case", name_or_path)
+    return parse_case(text, str(name_or_path), folder)
 
 
-def parse_case(text: str, origin: str = "case") -> Case:
-    """Check the text of a case; ``origin`` names it in messages. Raises as ``read_case``."""
-    case = _checked(Case, text, origin)
+def parse_case(text: str, origin: str = "case", folder: Path | None = None) -> Case:
+    """Check the text of a case. Raises as ``read_case``.
+
+    Parameters
+    ----------
+    text
+        In TOML.
+    origin
+        What messages call it.
+    folder
+        Where relative paths in it start; the working folder if left out.
+    """
+    case = _checked(Case, text, origin, folder)
     _check_blanks(case, origin)
     case._text = text
     return case
@@ -112,12 +128,23 @@ def read_design(name_or_path: str | Path) -> Design:
     >>> read_design("fm-11x41").gear.number_of_teeth
     41
     """
-    return parse_design(_text("design", name_or_path), str(name_or_path))
+    text, folder = _found("design", name_or_path)
+    return parse_design(text, str(name_or_path), folder)
 
 
-def parse_design(text: str, origin: str = "design") -> Design:
-    """Check the text of a design; ``origin`` names it in messages. Raises as ``read_design``."""
-    design = _checked(Design, text, origin)
+def parse_design(text: str, origin: str = "design", folder: Path | None = None) -> Design:
+    """Check the text of a design. Raises as ``read_design``.
+
+    Parameters
+    ----------
+    text
+        In TOML.
+    origin
+        What messages call it.
+    folder
+        Where relative paths in it start; the working folder if left out.
+    """
+    design = _checked(Design, text, origin, folder)
     _check_blanks(design, origin)
     try:
         for name in design.pinion.free_settings or ():
@@ -127,23 +154,27 @@ def parse_design(text: str, origin: str = "design") -> Design:
     return design
 
 
-def _checked(model: type[Model], text: str, origin: str) -> Model:
+def _checked(model: type[Model], text: str, origin: str, folder: Path | None) -> Model:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not a TOML file: {error}") from error
-    return _validated(model, data, origin)
+    if model is Case and "easeoff_design" in data and "easeoff_case" not in data:
+        raise InputError(f"{origin} is a design: make a case of it with 'easeoff design {origin} -o CASE'")
+    if model is Design and "easeoff_case" in data and "easeoff_design" not in data:
+        raise InputError(f"{origin} is a case already: analyse it with 'easeoff run {origin} -o RESULT'")
+    return _validated(model, data, origin, folder)
 
 
-def _validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model:
+def _validated(model: type[Model], data: Mapping[str, Any], origin: str, folder: Path | None = None) -> Model:
     try:
-        return model.model_validate(data)
+        return model.model_validate(data, context={"folder": folder})
     except ValidationError as error:
         raise InputError(f"{origin} has {_count(error)}:\n{mistakes(model, error)}") from error
 
 
 def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:
-    """Check the tables of a case, wherever they come from. Arguments and exceptions are those of ``parse_case``."""
+    """Check the tables of a case, wherever they come from; messages call it ``origin``. Raises as ``read_case``."""
     case = _validated(Case, data, origin)
     _check_blanks(case, origin)
     return case
@@ -202,6 +233,8 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
         return f"must be {words[name]} {context[name]:g}"
     if kind == "finite_number":
         return "must be a finite number"
+    if kind == "tuple_type":
+        return "must be a list in brackets, such as [50.0, 150.0]"
     return str(item["msg"][0].lower() + item["msg"][1:])
 
 

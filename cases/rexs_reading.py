@@ -62,7 +62,8 @@ def read_rexs(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     try:
         return _read(read_model(path))
     except InputError as error:
-        raise InputError(f"{path}: {str(error).removeprefix(f'{path}: ')}") from error
+        text = str(error)
+        raise InputError(text if text.startswith(str(path)) else f"{path}: {text}") from error
 
 
 def _read(model: Model) -> tuple[Case, list[str]]:

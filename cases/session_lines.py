@@ -132,7 +132,9 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[Place, dict[str, S
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
         raise InputError(f"{path} cannot be read as text: {error}") from error
     state = _State()
     settings: dict[Place, dict[str, Setting]] = {}

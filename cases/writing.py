@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from pathlib import Path
 
 import tomli_w
 
@@ -42,10 +43,14 @@ def case_toml(case: Case, comment: str = "") -> str:
 def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> None:
     """Write a case file, whole or not at all; see ``case_toml``.
 
+    If the case takes its oil from a file by a relative path, the path is written as it is from the new file's folder.
+
     Raises
     ------
     InputError
         If the file cannot be written.
     """
+    if case.friction is not None:
+        case = case.model_copy(update={"friction": case.friction.seen_from(Path(path).parent)})
     with whole_file(path) as temporary:
         temporary.write_text(case_toml(case, comment), encoding="utf-8", newline="\n")

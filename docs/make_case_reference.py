@@ -54,7 +54,7 @@ MEANINGS = {
         "dissertation's",
         "",
     ),
-    "oil": ("lubricant: a shipped name, or the path of a TOML file", ""),
+    "oil": ("lubricant: a shipped name, or the path of a TOML file from the folder of this one", ""),
     "film": ("formula for the least film thickness", ""),
     "thermal_factor": ("how heating lowers the rolling traction", ""),
     "rolling_frame": ("rolling velocity in the fixed frame, or relative to the contact line", ""),

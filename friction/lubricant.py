@@ -165,7 +165,12 @@ def available_lubricants() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
-def lubricant(name: str | os.PathLike[str] | Lubricant) -> Lubricant:
+def is_shipped(name: str) -> bool:
+    """Whether a lubricant of this name, in any case of its letters, comes with the package."""
+    return name.lower() in available_lubricants()
+
+
+def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLike[str] | None = None) -> Lubricant:
     """A lubricant by name, in any case, or from a TOML file of one's own.
 
     Parameters
@@ -174,6 +179,8 @@ def lubricant(name: str | os.PathLike[str] | Lubricant) -> Lubricant:
         One of ``available_lubricants``, or the path of a TOML file with the same keys: ``title``, ``source``,
         ``temperature`` [degC], ``dynamic_viscosity`` [Pa s], ``pressure_viscosity`` [1/GPa], and if known ``density``
         [kg/m^3] and ``thermal_conductivity`` [W/(m K)].
+    folder
+        Where a relative path starts; the working folder if left out.
 
     Raises
     ------
@@ -183,14 +190,17 @@ def lubricant(name: str | os.PathLike[str] | Lubricant) -> Lubricant:
     if isinstance(name, Lubricant):
         return name
     text = os.fspath(name)
-    shipped = text.lower() in available_lubricants()
-    path = FOLDER / f"{text.lower()}.toml" if shipped else Path(text)
+    path = FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
     if not path.is_file():
+        start = "the working folder" if folder is None else "the folder of the case"
         raise InputError(
-            f"oil = {text!r}: neither the path of a TOML file nor one of {', '.join(available_lubricants())}"
+            f"oil = {text!r}: neither one of {', '.join(available_lubricants())} nor the path of a TOML file: there is "
+            f"no {path.absolute()}; a relative path starts from {start}"
         )
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"oil = {text!r}: {path} cannot be read: {error.strerror or error}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not a TOML file: {error}") from error
     return _from_table(path, data)

@@ -71,7 +71,7 @@ def analyze_in_full(
     case: Case,
     *,
     flank: FlankName = "drive",
-    torques: Sequence[float] | None = None,
+    torques: float | Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
@@ -96,6 +96,9 @@ def analyze_in_full(
         raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
     pair = prepared_pair(case, flank, misalignment)
     settings = case.contact
+    load = np.atleast_1d(np.asarray(settings.torques if torques is None else torques, dtype=float))
+    if np.unique(load).size != load.size:
+        raise InputError(f"torques = {load.tolist()}: a value comes twice; give every torque in N m once")
     teeth = finite_elements(case, pair)
     departures = flank_deviations(pair, deviations or {}, interpolation)
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
@@ -111,7 +114,7 @@ def analyze_in_full(
         geometry.teeth,
         mesh,
         ratio=pair.assembly.ratio,
-        torques=np.array(settings.torques if torques is None else torques, dtype=float),
+        torques=load,
         model=elastic_model(case, teeth),
         segments_per_line=settings.segments_per_line,
         edge_contact=edge_contact(case),
@@ -145,7 +148,7 @@ def analyze(
     case: Case | str | Path,
     *,
     flank: FlankName = "drive",
-    torques: Sequence[float] | None = None,
+    torques: float | Sequence[float] | None = None,
     misalignment: Misalignment | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
@@ -170,7 +173,7 @@ def analyze(
     flank
         ``drive``: pinion concave with gear convex; ``coast``: the other two.
     torques
-        Torques at the pinion [N m]; the case's own if left out.
+        Torque at the pinion [N m], one or several; the case's own if left out.
     misalignment
         Assembly errors; the case's own if left out.
     deviations

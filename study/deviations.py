@@ -16,8 +16,8 @@ from ..geometry.deviated_ease_off import deviated_ease_off
 from ..geometry.deviated_surface import deviated_pair
 from ..geometry.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.formats.cmm import opened as open_netcdf
-from ..geometry.formats.measured import SUFFIXES, flank_deviation, read_measured_grid
-from ..geometry.pair import GearPair, PairGeometry, pair_geometry
+from ..geometry.formats.measured import NEAR, SUFFIXES, flank_deviation, read_measured_grid
+from ..geometry.pair import GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.tooth_flanks import MemberName, named_member
 
 Source = Deviation | xr.Dataset | str | Path
@@ -51,14 +51,60 @@ def measured_file(name_or_path: str | Path) -> xr.Dataset:
     return read_measured_grid(name_or_path)
 
 
-def _from_file(name_or_path: str | Path, member: str) -> xr.Dataset:
+def _from_file(name_or_path: str | Path, name: MemberName, pair: GearPair) -> xr.Dataset:
     """A measured grid; or, of a file of ``study.wear``, what it leaves of a member's flank."""
     path = Path(name_or_path)
     if path.suffix == ".nc" and path.is_file():
         opened = open_netcdf(path)
         if "wear_depth" in opened:
-            return opened[["deviation"]].isel(step=-1).sel(member=member)
+            _require_own_flank(path, opened, name, pair)
+            return opened[["deviation"]].isel(step=-1).sel(member=name)
     return measured_file(name_or_path)
+
+
+def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: GearPair) -> None:
+    """Refuse wear of another flank, known by its teeth and by where its designed nodes are.
+
+    As for measured grids: blank and machine settings count as far as they move the flank, torque, friction and assembly
+    errors not at all, and the flank may be turned about its axis.
+    """
+    known = {"deviation", "position"} <= set(worn.variables) and {"pinion_teeth", "gear_teeth"} <= set(worn.attrs)
+    if not known:
+        raise InputError(
+            f"deviation {name} = {path}: the file does not say for which flanks it was made; make it anew with "
+            "'easeoff wear'"
+        )
+    teeth = (int(worn.attrs["pinion_teeth"]), int(worn.attrs["gear_teeth"]))
+    own_teeth = (pair.assembly.pinion_teeth, pair.assembly.gear_teeth)
+    off = _apart(named_member(pair, name), worn.sel(member=name))
+    if teeth == own_teeth and off <= NEAR:
+        return
+    other = [] if teeth == own_teeth else [f"this pair has {own_teeth[0]} x {own_teeth[1]} teeth"]
+    if off > NEAR:
+        far = f"up to {off:.3g} mm" if np.isfinite(off) else "altogether"
+        other.append(f"its {name} flank is {far} off the designed one here ({NEAR:g} mm are allowed)")
+    raise InputError(
+        f"deviation {name} = {path}: made by 'easeoff wear' for another pair or for the other flanks: "
+        f"{worn.attrs.get('title', 'no title')!r}, {worn.attrs.get('flank', 'unknown')} flanks, "
+        f"{teeth[0]} x {teeth[1]} teeth; {' and '.join(other)}. Give the case and the flank that it was made for, or "
+        "wear this one"
+    )
+
+
+def _apart(member: Member, worn: xr.Dataset) -> float:
+    """Greatest distance of a file's nodes from the designed flank [mm], turned to fit; infinite if too few compare."""
+    there = worn["position"].transpose("xyz", "lengthwise", "profile").values.reshape(3, -1)
+    here = member.flank(worn["lengthwise"].values, worn["profile"].values).position
+    both = np.all(np.isfinite(there) & np.isfinite(here), axis=0)
+    if 2 * np.count_nonzero(both) < both.size:
+        return float("inf")
+    there, here = there[:, both], here[:, both]
+    turned = np.arctan2(there[1], there[0]) - np.arctan2(here[1], here[0])
+    turned = np.mod(turned - turned[0] + np.pi, 2.0 * np.pi) - np.pi
+    radius = np.hypot(here[0], here[1])
+    around = radius * (turned - np.median(turned))
+    outward = np.hypot(there[0], there[1]) - radius
+    return float(np.max(np.sqrt(around**2 + outward**2 + (there[2] - here[2]) ** 2)))
 
 
 def flank_deviations(
@@ -85,7 +131,7 @@ def flank_deviations(
     found = {}
     for name, source in sources.items():
         member = named_member(pair, name)
-        grid = _from_file(source, name) if isinstance(source, str | Path) else source
+        grid = _from_file(source, name, pair) if isinstance(source, str | Path) else source
         if isinstance(grid, xr.Dataset):
             measured = "row" in grid.dims
             found[str(name)] = (

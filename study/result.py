@@ -65,7 +65,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     missing = [name for name in GROUPS if name not in tree.children]
     if "easeoff_version" not in tree.attrs or missing:
         raise InputError(
-            f"{source} is a netCDF file, but no result of easeoff"
+            f"{source} is a netCDF file, but no result of 'easeoff run'"
             + (f" (no group {', '.join(missing)})" if missing else "")
             + ": make one with 'easeoff run CASE -o FILE'"
         )

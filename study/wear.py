@@ -73,7 +73,8 @@ def wear(
         flank, the latter continued where nothing touches, to go on from. Over ``step``, 0 at the start: revolutions,
         largest depths, removed volume by Archard's law and by integral of the depth, peak to peak and greatest pressure
         of the loaded contact at every torque. Attribute ``stop`` says why it ended; if the worn flanks could not be
-        solved any more, the history ends before that.
+        solved any more, the history ends before that. ``position`` (member, lengthwise, profile, xyz) [mm] is the
+        designed flank: what ``flank_deviations`` knows a file of it by.
 
     Raises
     ------
@@ -97,7 +98,11 @@ def wear(
             progress(run.revolutions)
     result = xr.concat(history, "step", combine_attrs="override").assign_coords(step=np.arange(len(history)))
     result["revolution_share"] = ("torque", list(run.shares.values()))
-    result.attrs = {"stop": run.stop, "title": checked.title, "flank": flank, **_attributes(law)}
+    own = ("member", "lengthwise", "profile", "xyz")
+    result["position"] = (own, np.stack([run.positions[name] for name in MEMBERS]))
+    result = result.assign_coords(xyz=list("xyz"))
+    of_pair = {"pinion_teeth": pair.assembly.pinion_teeth, "gear_teeth": pair.assembly.gear_teeth}
+    result.attrs = {"stop": run.stop, "title": checked.title, "flank": flank, **of_pair, **_attributes(law)}
     return labelled(result)
 
 

@@ -90,6 +90,8 @@ MISTAKES = {
     "face too wide": (r"^face_width = .*$", "face_width = 100.0", ["face_width", "100", "outer_cone_distance"]),
     "negative torque": (r"^torques = .*$", "torques = [50.0, -1.0]", ["torques", "-1", "greater than 0"]),
     "no torque": (r"^torques = .*$", "torques = []", ["torques"]),
+    "one torque twice": (r"^torques = .*$", "torques = [50.0, 60.0, 50]", ["torques contains 50.0 twice"]),
+    "a torque that is no list": (r"^torques = .*$", "torques = 50.0", ["contact.torques = 50.0", "list in brackets"]),
     "torque zero": (r"^torques = .*$", "torques = [0.0]", ["torques", "0.0", "greater than 0"]),
     "modified roll without roll": (r"^ratio_of_roll = .*$", "modified_roll_2c = 0.1", ["ratio_of_roll"]),
     "centre missing": (r"^radial_distance = .*$", "", ["radial_distance and cradle_angle"]),

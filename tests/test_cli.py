@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +13,9 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import easeoff
+from easeoff.cases.reading import _text, case_text
 from easeoff.contact import read_labels, read_problems
+from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 
 SMALL = ["mesh_positions = 4", "segments_per_line = 9", "lengthwise_nodes = 11", "profile_nodes = 9"]
@@ -21,8 +24,6 @@ SMALL = ["mesh_positions = 4", "segments_per_line = 9", "lengthwise_nodes = 11",
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The published pair with few mesh positions."""
-    from easeoff.cases.reading import case_text
-
     text = case_text("nasa-12x36").replace("[contact]", "[contact]\n" + "\n".join(SMALL))
     path = tmp_path_factory.mktemp("case") / "small.toml"
     path.write_text(text, encoding="utf-8")
@@ -84,6 +85,27 @@ def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result:
     np.testing.assert_allclose(rotations, loaded["transmission_error"].sel(torque=150).values, rtol=1e-9)
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() if path.is_file() else b"" for path in folder.iterdir()}
+
+
+def test_a_full_disk_is_one_message_and_leaves_nothing(case: Path, tmp_path: Path) -> None:
+    """In a process of its own, whose files may not grow beyond some kilobytes."""
+    limited = (
+        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000)); "
+        "from easeoff.study.cli import main; main()"
+    )
+    out = tmp_path / "out.nc"
+    command = [sys.executable, "-c", limited, "run", str(case), "-o", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 2, done.stderr
+    assert f"{out} cannot be written" in done.stderr
+    assert "is there room on the disk?" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -97,36 +119,95 @@ def test_problems_are_those_that_were_solved(case: Path, tmp_path: Path, result:
         (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--misalignment", "E"], ["E=0.15,P=-0.12"]),
         (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--misalignment", "E=inf"], ["E=inf", "between"]),
         (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--solver", "magic"], ["magic", "native", "clarabel"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.nc", "--torque", "50,60,50"], ["50 comes twice"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/new/deep/x.nc", "--solver", "magic"], ["magic", "native"]),
         (["run", "nasa-12x36", "-o", "{tmp}"], ["{tmp}", "folder"]),
+        (["run", "{foreign}", "-o", "{tmp}/x.nc"], ["foreign.nc", "a case is a text file, in TOML"]),
+        (["run", "{design}", "-o", "{tmp}/x.nc"], ["design.toml is a design", "easeoff design"]),
+        (["design", "{case}", "-o", "{tmp}/x.toml"], ["case.toml is a case already", "easeoff run"]),
+        (["run", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
+        (["run", "{case}", "-o", "{tmp}/../{name}/case.toml"], ["case.toml is the file that is read"]),
+        (["run", "nasa-12x36", "--deviation", "gear={foreign}", "-o", "{foreign}"], ["is the file that is read"]),
+        (["run", "nasa-12x36", "--speed", "5", "--oil", "{text}", "-o", "{text}"], ["is the file that is read"]),
+        (["design", "{design}", "-o", "{design}"], ["design.toml is the file that is read"]),
+        (["convert", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
+        (["problems", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
+        (["optimize", "{case}", "-o", "{case}"], ["case.toml is the file that is read"]),
+        (["optimize", "{case}", "-o", "{tmp}/x.nc", "--fitted-case", "{case}"], ["is the file that is read"]),
+        (
+            [
+                "wear",
+                "{case}",
+                "--torque",
+                "5",
+                "--revolutions",
+                "1",
+                "--deviation",
+                "gear={foreign}",
+                "-o",
+                "{foreign}",
+            ],
+            ["is the file that is read"],
+        ),
+        (["compare", "{foreign}", "-o", "{tmp}/study"], ["foreign.nc", "no contact problems"]),
         (["run", "nasa-12x36", "-o", "/proc/nothing/x.nc"], ["/proc/nothing/x.nc", "cannot be written"]),
+        (["run", "nasa-12x36", "-o", "{pipe}"], ["pipe is a device or a pipe"]),
         (["run", "nasa-12x36"], ["--output"]),
         (["run", "{text}", "-o", "{tmp}/x.nc"], ["not a TOML file"]),
         (["show", "{tmp}/none.nc"], ["none.nc", "no such file"]),
         (["show", "{text}"], ["not a netCDF file"]),
-        (["show", "{foreign}"], ["no result of easeoff", "easeoff run"]),
-        (["plot", "{foreign}", "{tmp}/pictures"], ["no result of easeoff"]),
-        (["plot", "{foreign}", "{text}"], ["no result of easeoff"]),
+        (["show", "{foreign}"], ["no result of 'easeoff run'", "easeoff run"]),
+        (["plot", "{foreign}", "{tmp}/pictures"], ["no result of 'easeoff run'"]),
+        (["plot", "{foreign}", "{text}"], ["no result of 'easeoff run'"]),
         (["convert", "nasa-12x36", "-o", "{tmp}/x.nc"], ["x.nc", "'.nc'", ".toml", ".rexs", ".xml"]),
         (["convert", "{foreign}", "-o", "{tmp}/x.toml"], ["foreign.nc", "'.nc'", ".rexs", ".ses"]),
         (["convert", "nowhere", "-o", "{tmp}/x.rexs"], ["nowhere", "shipped cases"]),
-        (["convert", "{tmp}/none.rexs", "-o", "{tmp}/x.toml"], ["none.rexs", "cannot be read"]),
-        (["convert", "{tmp}/none.ses", "-o", "{tmp}/x.toml"], ["none.ses", "cannot be read"]),
+        (["convert", "{tmp}/none.rexs", "-o", "{tmp}/x.toml"], ["Error: {tmp}/none.rexs cannot be read: No such file"]),
+        (["convert", "{tmp}/none.ses", "-o", "{tmp}/x.toml"], ["Error: {tmp}/none.ses cannot be read: No such file"]),
         (["convert", "{text}", "-o", "{tmp}/x.rexs"], ["not a TOML file"]),
         (["convert", "nasa-12x36"], ["--output"]),
     ],
 )
 def test_mistakes_give_one_message_and_exit_code_2(arguments: list[str], words: list[str], tmp_path: Path) -> None:
-    text, foreign = tmp_path / "text.toml", tmp_path / "foreign.nc"
+    text, foreign, case, design = (tmp_path / f for f in ("text.toml", "foreign.nc", "case.toml", "design.toml"))
     text.write_text("no case at all", encoding="utf-8")
+    case.write_text(case_text("nasa-12x36"), encoding="utf-8")
+    design.write_text(_text("design", "fh-design-a"), encoding="utf-8")
     xr.Dataset({"x": ("t", [1.0, 2.0])}).to_netcdf(foreign)
-    before = sorted(tmp_path.iterdir())
-    places = {"tmp": str(tmp_path), "text": str(text), "foreign": str(foreign)}
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    before = contents(tmp_path)
+    files = {"text": str(text), "foreign": str(foreign), "case": str(case), "design": str(design), "pipe": str(pipe)}
+    places = {"tmp": str(tmp_path), "name": tmp_path.name, **files}
     found = call(*(a.format(**places) for a in arguments))
     assert found.exit_code == 2, found.output
     for word in words:
         assert word.format(**places) in found.output, found.output
     assert "Traceback" not in found.output
-    assert sorted(tmp_path.iterdir()) == before
+    assert contents(tmp_path) == before
+
+
+def test_a_result_is_written_over_an_old_one_but_a_name_of_a_case_is_no_file(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for _ in range(2):
+        found = call("run", str(case), "-o", "out.nc", "--torque", "50")
+        assert found.exit_code == 0, found.output
+    for _ in range(2):
+        assert call("convert", "nasa-12x36", "-o", "nasa-12x36.toml").exit_code == 0
+
+
+@pytest.mark.parametrize("torques", [75.0, [75.0], np.array([75.0])])
+def test_python_takes_one_torque_as_a_number_too(case: Path, torques: object) -> None:
+    tree = easeoff.analyze(case, torques=torques)  # type: ignore[arg-type]
+    assert tree["loaded"].to_dataset()["torque"].values.tolist() == [75.0]
+
+
+@pytest.mark.parametrize(("torques", "words"), [([5.0, 5.0], "comes twice"), ([], "positive"), (-5.0, "positive")])
+def test_python_refuses_torques_that_are_none(case: Path, torques: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        easeoff.analyze(case, torques=torques)  # type: ignore[arg-type]
 
 
 def test_convert_goes_to_rexs_and_back_and_says_what_is_lost(tmp_path: Path) -> None:

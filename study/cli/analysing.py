@@ -34,7 +34,8 @@ _PAIR = (
         multiple=True,
         callback=deviations,
         metavar="MEMBER=FILE",
-        help="Measured grid of the pinion or the gear, a file or a shipped one; may be given for both.",
+        help="Departure of a member's flank from the designed one: a measured grid, a file or a shipped one, or a "
+        "file of easeoff wear; may be given for both.",
     ),
     click.option(
         "--interpolation",

@@ -28,7 +28,7 @@ def convert(source: str, output: Path) -> None:
         raise InputError(
             f"{output}: its suffix {target!r} is none that can be written; known are .toml, .rexs and .xml"
         )
-    check_writable(output)
+    check_writable(output, source)
     notes: list[str] = []
     if suffix in ("", ".toml"):
         case = read_case(source)

@@ -18,7 +18,7 @@ def design(design: str, output: Path, report: bool) -> None:
     from ..design import design_case
     from ..design_report import design_text, summary_lines
 
-    check_writable(output)
+    check_writable(output, design)
     case, found = design_case(read_design(design))
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     click.echo(f"wrote {output}")

@@ -34,9 +34,11 @@ from .options import margins, nodes, teeth
 def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
     """Write the teeth of CASE as measuring points, CAD surfaces or a mesh; the suffix decides."""
     from ...cases import read_case
+    from ...core.files import check_writable
     from ...geometry.formats import EdgeMargins
     from ..export import export as write
 
+    check_writable(output, case)
     given = {name: value for name, value in options.items() if value is not None}
     if "margins" in given:
         given["margins"] = EdgeMargins(**given["margins"])

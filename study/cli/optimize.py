@@ -79,7 +79,7 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
 
     for path in (output, fitted_case):
         if path is not None:
-            check_writable(path)
+            check_writable(path, case)
     checked = read_case(case)
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
         tree = optimized(checked, progress=lambda: _step(bar), **options)

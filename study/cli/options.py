@@ -24,6 +24,8 @@ def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
     for value in values:
         if not 0.0 < value < 1e7:
             raise click.BadParameter(f"{value:g}: every torque must be greater than 0 and below 1e7 N m")
+        if values.count(value) > 1:
+            raise click.BadParameter(f"{text!r}: {value:g} comes twice")
     return values
 
 

@@ -68,6 +68,10 @@ def run(
     from ..result import write_result
     from ..show import uncertified
 
+    sources = [case, *options["deviations"].values(), *([] if oil is None else [oil])]
+    check_writable(output, *sources)
+    if plots is not None:
+        check_writable(plots / "picture.png")
     checked = read_case(case)
     table = checked.friction
     operation = operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
@@ -77,9 +81,6 @@ def run(
         )
     if friction_feedback is None:
         friction_feedback = table is not None and table.feedback
-    check_writable(output)
-    if plots is not None:
-        check_writable(plots / "picture.png")
     model = None if operation is None else _model(table, friction_model, clamp_temperature)
     friction = {"operation": operation, "friction_model": model, "friction_feedback": friction_feedback}
     analysis = analysed(checked, **options, **friction)

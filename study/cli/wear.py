@@ -63,7 +63,7 @@ def wear(
     if output.suffix != ".nc":
         raise InputError(f"{output}: wear is written as netCDF: give a name that ends in .nc")
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
-    check_writable(output)
+    check_writable(output, case, *options["deviations"].values())
     with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
         history = worn(case, law, torque=torque, progress=lambda done: _moved(bar, done), **options)
     with whole_file(output) as temporary:

@@ -38,7 +38,7 @@ class Checkpoint:
     Parameters
     ----------
     path : Path
-        The file; made when something is added.
+        The file; made, with its folder, when something is added.
     fresh : bool
         Forget what is in it.
 
@@ -65,6 +65,7 @@ class Checkpoint:
         self._known[key] = attempts
         line = json.dumps({"key": key, "attempts": [asdict(attempt) for attempt in attempts]})
         try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
             # The line feed in front ends a line that an interruption may have left half-written.
             with self.path.open("a", encoding="utf-8") as file:
                 file.write(f"\n{line}")
