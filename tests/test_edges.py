@@ -205,3 +205,24 @@ def test_one_word_in_the_case_lets_edges_touch() -> None:
     assert np.all(np.isfinite(on["pressure"].values[np.isfinite(on["force"].values) & ~at_edge]))
     assert np.all(on["half_width"].values[at_edge & (on["force"].values > 0.0)] > 0.0)
     assert np.isfinite(on["max_pressure"].item())
+
+
+def test_friction_on_edges_is_in_the_balance_of_power() -> None:
+    """An edge slides as the flank it is on does: what it takes is in the losses and off the output."""
+    case = changed("fh-design-a", edge_contact=True, mesh_positions=4, segments_per_line=15)
+    tree = analyze(case, torques=[500.0], speed=1000.0, temperature=90.0, roughness=0.8, friction_feedback=True)
+    assert float(tree["loaded/edge_share"].max()) > 0.02
+    assert float(np.abs(tree["friction/energy_balance"]).max()) < 1e-10
+    losses = tree["friction/power_loss"].isel(torque=0).squeeze(drop=True)
+    on_edges = np.isfinite(tree["loaded/overhang"].isel(torque=0)) & (losses > 0.0)
+    assert int(on_edges.sum()) > 0
+    assert float(losses.where(on_edges).sum()) < 0.2 * float(losses.sum())
+
+
+@pytest.mark.parametrize("solver", ["clarabel", "daqp", "piqp"])
+def test_other_solvers_find_the_same_on_edges(solver: str) -> None:
+    case = changed("fh-12x41-45", edge_contact=True, mesh_positions=3, segments_per_line=9)
+    native, other = (analyze(case, torques=[300.0], solver=name)["loaded"].to_dataset() for name in ("native", solver))
+    assert np.all(other["status"] == 0)
+    np.testing.assert_allclose(other["transmission_error"], native["transmission_error"], rtol=1e-9)
+    np.testing.assert_allclose(other["force"], native["force"], atol=1e-6 * float(native["force"].max()))

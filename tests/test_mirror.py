@@ -57,7 +57,13 @@ def analysed(pair: GearPair) -> dict[str, xr.Dataset]:
     fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
     loaded, _ = loaded_contact(
-        fields, geometry.teeth, mesh, ratio=pair.assembly.ratio, torques=np.array([60.0, 250.0]), segments_per_line=15
+        fields,
+        geometry.teeth,
+        mesh,
+        ratio=pair.assembly.ratio,
+        torques=np.array([60.0, 250.0]),
+        segments_per_line=15,
+        edge_contact=True,
     )
     contact = xr.DataTree.from_dict({"ease_off": geometry.ease_off, "loaded": loaded})
     return {
