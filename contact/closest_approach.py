@@ -70,7 +70,7 @@ class AcrossLine:
             return np.asarray(e * one[0] * other[0] + f * mixed + g * one[1] * other[1])
 
         squared = product(way, way) - product(way, self.direction) ** 2
-        return np.sqrt(np.maximum(squared, 0.0))
+        return np.asarray(np.sqrt(np.maximum(squared, 0.0)))
 
     @property
     def stiffness(self) -> Array:

@@ -2,8 +2,7 @@
 
 Across a contact line the gap grows both ways. Beyond the end of a line, and on a tooth that has no line yet or no
 longer, the way to the closest approach leaves a flank: the flanks come closest at the edge where it does. An edge of
-the gear is a fixed place on the gear flank. An edge of the pinion moves over it with the pinion rotation q: opposite a
-place of the gear that is in conjugate contact at Q stands the pinion point p + p' (q - Q) + p'' (q - Q)^2 / 2.
+the gear is a fixed place on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``opposite``.
 """
 
 from __future__ import annotations
@@ -17,21 +16,15 @@ from numpy.typing import NDArray
 
 from .closest_approach import AcrossLine, across_line
 from .fields import FlankFields
+from .opposite import Opposite, conjugate_places, places_below, solved
 from .segments import MeshLines
 
 Array = NDArray[Any]
 
 ELEMENTS = 160  # of an edge
 EDGES = ((0, 0.0), (0, 1.0), (1, 1.0))  # which fraction is held, and where: toe, heel, tip
-BEYOND = 0.05  # of the flank; how far the splines are followed in search of a place
 NEAR = 1.5  # times the widest gap: what an estimate of the gap may be for an element to be looked at
 STILL_OPENS = 0.2  # least part of its curvature that a gap must keep over the way for its expansion to be of use
-STEPS = 3  # of Newton's method from an estimate of second order
-SEARCH_STEPS = 12
-FOUND = 1e-6  # of the flank
-FRACTIONS = ("pinion_lengthwise", "pinion_profile")
-#: Of the geometry's ``ease_off``, beside what ``contact_fields`` takes: how the pinion passes a place of the gear.
-PASSING = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in FRACTIONS)
 
 
 @dataclass(frozen=True)
@@ -152,7 +145,7 @@ class _Edge:
     nodes: Array
     places: Array
     here: AcrossLine
-    opposite: _Opposite
+    opposite: Opposite
     moving: Array
     nearing: Array
     leaving: Array
@@ -164,11 +157,11 @@ class _Edge:
         along = np.linspace(0.0, 1.0, ELEMENTS + 1)
         nodes = np.full((2, along.size), value)
         nodes[1 - fraction] = along
-        places = _conjugate(fields, nodes) if of_pinion else nodes
+        places = conjugate_places(fields, nodes) if of_pinion else nodes
         here = across_line(fields, places)
-        opposite = _Opposite.of(fields, places)
+        opposite = Opposite.of(fields, places)
         passing = opposite.slopes - opposite.rate[:, None] * here.gradient[None]
-        moving = -_solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
+        moving = -solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
         leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
         return cls(
             of_pinion,
@@ -197,7 +190,7 @@ def _touching(fields: FlankFields, edge: _Edge, rotations: Array, widest: Array)
     first, last = (edge.places[:, element + i] + edge.moving[:, element + i] * away[i] for i in (0, 1))
     places = first + middle * (last - first)
     if edge.of_pinion:
-        places = _below_pinion(fields, between(edge.nodes), places, rotations[row])
+        places = places_below(fields, between(edge.nodes), places, rotations[row])
     places = np.clip(places, 0.0, 1.0)
     here = across_line(fields, places)
     left = rotations[row] - here.roll_angle
@@ -240,76 +233,3 @@ def _opens(here: AcrossLine, left: Array) -> NDArray[np.bool_]:
     """Where the expansion of the gap about the places holds over the rotation left to their conjugate contact."""
     over_the_way = here.separation_curvature + np.minimum(here.separation_skew * left, 0.0)
     return np.asarray(over_the_way > STILL_OPENS * here.separation_curvature)
-
-
-@dataclass(frozen=True)
-class _Opposite:
-    """Fractions on the pinion flank opposite places (n) of the gear.
-
-    Parameters
-    ----------
-    fractions
-        In conjugate contact (2, n).
-    slopes
-        Their derivatives by the fractions of the place (2, 2, n).
-    rate, acceleration
-        Their derivatives by the pinion rotation (2, n) [1/rad, 1/rad^2].
-    """
-
-    fractions: Array
-    slopes: Array
-    rate: Array
-    acceleration: Array
-
-    @classmethod
-    def of(cls, fields: FlankFields, places: Array) -> _Opposite:
-        """Opposite places (2, n)."""
-        value = np.stack(list(fields.evaluate([*FRACTIONS, *PASSING], places).values()))
-        by_place = [fields.evaluate(list(FRACTIONS), places, d) for d in ((1, 0), (0, 1))]
-        slopes = np.stack([[slope[name] for slope in by_place] for name in FRACTIONS])
-        return cls(value[:2], slopes, value[2:4], value[4:])
-
-    def after(self, left: Array) -> Array:
-        """Fractions (2, ..., n) when the pinion is ``left`` (..., n) [rad] beyond conjugate contact."""
-        first, rate, second = (
-            np.reshape(v, (2, *[1] * (left.ndim - 1), -1)) for v in (self.fractions, self.rate, self.acceleration)
-        )
-        return np.asarray(first + rate * left + 0.5 * second * left**2)
-
-
-def _conjugate(fields: FlankFields, nodes: Array) -> Array:
-    """Places (2, k) on the gear in conjugate contact with places (2, k) of the pinion; NaN where there is none."""
-    lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
-    there = _Opposite.of(fields, lattice).fractions
-    near = np.argmin(np.sum((there[:, :, None] - nodes[:, None, :]) ** 2, axis=0), axis=0)
-    places = lattice[:, near]
-    for _ in range(SEARCH_STEPS):
-        opposite = _Opposite.of(fields, places)
-        places = _within_reach(places + _solved(opposite.slopes, nodes - opposite.fractions))
-    found = np.max(np.abs(nodes - _Opposite.of(fields, places).fractions), axis=0) < FOUND
-    return np.where(found, places, np.nan)
-
-
-def _below_pinion(fields: FlankFields, wanted: Array, places: Array, rotations: Array) -> Array:
-    """Places (2, n) on the gear opposite pinion places (2, n) at pinion rotations (n), from places near them."""
-    for _ in range(STEPS):
-        opposite = _Opposite.of(fields, places)
-        gradient = np.stack([fields("roll_angle", places, d) for d in ((1, 0), (0, 1))])
-        left = rotations - fields("roll_angle", places)
-        passing = opposite.rate + opposite.acceleration * left
-        slopes = opposite.slopes - passing[:, None] * gradient[None]
-        places = _within_reach(places + _solved(slopes, wanted - opposite.after(left)))
-    return places
-
-
-def _within_reach(places: Array) -> Array:
-    return np.clip(places, -BEYOND, 1.0 + BEYOND)
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    """Solutions (2, n) of systems (2, 2, n), zero where there is none."""
-    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-    first = matrix[1, 1] * right[0] - matrix[0, 1] * right[1]
-    second = matrix[0, 0] * right[1] - matrix[1, 0] * right[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(determinant != 0.0, np.stack([first, second]) / determinant, 0.0)

@@ -14,12 +14,13 @@ from .bending import MEMBERS, ElasticModel, ElasticTooth, elastic_teeth, tooth_f
 from .closest_approach import closest_approach
 from .compliance import WeberLineContact
 from .curves import contact_fields
-from .edges import PASSING, MeshEdges, edges_in_mesh
+from .edges import MeshEdges, edges_in_mesh
 from .fields import FlankFields
 from .line_contact_batch import LineContacts, solve_line_contacts
 from .line_contact_solution import solve_on_bending
 from .loaded_cases import LoadedCase, Segments, loaded_dataset
 from .modal_basis import basis_of_blocks
+from .opposite import PASSING
 from .segments import MeshLines, gauss_points
 from .solvers import Status, require_solver
 
@@ -76,10 +77,12 @@ def _by_position(rows: dict[str, Array], model: ElasticModel, positions: int) ->
         # Segments on different teeth are coupled through the blanks alone, which are taken as rigid.
         blocks = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
         bending = basis_of_blocks(pairs.size, blocks, [here["load"][:, own].T for own in blocks])
+        depths = [np.maximum(here[f"depth_{member}"], SMALLEST_DEPTH) for member in MEMBERS]
         contact = WeberLineContact(
             here["length"],
             1.0 / np.maximum(here["curvature"], SMALLEST_CURVATURE),
-            *(np.maximum(here[f"depth_{member}"], SMALLEST_DEPTH) for member in MEMBERS),
+            depths[0],
+            depths[1],
             model.pinion,
             model.gear,
             model.foot_correction,

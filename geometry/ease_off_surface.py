@@ -270,7 +270,8 @@ def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     whole = ("motion", "pinion_section", "angle", "part")
     arrays = [field.name for field in fields(EaseOff) if field.name not in whole]
     picked = {name: pick([getattr(s, name) for s in surfaces], choice) for name in arrays}
-    return replace(surfaces[0], motion=motion, angle=pick(angles, choice), part=choice, **picked)
+    section = surfaces[0].pinion_section
+    return EaseOff(motion=motion, pinion_section=section, angle=pick(angles, choice), part=choice, **picked)
 
 
 def _place(motion: ConjugateMotion, parameters: Array) -> Array:

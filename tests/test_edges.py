@@ -74,7 +74,7 @@ def exact(name: str) -> tuple[np.ndarray, np.ndarray]:
 
 def off_edge(places: np.ndarray) -> np.ndarray:
     """How far places (2, n) lie from toe, heel and tip, as fractions."""
-    return np.min(np.abs([places[0], 1.0 - places[0], 1.0 - places[1]]), axis=0)
+    return np.asarray(np.min(np.abs([places[0], 1.0 - places[0], 1.0 - places[1]]), axis=0))
 
 
 @pytest.mark.parametrize("name", PAIRS)

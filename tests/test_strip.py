@@ -70,7 +70,8 @@ def test_slope_is_the_derivative_and_the_energy_convex(depth: float, overhang: f
 
 
 def test_a_cut_strip_gives_way_more_than_a_whole_one() -> None:
-    whole = WeberLineContact(*(np.full(1, x) for x in (1.0, RADIUS, 3.0, 3.0)), STEEL, STEEL)
+    one = np.ones(1)
+    whole = WeberLineContact(one, RADIUS * one, 3.0 * one, 3.0 * one, STEEL, STEEL)
     deflections = [cut(e, 3.0).deflection(400.0)[0] for e in (0.0, 0.1, 0.4, 1.0)]
     assert np.all(np.diff([whole.deflection(400.0)[0], *deflections]) > 0.0)
     widths = [cut(e, 3.0).half_width(400.0)[0] for e in (0.0, 0.1, 0.4, 1.0)]
