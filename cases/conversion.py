@@ -216,7 +216,7 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
     )
 
 
-def edge_contact(case: Case) -> bool:
+def edges_touch(case: Case) -> bool:
     """Whether tooth edges may touch beside the contact lines: as the case says, else with the accurate models."""
     chosen = case.contact.edge_contact
     return case.compliance.model != "shell" if chosen is None else chosen

@@ -46,9 +46,8 @@ def analysed(name: str, model: str, fineness: float = 1.0, edge_contact: bool | 
     case, torques, misalignment = setting(name)
     read = easeoff.read_case(case)
     compliance = read.compliance.model_copy(update={"model": model, "fineness": fineness})
-    contact = read.contact.model_copy(update={"edge_contact": edge_contact})
-    changed = read.model_copy(update={"compliance": compliance, "contact": contact})
-    return easeoff.analyze(changed, torques=torques, misalignment=misalignment)
+    changed = read.model_copy(update={"compliance": compliance})
+    return easeoff.analyze(changed, torques=torques, misalignment=misalignment, edge_contact=edge_contact)
 
 
 @dataclass(frozen=True)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import datetime
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from ..cases.conversion import edge_contact, elastic_model, finite_elements, gear_pair
+from ..cases.conversion import edges_touch, elastic_model, finite_elements, gear_pair
 from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
@@ -36,13 +33,12 @@ from .deviations import (
     flank_deviations,
     require_line_contact,
 )
+from .provenance import provenance
 
 if TYPE_CHECKING:
     from ..cases.friction_table import FrictionTable
     from ..friction import FrictionModel, Lubricant, Operation
     from ..friction.operating import Array, Numbers, Roughness
-
-SCHEMA_VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -77,6 +73,7 @@ def analyze_in_full(
     deviated: Deviated = "ease_off",
     interpolation: Method = "spline",
     modification: Modification | None = None,
+    edge_contact: bool | None = None,
     solver: str = "auto",
     operation: Operation | None = None,
     friction_model: FrictionModel | None = None,
@@ -99,6 +96,7 @@ def analyze_in_full(
     load = np.atleast_1d(np.asarray(settings.torques if torques is None else torques, dtype=float))
     if np.unique(load).size != load.size:
         raise InputError(f"torques = {load.tolist()}: a value comes twice; give every torque in N m once")
+    edges = edges_touch(case) if edge_contact is None else edge_contact
     teeth = finite_elements(case, pair)
     departures = flank_deviations(pair, deviations or {}, interpolation)
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
@@ -117,14 +115,15 @@ def analyze_in_full(
         torques=load,
         model=elastic_model(case, teeth),
         segments_per_line=settings.segments_per_line,
-        edge_contact=edge_contact(case),
+        edge_contact=edges,
         solver=solver,
         progress=progress,
         **options,
     )
     groups = {
         "/": xr.Dataset(
-            attrs=_provenance(case, pair, flank, solver, modification) | deviation_attributes(departures, deviated),
+            attrs=provenance(case, pair, flank, solver, modification, edge_contact=edges)
+            | deviation_attributes(departures, deviated),
         ),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
@@ -154,6 +153,7 @@ def analyze(
     deviated: Deviated = "ease_off",
     interpolation: Method = "spline",
     modification: Modification | None = None,
+    edge_contact: bool | None = None,
     solver: str = "auto",
     speed: Numbers | None = None,
     temperature: Numbers | None = None,
@@ -186,6 +186,9 @@ def analyze(
         ``geometry.Deviation``.
     modification
         Added to the ease-off.
+    edge_contact
+        Whether tooth edges may touch beside the contact lines; as the case says, or with ``fe`` and ``solid_shell``, if
+        left out.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     speed
@@ -234,6 +237,7 @@ def analyze(
         deviated=deviated,
         interpolation=interpolation,
         modification=modification,
+        edge_contact=edge_contact,
         solver=solver,
         operation=operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil),
         friction_model=friction_model,
@@ -271,32 +275,3 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
     from ..friction import Operation
 
     return Operation(**given)
-
-
-def _provenance(
-    case: Case, pair: GearPair, flank: str, solver: str, modification: Modification | None
-) -> dict[str, Any]:
-    """Where a result came from, as netCDF attributes."""
-    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    own = version("easeoff")
-    errors = pair.assembly.misalignment
-    added = {} if modification is None else {"modification_um": json.dumps(dict(modification.coefficients))}
-    return {
-        "Conventions": "CF-1.11",
-        "title": case.title,
-        "history": f"{now} easeoff {own} analyze",
-        "easeoff_version": own,
-        "schema_version": SCHEMA_VERSION,
-        "case": case.text or case.model_dump_json(),
-        "solver": solver,
-        "flank": flank,
-        "pinion_teeth": pair.assembly.pinion_teeth,
-        "gear_teeth": pair.assembly.gear_teeth,
-        "pinion_hand": pair.assembly.pinion_hand,
-        "misalignment_offset_mm": errors.offset,
-        "misalignment_pinion_axial_mm": errors.pinion_axial,
-        "misalignment_gear_axial_mm": errors.gear_axial,
-        "misalignment_shaft_angle_rad": errors.shaft_angle,
-        "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
-        **added,
-    }

@@ -100,12 +100,11 @@ def optimize(
         If the pair cannot be analysed as it is.
     """
     checked = case if isinstance(case, Case) else read_case(case)
-    # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
-    checked = checked.model_copy(update={"contact": checked.contact.model_copy(update={"edge_contact": False})})
     _check(transmission_error, end_load, largest, programmes)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
-    before = analyze_in_full(checked, flank=flank, torques=torques, solver=solver)
+    # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
+    before = analyze_in_full(checked, flank=flank, torques=torques, edge_contact=False, solver=solver)
     loaded = before.tree["loaded"].to_dataset()
     torque = loaded["torque"].values
     assemblies = [prepared_pair(checked, flank, other) for other in (None, *misalignments)]
@@ -127,7 +126,8 @@ def optimize(
     held = stacked([contact.held(none, i * torque.size) for i, contact in enumerate(contacts)])
     found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
     best = contacts[0].modification(found.coefficients)
-    tree = analyze_in_full(checked, flank=flank, torques=torques, modification=best, solver=solver).tree
+    after = analyze_in_full(checked, flank=flank, torques=torques, modification=best, edge_contact=False, solver=solver)
+    tree = after.tree
     record = _compared(checked, start, found, loaded, assemblies)
     record.attrs |= {
         "objective": chosen,

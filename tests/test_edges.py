@@ -9,7 +9,7 @@ import pytest
 
 from easeoff import read_case
 from easeoff.cases import Case, gear_pair
-from easeoff.cases.conversion import edge_contact
+from easeoff.cases.conversion import edges_touch
 from easeoff.contact.bending import ElasticModel
 from easeoff.contact.edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.fields import FlankFields
@@ -187,10 +187,10 @@ def changed(name: str, **contact: object) -> Case:
 
 def test_accurate_models_take_edges_in_and_the_shell_when_asked() -> None:
     case = read_case("fm-11x41")
-    assert not edge_contact(case)
+    assert not edges_touch(case)
     for model in ("solid_shell", "fe"):
-        assert edge_contact(case.model_copy(update={"compliance": case.compliance.model_copy(update={"model": model})}))
-    assert edge_contact(changed("fm-11x41", edge_contact=True))
+        assert edges_touch(case.model_copy(update={"compliance": case.compliance.model_copy(update={"model": model})}))
+    assert edges_touch(changed("fm-11x41", edge_contact=True))
 
 
 def test_one_word_in_the_case_lets_edges_touch() -> None:

@@ -48,6 +48,13 @@ _PAIR = (
 )
 _ANALYSIS = (
     click.option(
+        "--edge-contact/--lines-only",
+        "edge_contact",
+        default=None,
+        help="Whether tooth edges may touch beside the contact lines; if left out as the case says, or with fe and "
+        "solid_shell.",
+    ),
+    click.option(
         "--torque",
         "torques",
         callback=torques,
