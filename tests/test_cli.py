@@ -48,6 +48,16 @@ def test_cases_lists_names_and_titles() -> None:
     assert "nasa-12x36" in found.output
 
 
+def test_edges_touch_if_asked_and_show_says_what_they_carry(case: Path, tmp_path: Path) -> None:
+    for word, touch in (("--edge-contact", 1), ("--lines-only", 0)):
+        out = tmp_path / f"{touch}.nc"
+        assert call("run", str(case), "-o", str(out), "--torque", "900", word).exit_code == 0
+        tree = easeoff.read_result(out)
+        assert tree.attrs["edge_contact"] == touch
+        assert (float(tree["loaded/edge_share"].max()) > 0.01) == bool(touch)
+        assert ("on edges" in call("show", str(out)).output) == bool(touch)
+
+
 def test_run_writes_a_result_and_keeps_quiet_about_progress(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "new" / "folder" / "out.nc"
     found = call("run", str(case), "-o", str(out), "--torque", "100,200", "--misalignment", "E=0.1,P=-0.05,Sigma=0.1")
