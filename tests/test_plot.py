@@ -127,6 +127,15 @@ def test_velocity_maps_are_the_velocities_of_the_segments(lubricated: xr.DataTre
         np.testing.assert_allclose(interpolated[away], expected[away], atol=2e-3 * np.nanmax(expected))
 
 
+def test_loaded_map_leaves_edges_out(lubricated: xr.DataTree) -> None:
+    """They stand where lines end, and slide over other places."""
+    loaded = lubricated["loaded"].to_dataset().isel(torque=0)
+    field = loaded["equivalent_radius"]
+    edge = loaded.assign(overhang=loaded["overhang"].where(loaded["profile"] < 0.5, 0.3))
+    assert 0 < loaded_map(edge, field).values.size < loaded_map(loaded, field).values.size
+    assert loaded_map(edge, field).points[1].max() < 0.5
+
+
 def test_loaded_map_holds_every_loaded_segment(lubricated: xr.DataTree) -> None:
     loaded = lubricated["loaded"].to_dataset().isel(torque=0)
     field = lubricated["friction"].to_dataset()["lambda_ratio"].isel(torque=0, speed=1, temperature=1, roughness=1)

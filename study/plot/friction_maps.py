@@ -97,6 +97,9 @@ def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
     order = ("mesh_position", "segment")
     values = field.transpose(*order).values
     chosen = np.isfinite(values) & (loaded["force"].transpose(*order).values > 0.0)
+    if "overhang" in loaded:
+        # An edge slides over other places than the lines do, and no map has two values at one.
+        chosen &= np.isnan(loaded["overhang"].transpose(*order).values)
     points = np.stack([loaded[n].transpose(*order).values[chosen] for n in ("lengthwise", "profile")])
     return FlankMap(points, values[chosen], False)
 

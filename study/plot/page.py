@@ -23,6 +23,7 @@ from ...core.files import whole_file
 DPI = 160
 WIDTH = 8.6  # [in]
 HEADER, FOOTER = 0.60, 0.34  # [in]
+LONGEST_LINE = 128  # characters of the small print that fit the width
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.
@@ -57,7 +58,7 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
     title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
     figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top", parse_math=False)
-    print_ = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
+    print_ = textwrap.fill(" · ".join(part for part in (*small_print(tree.attrs), note) if part), LONGEST_LINE)
     figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
     return figure
 
