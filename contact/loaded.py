@@ -26,6 +26,8 @@ from .solvers import Status, require_solver
 
 Array = NDArray[Any]
 SMALLEST_DEPTH = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
+NEAREST = 1e-5  # [rad]; where a search without any rotation to go by begins
+FARTHEST = 0.02  # [rad]; a pair that turns so far meets nothing any more
 REACH = 1.1  # times the rotation within which an edge must be met to be taken in
 SMALLEST_CURVATURE = 1e-5  # [1/mm]; flanks that fit closer than this make no line contact, and a wider band is no harm
 
@@ -236,26 +238,32 @@ def loaded_contact(
     if torques.size == 0 or not np.all(np.isfinite(torques) & (torques > 0.0)):
         raise InputError(f"torques = {torques.tolist()}: every torque must be a positive number in N m")
     model = model or ElasticModel()
-    elastic = elastic_teeth(teeth, model)
-    rows = _on_lines(fields, elastic, mesh, segments_per_line)
-    segments = _by_position(rows, model, mesh.rotations.size)
-    if edge_contact:
-        edges = _on_edges(fields, elastic, _edges_within_reach(fields, mesh, segments, float(torques.max()), ratio))
-        both = {name: np.concatenate([rows[name], edges[name]], axis=-1) for name in rows}
-        segments = _by_position(both, model, mesh.rotations.size)
-    cases = solve_all(segments, torques, ratio, solver, options, progress)
-    return loaded_dataset(segments, cases, torques, mesh.rotations), cases
+    elastic, positions = elastic_teeth(teeth, model), mesh.rotations.size
+    lines = _on_lines(fields, elastic, mesh, segments_per_line)
+    segments = _by_position(lines, model, positions)
+    if not edge_contact:
+        cases = solve_all(segments, torques, ratio, solver, options, progress)
+        return loaded_dataset(segments, cases, torques, mesh.rotations), cases
+    # What more touches can only hold the pair back: its rotation with contact on lines alone is the farthest.
+    reached = _turned(solve_all(segments, np.array([torques.max()]), ratio, "auto", {}), positions)
+    reached = REACH * np.where(reached > 0.0, reached, max(float(reached.max()), NEAREST))
+    while True:
+        edges = _on_edges(fields, elastic, edges_in_mesh(fields, mesh, reached))
+        both = {name: np.concatenate([lines[name], edges[name]], axis=-1) for name in lines}
+        segments = _by_position(both, model, positions)
+        cases = solve_all(segments, torques, ratio, solver, options, progress)
+        turned = _turned(cases, positions)
+        # Where there is no line the pair turns until edges hold it, and may meet more of them than were looked for.
+        turned[[here is None for here in segments]] = 2.0 * reached.max()
+        if np.all((turned <= reached) | (reached > FARTHEST)):
+            return loaded_dataset(segments, cases, torques, mesh.rotations), cases
+        reached, progress = np.maximum(reached, REACH * turned), None
 
 
-def _edges_within_reach(
-    fields: FlankFields, mesh: MeshLines, on_lines: list[Segments | None], torque: float, ratio: float
-) -> MeshEdges:
-    """Pieces of edges that the pair reaches as it turns under a torque [N m].
-
-    What more touches can only hold the pair back: its rotation with contact on lines alone is the farthest.
-    """
-    reached = np.full(mesh.rotations.size, np.nan)
-    for case in solve_all(on_lines, np.array([torque]), ratio, "auto", {}):
-        reached[case.mesh_position] = case.solution.rotation
-    farthest = np.nanmax(reached) if np.any(np.isfinite(reached)) else 0.0
-    return edges_in_mesh(fields, mesh, REACH * np.where(np.isfinite(reached), reached, farthest))
+def _turned(cases: list[LoadedCase], positions: int) -> Array:
+    """Greatest rotation at every mesh position [rad]; zero where nothing was solved."""
+    turned = np.zeros(positions)
+    for case in cases:
+        if case.solution.certified:
+            turned[case.mesh_position] = max(turned[case.mesh_position], case.solution.rotation)
+    return turned

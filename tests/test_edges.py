@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from easeoff import read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.cases.conversion import edges_touch
 from easeoff.contact.bending import ElasticModel
+from easeoff.contact.curves import ContactLines
 from easeoff.contact.edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.fields import FlankFields
 from easeoff.contact.loaded import REACH, loaded_contact, loaded_fields
@@ -226,3 +229,29 @@ def test_other_solvers_find_the_same_on_edges(solver: str) -> None:
     assert np.all(other["status"] == 0)
     np.testing.assert_allclose(other["transmission_error"], native["transmission_error"], rtol=1e-9)
     np.testing.assert_allclose(other["force"], native["force"], atol=1e-6 * float(native["force"].max()))
+
+
+def test_edges_alone_hold_a_pair_without_a_line() -> None:
+    """As with too little overlap: the pair turns farther than on its lines, and the search goes as far as it does."""
+    name = "fm-11x41"
+    geometry, fields, mesh = prepared(name)
+    kept = np.flatnonzero(mesh.position != 2)
+    lines = ContactLines(mesh.lines.level[kept], mesh.lines.points[:, kept], mesh.lines.length[kept])
+    gap = replace(mesh, lines=lines, position=mesh.position[kept], pair=mesh.pair[kept])
+    known: dict[str, Any] = {
+        "ratio": misaligned(name).assembly.ratio,
+        "torques": np.array([20.0]),
+        "segments_per_line": 15,
+    }
+    bare, _ = loaded_contact(fields, geometry.teeth, gap, **known)
+    held, cases = loaded_contact(fields, geometry.teeth, gap, edge_contact=True, **known)
+    assert bare["status"].values[0].nonzero()[0].tolist() == [2]
+    assert np.all(held["status"] == 0)
+    turned = 1e-6 * held["transmission_error"].values[0]
+    assert turned[2] > 1.5 * np.delete(turned, 2).max()
+    (here,) = (case for case in cases if case.mesh_position == 2)
+    assert here.segments.separation_angle.max() > turned[2]
+    assert float(held["edge_share"][0, 2]) == pytest.approx(1.0)
+    np.testing.assert_allclose(
+        np.delete(turned, 2), np.delete(1e-6 * bare["transmission_error"].values[0], 2), rtol=1e-6
+    )
