@@ -13,6 +13,21 @@ from .fields import FlankFields
 
 Array = NDArray[Any]
 
+PARTING = ("separation_bend", "separation_bend_slope")  # the fields behind separation curvature and skew
+
+
+def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array) -> Array:
+    """Gap as a gear rotation [rad] at places whose roll angle the pinion has left behind by ``left`` [rad].
+
+    Parameters
+    ----------
+    ease_off_angle, curvature, skew
+        Of the places: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
+    left
+        Zero in conjugate contact, negative before it.
+    """
+    return np.asarray(ease_off_angle + 0.5 * curvature * left**2 + skew * left**3 / 6.0)
+
 
 @dataclass(frozen=True)
 class AcrossLine:
@@ -52,9 +67,7 @@ class AcrossLine:
 
     def gap(self, left: Array) -> Array:
         """Gap as a gear rotation (...) [rad] when the pinion is ``left`` (...) [rad] beyond the roll angle."""
-        return np.asarray(
-            self.ease_off_angle + 0.5 * self.separation_curvature * left**2 + self.separation_skew * left**3 / 6.0
-        )
+        return gap_beside(self.ease_off_angle, self.separation_curvature, self.separation_skew, left)
 
     def gap_slope(self, left: Array) -> Array:
         """Slope of that gap across the curve, towards growing roll angle (...) [rad/mm]."""
@@ -93,8 +106,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
     points
         Lengthwise and profile fractions (2, ...).
     """
-    parting = ["separation_bend", "separation_bend_slope"]
-    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *parting], points)
+    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *PARTING], points)
     first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
     second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
 
@@ -117,7 +129,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
     _, roll_bend = along_across("roll_angle")
     ease_slope, ease_bend = along_across("ease_off_angle")
     by_roll = ease_slope / slope
-    curvature, skew = curvature_and_skew(*(value[name] for name in parting))
+    curvature, skew = curvature_and_skew(*(value[name] for name in PARTING))
     return AcrossLine(
         roll_angle=value["roll_angle"],
         ease_off_angle=value["ease_off_angle"],
@@ -174,9 +186,7 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(here.stiffness > 0.0, -here.ease_off_slope / here.stiffness, 0.0)
     closest = np.clip(points + here.direction * step / here.slope, 0.0, 1.0)
-    parting = ["separation_bend", "separation_bend_slope"]
-    there = fields.evaluate(["roll_angle", "ease_off_angle", *parting], closest)
-    left = here.roll_angle - there["roll_angle"]
-    second_order, third_order = curvature_and_skew(*(there[name] for name in parting))
-    gap = there["ease_off_angle"] + 0.5 * second_order * left**2 + third_order * left**3 / 6.0
+    there = fields.evaluate(["roll_angle", "ease_off_angle", *PARTING], closest)
+    parting = curvature_and_skew(*(there[name] for name in PARTING))
+    gap = gap_beside(there["ease_off_angle"], *parting, here.roll_angle - there["roll_angle"])
     return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature)

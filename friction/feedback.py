@@ -72,7 +72,7 @@ def _solved_again(
     result = loaded.copy(deep=True)
     if not np.any(due):
         return result
-    force, pressure, status = (result[name].values for name in ("force", "pressure", "status"))
+    force, status = (result[name].values for name in ("force", "status"))
     chosen = [case for case in cases if due[case.torque, case.mesh_position]]
     at = [(case.torque, case.mesh_position) for case in chosen]
     problems = [
@@ -86,8 +86,6 @@ def _solved_again(
         solution, _ = found or solve_on_bending(problem, contact, solver, initial_force=start)
         status[i] = solution.status
         force[i][: start.size] = solution.force
-        certified = solution.status == Status.CERTIFIED
-        pressure[i][: start.size] = contact.pressure(solution.force) if certified else np.nan
     return result
 
 

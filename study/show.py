@@ -110,6 +110,8 @@ def summary(tree: xr.DataTree) -> str:
     ]
     # Roundoff-sized residuals are all the same to a reader.
     worst = _certificate(loaded)
+    # Edges are a column where they may touch; older results know nothing of them.
+    edges = "overhang" in loaded and bool(loaded["overhang"].notnull().any())
     rows = [
         (
             f"{torque:g}",
@@ -117,6 +119,7 @@ def summary(tree: xr.DataTree) -> str:
             f"{loaded['peak_to_peak'].values[i]:.2f}",
             *(f"{amplitude:.2f}" for amplitude in loaded["harmonic"].values[i, :3]),
             f"{loaded['max_pressure'].values[i]:.0f}",
+            *([f"{100.0 * float(loaded['edge_share'][i].max()):.1f}"] if edges else []),
             f"{np.max(worst[i]):.0e}",
             f"{int(np.sum(loaded['status'].values[i] == Status.CERTIFIED))} of {worst.shape[1]}",
         )
@@ -130,16 +133,10 @@ def summary(tree: xr.DataTree) -> str:
         "\n2",
         "\n3",
         "greatest\npressure MPa",
+        *(["on edges\nup to %"] if edges else []),
         "worst\nresidual",
         "certified\npositions",
     ]
-    # Edges are a column where they may touch; older results know nothing of them.
-    if "overhang" in loaded and bool(loaded["overhang"].notnull().any()):
-        headers.insert(-2, "on edges\nup to %")
-        rows = [
-            (*row[:-2], f"{100.0 * share:.1f}", *row[-2:])
-            for row, share in zip(rows, loaded["edge_share"].max("mesh_position").values, strict=True)
-        ]
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
     parts = [

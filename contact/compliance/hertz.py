@@ -137,9 +137,10 @@ class WeberLineContact:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(names, arrays, strict=True))
             raise InputError(f"the arrays of a line contact must broadcast together; got {shapes}") from None
         for name, array in zip(names, arrays, strict=True):
-            allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
             if name == "overhang":
                 allowed, bad = "zero, positive or NaN", (array < 0.0) | np.isinf(array)
+            else:
+                allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
                 raise InputError(f"{name} must be {allowed} [mm]; got {array[bad][0]!r}")
             array.setflags(write=False)

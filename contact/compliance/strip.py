@@ -55,6 +55,9 @@ class Strip:
             Square of the half-width b of the whole strip under the same line load [mm^2].
         """
         whole = np.isnan(overhang)
+        if whole.all():  # the usual case, in the innermost loop of the contact
+            nothing = np.zeros_like(squared)
+            return cls(np.sqrt(squared), np.full_like(squared, 0.5), nothing, nothing)
         e = np.where(whole, 0.0, overhang)
         a = squared / (np.sqrt(e * e + 3.0 * squared) + e)
         ends, twice = 2.0 * e + 3.0 * a, 2.0 * e + 6.0 * a
