@@ -23,7 +23,7 @@ from ...core.files import whole_file
 DPI = 160
 WIDTH = 8.6  # [in]
 HEADER, FOOTER = 0.60, 0.34  # [in]
-LONGEST_LINE = 128  # characters of the small print that fit the width
+LONGEST_LINE, SMALL_LINE = 145, 0.14  # characters of the small print that fit the width, height of a line [in]
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.
@@ -49,17 +49,19 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     note
         Further small print.
     """
-    height = body_height + HEADER + FOOTER
+    whole = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
+    print_ = textwrap.wrap(whole, LONGEST_LINE)
+    footer = FOOTER + SMALL_LINE * (len(print_) - 1)
+    height = body_height + HEADER + footer
     figure = sheet(height)
     engine = figure.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0.01, FOOTER / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
+    engine.set(rect=(0.01, footer / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
     top, left = 1.0 - 0.13 / height, 0.02
     figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
     title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
     figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top", parse_math=False)
-    print_ = textwrap.fill(" · ".join(part for part in (*small_print(tree.attrs), note) if part), LONGEST_LINE)
-    figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
+    figure.text(left, 0.10 / height, "\n".join(print_), fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
     return figure
 
 
