@@ -1,15 +1,14 @@
-"""Tables of the page about chapter 5: what the choices in designs A and B do, and what a doubled radius would."""
+"""Tables of the page about chapter 5: the equivalent radius, ours and that of the dissertation."""
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from dissertation_tables import table
-from efficiency_tables import AT, DESIGNS, ROUGHNESSES, SPEEDS, TORQUES, analysed, dip, inner
+from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, analysed, inner, with_radius
 
+import easeoff
 from easeoff.cases import Case, read_design
 from easeoff.friction import Operation, friction
 from easeoff.study.analysis import analyze_in_full
@@ -65,62 +64,35 @@ def choices() -> str:
     return table(rows, ["", *(f"{letter.upper()}: {head}" for letter in DESIGNS for head in heads)])
 
 
-@cache
-def with_radius(letter: str, factor: float) -> tuple[xr.Dataset, dict[str, xr.DataArray]]:
-    """The contacts at 500 N m with the radius times a factor and the Hertz pressure to it; what comes of it."""
-    tree = analysed(letter).tree
-    loaded = tree["loaded"].to_dataset()
-    loaded = loaded.assign(
-        equivalent_radius=factor * loaded["equivalent_radius"], pressure=loaded["pressure"] / np.sqrt(factor)
-    )
-    other = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
-    here = friction(other, Operation(AT["speed"], AT["temperature"], AT["roughness"])).sel(AT)
-    over_speed = friction(other, Operation(SPEEDS, 90.0, 0.8), segment_fields=False)["efficiency"].squeeze()
-    rough = friction(other, Operation(1500.0, [50.0, 75.0, 100.0], ROUGHNESSES), segment_fields=False)["efficiency"]
-    at = loaded.sel(torque=AT["torque"])
-    found = here.assign(
-        equivalent_radius=at["equivalent_radius"].where(at["force"] > 0.0), max_pressure=at["pressure"].max()
-    )
-    return found, {"over_speed": over_speed, "over_roughness": rough.sel(torque=500.0)}
+def everywhere() -> str:
+    """Table: equivalent radius across and along the contact line, over the flank and where there is load."""
+    rows: list[tuple[object, ...]] = []
+    printed = dict(zip(DESIGNS, PRINTED["equivalent radius [mm]"], strict=True))
+    for letter in DESIGNS:
+        for direction in DIRECTIONS:
+            tree = analysed(letter).tree
+            found = with_radius(tree, AT["torque"], direction)
+            radius, force = found["equivalent_radius"], found["force"]
+            middle = radius.where(np.abs(found["profile"] - 0.5) < 0.1)
+            ends = (middle.where(found["lengthwise"] < 0.1), middle.where(found["lengthwise"] > 0.9))
+            rows.append(
+                (
+                    f"{letter.upper()}, {direction} the line",
+                    f"{float(radius.min()):.0f} to {float(radius.max()):.0f}",
+                    f"{float(radius.where(force > 0).min()):.0f} to {float(radius.where(force > 0).max()):.0f}",
+                    " to ".join(f"{float(end.mean()):.0f}" for end in ends),
+                    printed[letter],
+                )
+            )
+    heads = ["radius [mm]", "all segments", "loaded segments", "toe to heel, at half height", "dissertation"]
+    return table(rows, heads)
 
 
-def doubled_radius() -> str:
-    """Table: as computed, with the radius doubled, and printed."""
-    printed = {
-        "greatest pressure [MPa]": ("to 1000", "to 1000"),
-        "equivalent radius [mm]": ("35 to 50", "35 to 55"),
-        "lambda ratio": ("0.10 to 0.30", "0.10 to 0.30"),
-        "friction coefficient": ("0.01 to 0.06", "0.01 to 0.06"),
-        "mean coefficient by power": ("", ""),
-        "mean coefficient of all segments": ("", "higher than A"),
-        "efficiency [%]": ("96 to 99.5", "96 to 99.5"),
-        "falls with speed by, at 100 / 500 / 1000 N m [%]": ("slightly", "slightly"),
-    }
-    columns = []
-    for i, letter in enumerate(DESIGNS):
-        columns += [quantities(letter, factor) for factor in (1.0, 2.0)]
-        columns.append([both[i] for both in printed.values()])
-    heads = [f"{letter.upper()}{what}" for letter in DESIGNS for what in ("", ", radius doubled", ", dissertation")]
-    return table(list(zip(printed, *columns, strict=True)), ["", *heads])
-
-
-def quantities(letter: str, factor: float) -> list[str]:
-    """A column of the table above."""
-    found, efficiency = with_radius(letter, factor)
-
-    def span(name: str, digits: int) -> str:
-        low, high, _ = inner(found[name].values)
-        return f"{low:.{digits}f} to {high:.{digits}f}"
-
-    both = [efficiency["over_speed"], efficiency["over_roughness"]]
-    falls = [dip(efficiency["over_speed"].sel(torque=torque))[2] for torque in TORQUES]
-    return [
-        f"{float(found['max_pressure']):.0f}",
-        span("equivalent_radius", 0),
-        span("lambda_ratio", 2),
-        span("friction_coefficient", 3),
-        f"{float(found['mean_friction_coefficient']):.4f}",
-        f"{float(found['friction_coefficient'].mean()):.4f}",
-        f"{100 * min(float(e.min()) for e in both):.1f} to {100 * max(float(e.max()) for e in both):.1f}",
-        " / ".join(f"{fall:.2f}" for fall in falls),
-    ]
+def chapter_four() -> str:
+    """Table: greatest pressure of the pairs of chapter 4 at 200 N m."""
+    rows: list[tuple[object, ...]] = []
+    for name, printed in (("fh-12x41-45", "to 800"), ("fm-11x41", "to 1200, with a loaded edge")):
+        tree = analyze_in_full(easeoff.read_case(name), torques=(200.0,)).tree
+        pressures = (float(with_radius(tree, 200.0, direction)["max_pressure"]) for direction in DIRECTIONS)
+        rows.append((f"`{name}`", *(f"{pressure:.0f}" for pressure in pressures), printed))
+    return table(rows, ["greatest pressure [MPa]", "across", "along the line", "dissertation"])

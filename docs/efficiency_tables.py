@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from dissertation_tables import statements, table
+from dissertation_tables import table
 from numpy.typing import NDArray
 
 import easeoff
@@ -17,15 +17,19 @@ from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 
 Array = NDArray[Any]
+# The equivalent radius across the contact line, or along it as the dissertation seems to have it.
+Direction = Literal["across", "along"]
+DIRECTIONS: tuple[Direction, ...] = ("across", "along")
 
 DESIGNS = {"a": "fh-design-a", "b": "fh-design-b"}
 TORQUES = (100.0, 500.0, 1000.0)
 SPEEDS = np.linspace(100.0, 3000.0, 30)
 ROUGHNESSES = np.linspace(0.1, 1.3, 13)
 AT = {"torque": 500.0, "speed": 1500.0, "temperature": 90.0, "roughness": 0.8}
+HEADS = ("", ", radius along the line", ", dissertation")
 # Contours and axes of the figures (Kolivand 2009, figures 5.4 to 5.10), for A and for B.
 PRINTED = {
-    "pressure [MPa]": ("to 1000", "to 1000"),
+    "greatest pressure [MPa]": ("to 1000", "to 1000"),
     "rolling velocity [m/s]": ("0.5 to 3.5", "1.0 to 4.5"),
     "sliding velocity [m/s]": ("1.0 to 2.0", "1.5 to 3.0"),
     "slide-to-roll ratio": ("0.1 to 0.8", "0.1 to 0.8"),
@@ -44,25 +48,38 @@ def analysed(letter: str) -> Analysis:
 
 
 @cache
-def over_speed(letter: str) -> xr.Dataset:
+def over_speed(letter: str, direction: Direction = "across") -> xr.Dataset:
     """Figure 5.11: torques and speeds at 90 degC and 0.8 um."""
-    return friction(analysed(letter).tree, Operation(SPEEDS, 90.0, 0.8), segment_fields=False)
+    model = FrictionModel(radius_direction=direction)
+    return friction(analysed(letter).tree, Operation(SPEEDS, 90.0, 0.8), model, segment_fields=False)
 
 
 @cache
-def over_roughness(letter: str) -> xr.Dataset:
+def over_roughness(letter: str, direction: Direction = "across") -> xr.Dataset:
     """Figure 5.12: roughnesses and temperatures at 500 N m and 1500 / min."""
-    tree = analysed(letter).tree
-    found = friction(tree, Operation(1500.0, [50.0, 75.0, 100.0], ROUGHNESSES), segment_fields=False)
+    operation, model = Operation(1500.0, [50.0, 75.0, 100.0], ROUGHNESSES), FrictionModel(radius_direction=direction)
+    found = friction(analysed(letter).tree, operation, model, segment_fields=False)
     return found.sel(torque=500.0, speed=1500.0)
 
 
+def with_radius(tree: xr.DataTree, torque: float, direction: Direction) -> xr.Dataset:
+    """The loaded segments at a torque, with radius and Hertz pressure of the direction."""
+    loaded = tree["loaded"].to_dataset().sel(torque=torque)
+    if direction == "along":
+        model = FrictionModel(radius_direction=direction)
+        radius = friction(tree, Operation(AT["speed"]), model, segment_fields=False)["radius_along_line"]
+        pressure = loaded["pressure"] * np.sqrt(loaded["equivalent_radius"] / radius)
+        loaded = loaded.assign(equivalent_radius=radius, pressure=pressure, max_pressure=pressure.max())
+    return loaded
+
+
 @cache
-def maps(letter: str) -> tuple[ToothView, dict[str, FlankMap], float]:
+def maps(letter: str, direction: Direction = "across") -> tuple[ToothView, dict[str, FlankMap], float]:
     """Figures 5.5 to 5.10: the flank, the maps by name, and the greatest pressure [MPa]."""
     tree = analysed(letter).tree
-    view, loaded = tooth_view(tree), tree["loaded"].to_dataset().sel(torque=AT["torque"])
-    here = friction(tree, Operation(AT["speed"], AT["temperature"], AT["roughness"])).sel(AT)
+    view, loaded = tooth_view(tree), with_radius(tree, AT["torque"], direction)
+    operation = Operation(AT["speed"], AT["temperature"], AT["roughness"])
+    here = friction(tree, operation, FrictionModel(radius_direction=direction)).sel(AT)
     found = velocity_maps(tree, view, AT["speed"])
     found["equivalent_radius"] = loaded_map(loaded, loaded["equivalent_radius"])
     for name in ("lambda_ratio", "friction_coefficient"):
@@ -77,17 +94,22 @@ def inner(values: Array) -> Array:
 
 def ranges() -> str:
     """Table of figures 5.4 to 5.10: the range of the middle 90 % of each flank, beside the printed contours."""
+
+    def cell(letter: str, name: str, direction: Direction) -> str:
+        _, found, greatest = maps(letter, direction)
+        if name == "pressure":
+            return f"{greatest:.0f}"
+        low, high, _ = inner(found[name].values)
+        digits = 0 if name == "equivalent_radius" else 3 if name == "friction_coefficient" else 2
+        return f"{low:.{digits}f} to {high:.{digits}f}"
+
     rows: list[tuple[object, ...]] = []
-    greatest = [f"{maps(letter)[2]:.0f}" for letter in DESIGNS]
-    rows.append(("greatest pressure [MPa]", greatest[0], "to 1000", greatest[1], "to 1000"))
-    for name, (label, printed) in zip(MAPS, list(PRINTED.items())[1:], strict=True):
+    for name, (label, printed) in zip(("pressure", *MAPS), PRINTED.items(), strict=True):
         cells: list[object] = [label]
         for letter, theirs in zip(DESIGNS, printed, strict=True):
-            low, high, _ = inner(maps(letter)[1][name].values)
-            digits = 0 if name == "equivalent_radius" else 3 if name == "friction_coefficient" else 2
-            cells += [f"{low:.{digits}f} to {high:.{digits}f}", theirs]
+            cells += [*(cell(letter, name, direction) for direction in DIRECTIONS), theirs]
         rows.append(tuple(cells))
-    return table(rows, ["", "A, ours", "A, dissertation", "B, ours", "B, dissertation"])
+    return table(rows, ["", *(f"{letter.upper()}{head}" for letter in DESIGNS for head in HEADS)])
 
 
 def percent(value: float) -> str:
@@ -95,7 +117,7 @@ def percent(value: float) -> str:
     return f"{value:+.0f} %".replace("-", "−")
 
 
-def claims_on_maps() -> list[tuple[str, str, bool]]:
+def claims_on_maps(direction: Direction = "across") -> list[tuple[str, str, bool]]:
     """What the text says of figures 5.4 to 5.10."""
     said = {
         "rolling_velocity": "B rolls faster than A",
@@ -105,7 +127,7 @@ def claims_on_maps() -> list[tuple[str, str, bool]]:
         "lambda_ratio": "B has the higher lambda ratio",
         "friction_coefficient": "B has nevertheless the higher friction coefficient",
     }
-    (_, a, pressure_a), (_, b, pressure_b) = (maps(letter) for letter in DESIGNS)
+    (_, a, pressure_a), (_, b, pressure_b) = (maps(letter, direction) for letter in DESIGNS)
     less = 100.0 * (pressure_b / pressure_a - 1.0)
     ours = f"greatest pressure of B {percent(less)} against A"
     rows = [("A and B have similar pressures", ours, abs(less) < 20.0)]
@@ -127,11 +149,12 @@ def dip(efficiency: xr.DataArray) -> tuple[float, float, float]:
     return float(speeds[start]), float(speeds[end]), float(falls[end])
 
 
-def claims_on_efficiency() -> list[tuple[str, str, bool]]:
+def claims_on_efficiency(direction: Direction = "across") -> list[tuple[str, str, bool]]:
     """What the text says of figures 5.11 and 5.12."""
     rows: list[tuple[str, str, bool]] = []
-    both = [100.0 * over_speed(letter)["efficiency"].squeeze(("temperature", "roughness")) for letter in DESIGNS]
-    rough = [100.0 * over_roughness(letter)["efficiency"] for letter in DESIGNS]
+    fast = [over_speed(letter, direction).squeeze(("temperature", "roughness")) for letter in DESIGNS]
+    both = [100.0 * found["efficiency"] for found in fast]
+    rough = [100.0 * over_roughness(letter, direction)["efficiency"] for letter in DESIGNS]
     low, high = min(float(e.min()) for e in (*both, *rough)), max(float(e.max()) for e in (*both, *rough))
     rows.append(
         (
@@ -198,6 +221,7 @@ def options() -> str:
         "film of Dowson and Higginson": FrictionModel(film="dowson_higginson"),
         "rolling velocity relative to the contact line": FrictionModel(rolling_frame="contact_line"),
         "slide-to-roll from the whole sliding": FrictionModel(sliding_of_ratio="whole"),
+        "radius along the contact line": FrictionModel(radius_direction="along"),
         "rolling traction without heating": FrictionModel(thermal_factor="none"),
         "torque of friction fed back to the forces": None,
         "coefficient of Xu and others, full film": FrictionModel("xu_kahraman"),
@@ -220,11 +244,21 @@ def options() -> str:
     return table(rows, ["", "A: mean coefficient", "A: efficiency [%]", "B: mean coefficient", "B: efficiency [%]"])
 
 
+def both_ways(ours: list[tuple[str, str, bool]], theirs: list[tuple[str, str, bool]]) -> str:
+    """Statements of the dissertation, what comes of them with our radius and with the dissertation's."""
+    heads = ["the dissertation says", "ours", "agrees", "radius along the line", "agrees"]
+    cells: list[tuple[object, ...]] = [
+        (said, one, "yes" if agrees else "no", "the same" if other == one else other, "yes" if so else "no")
+        for (said, one, agrees), (_, other, so) in zip(ours, theirs, strict=True)
+    ]
+    return table(cells, heads)
+
+
 def parts() -> dict[str, str]:
     """What the template of the page leaves open."""
     return {
         "ranges": ranges(),
-        "claims_on_maps": statements(claims_on_maps()),
-        "claims_on_efficiency": statements(claims_on_efficiency()),
+        "claims_on_maps": both_ways(*(claims_on_maps(direction) for direction in DIRECTIONS)),
+        "claims_on_efficiency": both_ways(*(claims_on_efficiency(direction) for direction in DIRECTIONS)),
         "options": options(),
     }

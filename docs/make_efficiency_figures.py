@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from dissertation_figures import save_small, title
-from efficiency_radius import choices, doubled_radius
-from efficiency_tables import DESIGNS, MAPS, TORQUES, analysed, maps, over_roughness, over_speed, parts
+from efficiency_radius import chapter_four, choices, everywhere
+from efficiency_tables import (
+    DESIGNS,
+    DIRECTIONS,
+    MAPS,
+    TORQUES,
+    Direction,
+    analysed,
+    maps,
+    over_roughness,
+    over_speed,
+    parts,
+)
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -28,6 +40,11 @@ LEVELS = {
     "equivalent_radius": np.arange(5.0, 56.0, 5.0),
     "lambda_ratio": np.arange(0.1, 0.31, 0.05),
     "friction_coefficient": np.arange(0.01, 0.071, 0.01),
+}
+
+LINES: dict[Direction, dict[str, Any]] = {
+    "across": {"linewidth": 1.6},
+    "along": {"linewidth": 1.1, "linestyle": (0, (4, 2))},
 }
 
 
@@ -58,13 +75,13 @@ def sheet_of(rows: int, aspect: float, extra: float) -> Figure:
     return sheet(rows * ((WIDTH - 0.4) / 2 * aspect + 0.25) + extra)
 
 
-def flank_maps(names: tuple[str, ...]) -> Figure:
+def flank_maps(names: tuple[str, ...], direction: Direction = "across") -> Figure:
     """Rows of maps, design A on the left."""
     figure = sheet_of(len(names), maps("a")[0].aspect, 0.1)
     panels = figure.subplots(len(names), 2, squeeze=False)
     for row, name in zip(panels, names, strict=True):
         for axes, letter in zip(row, DESIGNS, strict=True):
-            view, found, _ = maps(letter)
+            view, found, _ = maps(letter, direction)
             draw_flank(axes, view, labels=(False, False))
             axes.tick_params(bottom=False, left=False, labelleft=False)
             draw_values(axes, view, found[name], SHADES[name], LEVELS[name])
@@ -79,12 +96,14 @@ def over_speeds() -> Figure:
     figure = sheet(5.0)
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     for column, letter in zip(panels.T, DESIGNS, strict=True):
-        found = over_speed(letter).squeeze(("temperature", "roughness"))
-        for torque, colour in zip(TORQUES, torque_colours(np.array(TORQUES)), strict=True):
-            here = found.sel(torque=torque)
-            style = {"color": colour, "linewidth": 1.6, "label": f"{torque:g} N m"}
-            column[0].semilogy(here["speed"], here["mean_power_loss"], **style)
-            column[1].plot(here["speed"], 100.0 * here["efficiency"], **style)
+        for direction in DIRECTIONS:
+            found = over_speed(letter, direction).squeeze(("temperature", "roughness"))
+            for torque, colour in zip(TORQUES, torque_colours(np.array(TORQUES)), strict=True):
+                here = found.sel(torque=torque)
+                style = {"color": colour, **LINES[direction]}
+                style["label"] = f"{torque:g} N m" if direction == "across" else None
+                column[0].semilogy(here["speed"], here["mean_power_loss"], **style)
+                column[1].plot(here["speed"], 100.0 * here["efficiency"], **style)
         title(column[0], LETTERS[letter])
         column[1].set_xlabel("speed of the pinion [1/min]", fontsize=SMALL_SIZE + 1, color=INK)
     panels[0, 0].set_ylabel("power loss [W]", fontsize=SMALL_SIZE + 1, color=INK)
@@ -105,10 +124,12 @@ def over_roughnesses() -> Figure:
     figure = sheet(2.8)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, letter in zip(panels, DESIGNS, strict=True):
-        found = over_roughness(letter)
-        for temperature, colour in zip(found["temperature"].values, torque_colours(np.arange(3.0)), strict=True):
-            here = 100.0 * found["efficiency"].sel(temperature=temperature)
-            axes.plot(here["roughness"], here, color=colour, linewidth=1.6, label=f"{temperature:g} °C")
+        for direction in DIRECTIONS:
+            found = over_roughness(letter, direction)
+            for temperature, colour in zip(found["temperature"].values, torque_colours(np.arange(3.0)), strict=True):
+                here = 100.0 * found["efficiency"].sel(temperature=temperature)
+                label = f"{temperature:g} °C" if direction == "across" else None
+                axes.plot(here["roughness"], here, color=colour, label=label, **LINES[direction])
         plain_axes(axes)
         axes.set_xlabel("RMS roughness of both flanks [µm]", fontsize=SMALL_SIZE + 1, color=INK)
         title(axes, LETTERS[letter])
@@ -123,11 +144,13 @@ def main() -> None:
     save_small(pressures(), IMAGES / "figure_5_4.png")
     save_small(flank_maps(MAPS[:4]), IMAGES / "figure_5_5.png")
     save_small(flank_maps(MAPS[4:]), IMAGES / "figure_5_9.png")
+    save_small(flank_maps(MAPS[3:], "along"), IMAGES / "figure_5_8_along.png")
     save_small(over_speeds(), IMAGES / "figure_5_11.png")
     save_small(over_roughnesses(), IMAGES / "figure_5_12.png")
     template = (HERE / "efficiency.template.md").read_text(encoding="utf-8")
     (HERE / "efficiency.md").write_text(
-        template.format(**parts(), choices=choices(), doubled_radius=doubled_radius()), encoding="utf-8"
+        template.format(**parts(), choices=choices(), everywhere=everywhere(), chapter_four=chapter_four()),
+        encoding="utf-8",
     )
     print("wrote docs/efficiency.md")
 

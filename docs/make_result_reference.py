@@ -13,6 +13,7 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases.model import ComplianceTable, ContactTable
+from easeoff.friction import FrictionModel
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
@@ -22,7 +23,8 @@ def coarse_analysis() -> xr.DataTree:
     """A quick analysis with finite elements and friction: the variables of any other too, few numbers."""
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
     case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
-    return easeoff.analyze(case, speed=1500.0, friction_feedback=True)
+    model = FrictionModel(radius_direction="along")
+    return easeoff.analyze(case, speed=1500.0, friction_model=model, friction_feedback=True)
 
 
 def result_tables(tree: xr.DataTree) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from ..geometry.vectors import dot
 from .kinematics import SurfaceVelocities, action_fields, axes_of, surface_velocities
+from .line_radius import radii_along_line
 
 Array = NDArray[Any]
+RadiusDirection = Literal["across", "along"]
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,16 @@ class LoadedContacts:
         return dot(v.pinion, direction), dot(v.gear, direction)
 
 
+def segment_places(tree: xr.DataTree) -> tuple[Array, NDArray[np.bool_]]:
+    """Fractions (2, n) of all potential segments of a result that exist, and which do (mesh position, segment)."""
+    loaded = tree["loaded"].to_dataset()
+    order = ("torque", "mesh_position", "segment")
+    # The lines do not move under load: a segment's place is the same at every torque.
+    places = np.stack([loaded[n].transpose(*order).values[0] for n in ("lengthwise", "profile")])
+    exists = np.isfinite(places[0])
+    return places[:, exists], exists
+
+
 def segment_velocities(tree: xr.DataTree) -> tuple[SurfaceVelocities, NDArray[np.bool_]]:
     """Velocities at all potential segments of a result, those that exist, and which do (mesh position, segment).
 
@@ -75,21 +87,28 @@ def segment_velocities(tree: xr.DataTree) -> tuple[SurfaceVelocities, NDArray[np
     InputError
         If the result is of an older version without points of action.
     """
-    ease_off, loaded = tree["ease_off"].to_dataset(), tree["loaded"].to_dataset()
-    order = ("torque", "mesh_position", "segment")
-    # The lines do not move under load: a segment's place is the same at every torque.
-    places = np.stack([loaded[n].transpose(*order).values[0] for n in ("lengthwise", "profile")])
-    exists = np.isfinite(places[0])
-    return surface_velocities(axes_of(ease_off), action_fields(ease_off), places[:, exists]), exists
+    ease_off = tree["ease_off"].to_dataset()
+    places, exists = segment_places(tree)
+    return surface_velocities(axes_of(ease_off), action_fields(ease_off), places), exists
 
 
-def loaded_contacts(tree: xr.DataTree) -> LoadedContacts:
+def segment_radii_along(tree: xr.DataTree) -> Array:
+    """``radii_along_line`` at all potential segments (mesh position, segment) [m], NaN where there is none."""
+    places, exists = segment_places(tree)
+    radii = np.full(exists.shape, np.nan)
+    radii[exists] = radii_along_line(tree, places)
+    return radii
+
+
+def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "across") -> LoadedContacts:
     """Gather the segments that carry force.
 
     Parameters
     ----------
     tree
         A result of ``analyze`` or ``read_result``.
+    radius_direction
+        See ``FrictionModel``.
 
     Raises
     ------
@@ -105,6 +124,8 @@ def loaded_contacts(tree: xr.DataTree) -> LoadedContacts:
     length, radius = (1e-3 * loaded[name].values[touching] for name in ("length", "equivalent_radius"))
     modulus = 1e6 * float(loaded.attrs["contact_modulus_MPa"])
     index = np.stack(np.nonzero(touching))
+    if radius_direction == "along":
+        radius = segment_radii_along(tree)[index[1], index[2]]
     number = np.cumsum(exists.ravel()).reshape(exists.shape) - 1
     chosen = number[index[1], index[2]]
     return LoadedContacts(

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
-from .contacts import LoadedContacts, loaded_contacts, segment_velocities
+from .contacts import LoadedContacts, loaded_contacts, segment_radii_along, segment_velocities
 from .formula import FLAGS, formula_flags
 from .kinematics import SurfaceVelocities
 from .losses import losses
@@ -54,7 +54,7 @@ def friction(
         If the result is of an older version, or a temperature is out of the oil's range.
     """
     model = model or FrictionModel()
-    contacts = loaded_contacts(tree)
+    contacts = loaded_contacts(tree, model.radius_direction)
     loaded = tree["loaded"].to_dataset()
     segments = loaded.sizes["segment"]
     size = contacts.solved.size * segments * int(np.prod(operation.shape))
@@ -62,6 +62,8 @@ def friction(
     result = losses_dataset(contacts, operation, model, segments if keep else 0)
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
     result = result.assign_coords(coords).merge(velocities_dataset(*segment_velocities(tree), operation, model))
+    if model.radius_direction == "along":
+        result["radius_along_line"] = (("mesh_position", "segment"), 1e3 * segment_radii_along(tree))
     return labelled(result.assign_attrs(_provenance(operation, model)))
 
 
@@ -186,4 +188,5 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, str]:
         "thermal_factor": model.thermal_factor,
         "rolling_frame": model.rolling_frame,
         "sliding_of_ratio": model.sliding_of_ratio,
+        "radius_direction": model.radius_direction,
     }

@@ -95,7 +95,7 @@ def _one_operation(
     """Friction with feedback at one speed, temperature and roughness."""
     loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
     ratio = float(tree["ease_off"].attrs["ratio"])
-    contacts = loaded_contacts(tree)
+    contacts = loaded_contacts(tree, model.radius_direction)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
     effective, current = given, tree
     for count in range(ITERATIONS + 1):
@@ -110,8 +110,8 @@ def _one_operation(
         loaded["status"].values[failed] = Status.NOT_CONVERGED
         loaded["force"].values[failed] = np.nan
         effective = np.where(moving, wanted, effective)
-        current = xr.DataTree.from_dict({"ease_off": tree["ease_off"].to_dataset(), "loaded": loaded})
-        contacts = loaded_contacts(current)
+        current = tree.assign({"loaded": xr.DataTree(loaded)})
+        contacts = loaded_contacts(current, model.radius_direction)
     taken, passed = friction_torques(contacts, operation, model)
     # What the normal forces carry over, from the forces themselves.
     carried = 1e-3 * (loaded["force"] * loaded["lever_arm"]).sum("segment").values / ratio

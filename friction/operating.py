@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from .coefficient import CoefficientModel, coefficient_model
+from .contacts import RadiusDirection
 from .film import film
 from .kinematics import SurfaceVelocities
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
@@ -123,6 +124,10 @@ class FrictionModel:
     sliding_of_ratio
         Whether the sliding in slide-to-roll is that ``across`` the contact line, as the dissertation's figures have it,
         or the ``whole`` sliding. The power loss is that of the whole sliding in either case.
+    radius_direction
+        Equivalent radius, and the Hertz pressure that goes with it, ``across`` the contact line, where the flanks
+        roll, or ``along`` it, as the dissertation's figures seem to have it (``line_radius``). The
+        latter is there to compare with the dissertation, not for use.
     out_of_range
         Temperatures the oil has no data for: ``error``, or ``clamp`` and flag it.
 
@@ -137,6 +142,7 @@ class FrictionModel:
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: FrameOfRolling = "fixed"
     sliding_of_ratio: SlidingOfRatio = "across"
+    radius_direction: RadiusDirection = "across"
     out_of_range: OutOfRange = "error"
 
     def __post_init__(self) -> None:
@@ -148,6 +154,8 @@ class FrictionModel:
             raise InputError(f"rolling_frame = {self.rolling_frame!r}: must be 'fixed' or 'contact_line'")
         if self.sliding_of_ratio not in ("across", "whole"):
             raise InputError(f"sliding_of_ratio = {self.sliding_of_ratio!r}: must be 'across' or 'whole'")
+        if self.radius_direction not in ("across", "along"):
+            raise InputError(f"radius_direction = {self.radius_direction!r}: must be 'across' or 'along'")
 
     def rolling(self, velocities: SurfaceVelocities) -> Array:
         """Rolling velocity (...), signed as ``SurfaceVelocities.across``, in the chosen frame."""

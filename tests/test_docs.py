@@ -212,22 +212,22 @@ def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.Mon
     """If not: run docs/make_efficiency_figures.py."""
     tables = script("efficiency_tables", monkeypatch)
     page = text("efficiency")
-    printed = [row for _, heading in ((0, "## Figures 5.4 to 5.10: the flank"),) for row in rows(page, heading)]
-    fresh = rows(f"here\n\n{tables.ranges()}", "here")
-    assert [row[0] for row in printed] == [row[0] for row in fresh]
-    for one, other in zip(printed, fresh, strict=True):
-        for column in (1, 3):
-            found, expected = ([float(n) for n in re.findall(r"[\d.]+", row[column])] for row in (one, other))
-            assert found == pytest.approx(expected, rel=0.05, abs=0.011)
-    for said, _, agrees in (*tables.claims_on_maps(), *tables.claims_on_efficiency()):
-        row = next(line for line in page.splitlines() if line.startswith(f"| {said} "))
-        assert row.rstrip().endswith("yes      |" if agrees else "no       |"), said
-    shown = rows(page, "make up for nearly all that")
-    quantities = script("efficiency_radius", monkeypatch).quantities
-    for factor, column in ((1.0, 1), (2.0, 2)):
-        for cells, value in zip(shown, quantities("a", factor), strict=True):
-            found, expected = ([float(n) for n in re.findall(r"[\d.]+", cell)] for cell in (cells[column], value))
-            assert found == pytest.approx(expected, rel=0.05, abs=0.011), cells[0]
+    radius = script("efficiency_radius", monkeypatch)
+    for before, made in (
+        ("## Figures 5.4 to 5.10: the flank", tables.ranges()),
+        ("without their signs, is about half of either:", radius.everywhere()),
+        ("has the printed size with this radius, too:", radius.chapter_four()),
+    ):
+        printed, fresh = rows(page, before), rows(f"here\n\n{made}", "here")
+        for one, other in zip(printed, fresh, strict=True):
+            assert one[0] == other[0]
+            for cell, expected in zip(one[1:], other[1:], strict=True):
+                found, numbers = ([float(n) for n in re.findall(r"[\d.]+", text)] for text in (cell, expected))
+                assert found == pytest.approx(numbers, rel=0.05, abs=0.011), one[0]
+    for claims in (tables.claims_on_maps, tables.claims_on_efficiency):
+        for (said, _, agrees), (_, _, so) in zip(claims("across"), claims("along"), strict=True):
+            row = next(line for line in page.splitlines() if line.startswith(f"| {said} "))
+            assert [row.split("|")[i].strip() == "yes" for i in (3, 5)] == [agrees, so], said
 
 
 def test_example_case_is_a_case() -> None:

@@ -17,9 +17,10 @@ from easeoff.cases.model import ContactTable
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
-from easeoff.friction.contacts import loaded_contacts
+from easeoff.friction.contacts import RadiusDirection, loaded_contacts
 from easeoff.friction.feedback import friction_torques
-from easeoff.friction.kinematics import action_fields, axes_of
+from easeoff.friction.kinematics import action_fields, axes_of, surface_velocities
+from easeoff.friction.line_radius import radii_along_line
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
@@ -103,9 +104,10 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
         assert found["formula_flags"] == easeoff.friction.formula_flags(conditions)
 
 
-def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree) -> None:
-    """The line load that film and traction take from the pressure is force over length."""
-    contacts = loaded_contacts(tree)
+@pytest.mark.parametrize("direction", ["across", "along"])
+def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, direction: RadiusDirection) -> None:
+    """The line load that film and traction take from the pressure is force over length, whatever the radius."""
+    contacts = loaded_contacts(tree, direction)
     conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
     np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
 
@@ -200,6 +202,62 @@ def test_equivalent_radius_is_that_of_the_conjugate_flanks_but_for_the_ease_off(
     ratio = contacts.equivalent_radius * np.abs(dot(gear(across) - pinion(across), across))
     assert ratio.min() > 0.9
     assert ratio.max() < 1.1
+
+
+def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree) -> None:
+    """The pinion's from its shape operator, the gear's by Euler's formula from its principal curvatures."""
+    ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
+    nodes = {"lengthwise": slice(6, -6), "profile": slice(4, -4)}
+    points = np.stack(np.meshgrid(*(ease_off[n].values[within] for n, within in nodes.items()), indexing="ij"))
+    fields = action_fields(ease_off)
+    line = surface_velocities(axes_of(ease_off), fields, points).along
+    of_pinion = np.abs(dot(shape_operators(axes_of(ease_off), fields, points)[0](line), line))
+    # The line's direction on the gear's own flank, by differences over the nodes.
+    rates, tangents = (np.gradient(v, axis=(0, 1)) for v in (ease_off["roll_angle"].values, gear["position"].values))
+    along = rates[0][..., None] * tangents[1] - rates[1][..., None] * tangents[0]
+    cosine = np.sum(along * gear["principal_direction"].values, axis=-1) / np.linalg.norm(along, axis=-1)
+    first, second = np.moveaxis(1e3 * gear["principal_curvature"].values, -1, 0)
+    of_gear = np.abs(first * cosine**2 + second * (1.0 - cosine**2))[nodes["lengthwise"], nodes["profile"]]
+    np.testing.assert_allclose(radii_along_line(tree, points), 1.0 / (of_pinion + of_gear), rtol=2e-3)
+    # Nearly conjugate flanks: one is about as hollow as the other is round.
+    np.testing.assert_allclose(of_pinion, of_gear, rtol=0.15)
+
+
+def test_radius_along_the_line_of_known_surfaces() -> None:
+    """Lines that are circles of one radius on the pinion and of another on the gear, in planes of their own."""
+    u, v = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 8), indexing="ij")
+
+    def flank(radius: float, component: str) -> dict[str, Any]:
+        angle = 5.0 * u / radius
+        normal = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)
+        position = radius * normal + np.stack([0.0 * v, 0.0 * v, 3.0 * v], axis=-1)
+        return {
+            name: (("lengthwise", "profile", component), x) for name, x in (("position", position), ("normal", normal))
+        }
+
+    coords = {"lengthwise": u[:, 0], "profile": v[0]}
+    action = {f"action_{name}": value for name, value in flank(80.0, "space").items()}
+    ease_off = xr.Dataset(action | {"roll_angle": (("lengthwise", "profile"), 0.1 * v)}, coords=coords)
+    gear = xr.Dataset(flank(120.0, "xyz"), coords=coords).expand_dims(member=["gear"])
+    found = radii_along_line(xr.DataTree.from_dict({"ease_off": ease_off, "flanks": gear}), np.array([[0.3], [0.6]]))
+    assert found == pytest.approx(80e-3 * 120e-3 / 200e-3, rel=1e-6)
+
+
+def test_radius_along_the_line_changes_film_and_coefficient_alone(tree: xr.DataTree, result: xr.Dataset) -> None:
+    other = friction(tree, OPERATION, FrictionModel(radius_direction="along"))
+    assert other.attrs["radius_direction"] == "along"
+    assert "radius_along_line" not in result
+    xr.testing.assert_identical(other["sliding_velocity"], result["sliding_velocity"])
+    # With film and pressure by Pan and Hamrock: h ~ R (U^0.694 W^-0.128) at the same force.
+    ratio = other["radius_along_line"] / tree["loaded"]["equivalent_radius"]
+    expected = ratio ** (1.0 - 0.694 + 0.128)
+    found = other["film_thickness"] / result["film_thickness"]
+    xr.testing.assert_allclose(found, expected.broadcast_like(found).where(found.notnull()).transpose(*found.dims))
+    constant, again = (
+        friction(tree, OPERATION, FrictionModel(0.05, radius_direction=d))["mean_sliding_loss"]
+        for d in ("across", "along")
+    )
+    xr.testing.assert_identical(constant, again)
 
 
 def test_unsolved_positions_are_nan(tree: xr.DataTree) -> None:
@@ -300,6 +358,38 @@ def test_claims_on_efficiency(designs: dict[str, xr.Dataset]) -> None:
         assert np.all(efficiency.sel(at).sel(speed=250.0).diff("torque") > 0.0)
         assert np.all(efficiency.sel(at).sel(speed=3000.0).diff("torque") < 0.0)
         assert np.all(efficiency.sel(at).sel(speed=[1500.0, 3000.0]).diff("speed") > 0.0)
+
+
+@pytest.fixture(scope="module")
+def as_printed() -> dict[str, xr.Dataset]:
+    """With the radius that the dissertation seems to have, at 1500 / min, 500 N m, 90 degC, 0.8 um."""
+    operation, model = Operation(1500.0, 90.0, 0.8), FrictionModel(radius_direction="along")
+    return {
+        letter: friction(analysed(f"fh-design-{letter}").tree, operation, model).sel(torque=500.0).squeeze(drop=True)
+        for letter in "ab"
+    }
+
+
+@pytest.mark.parametrize(("letter", "low", "high"), [("a", 35.0, 50.0), ("b", 35.0, 55.0)])
+def test_radius_along_the_line_is_the_printed_one(
+    as_printed: dict[str, xr.Dataset], letter: str, low: float, high: float
+) -> None:
+    """Figure 5.8: contours from 35 to 50 mm for A, to 55 mm for B; nothing was fitted to them."""
+    radius = as_printed[letter]["radius_along_line"].where(as_printed[letter]["friction_coefficient"].notnull())
+    found = np.nanpercentile(radius, [2.0, 98.0])
+    assert low < found[0] < low + 7.0
+    assert found[1] == pytest.approx(high, abs=3.0)
+
+
+def test_claims_on_the_coefficient_hold_with_the_printed_radius(as_printed: dict[str, xr.Dataset]) -> None:
+    """Figures 5.9 and 5.10: lambda 0.1 to 0.3, coefficient 0.01 to 0.06, both higher in B."""
+    for found in as_printed.values():
+        assert np.all(np.abs(np.nanpercentile(found["lambda_ratio"], [3.0, 90.0]) - 0.2) < 0.1)
+        assert np.nanpercentile(found["friction_coefficient"], 5.0) > 0.01
+        assert float(found["friction_coefficient"].max()) < 0.06
+    a, b = (as_printed[letter] for letter in "ab")
+    for name in ("lambda_ratio", "friction_coefficient"):
+        assert float(b[name].median()) > float(a[name].median())
 
 
 # --- friction fed back
@@ -471,6 +561,7 @@ def test_unknown_models_are_named() -> None:
         ({"thermal_factor": "hot"}, "thermal_factor = 'hot'"),
         ({"rolling_frame": "moon"}, "rolling_frame = 'moon'"),
         ({"sliding_of_ratio": "up"}, "sliding_of_ratio = 'up'"),
+        ({"radius_direction": "down"}, "radius_direction = 'down'"),
     ):
         with pytest.raises(InputError, match=message):
             FrictionModel(**options)  # type: ignore[arg-type]

@@ -37,6 +37,7 @@ film = "dowson_higginson"
 thermal_factor = "none"
 rolling_frame = "contact_line"
 sliding_of_ratio = "whole"
+radius_direction = "along"
 feedback = true
 """
 TEXT = case_text("nasa-12x36") + TABLE
@@ -68,7 +69,12 @@ def test_every_key_arrives() -> None:
     assert operation.roughnesses.tolist() == [[0.8, 0.4], [0.2, 0.2]]
     assert operation.lubricant.name == "pao-vg100"
     assert table.model() == FrictionModel(
-        0.06, "dowson_higginson", "none", rolling_frame="contact_line", sliding_of_ratio="whole"
+        0.06,
+        "dowson_higginson",
+        "none",
+        rolling_frame="contact_line",
+        sliding_of_ratio="whole",
+        radius_direction="along",
     )
     assert table.feedback
 
@@ -108,6 +114,7 @@ def test_written_cases_read_the_same() -> None:
         ("speed = 100\ncoefficient = -0.1", ["-0.1", "zero or more"]),
         ('speed = 100\nfilm = "thick"', ["film = 'thick'", *FILMS]),
         ('speed = 100\nthermal_factor = "hot"', ["thermal_factor = 'hot'", *THERMAL_FACTORS]),
+        ('speed = 100\nradius_direction = "up"', ["friction.radius_direction", "'up'", "'across' or 'along'"]),
         ('speed = 100\nrolling_frame = "moon"', ["friction.rolling_frame", "'moon'", "'fixed' or 'contact_line'"]),
         ("speed = 100\nfeedback = 1", ["friction.feedback", "boolean"]),
         ("speeds = 100\nspeed = 100", ["friction.speeds", "known are", "temperature"]),
@@ -140,7 +147,12 @@ def test_an_analysis_takes_the_table(tree: xr.DataTree) -> None:
         roughness=[(0.8, 0.4), 0.2],
         oil="pao-vg100",
         friction_model=FrictionModel(
-            0.06, "dowson_higginson", "none", rolling_frame="contact_line", sliding_of_ratio="whole"
+            0.06,
+            "dowson_higginson",
+            "none",
+            rolling_frame="contact_line",
+            sliding_of_ratio="whole",
+            radius_direction="along",
         ),
         friction_feedback=True,
     )

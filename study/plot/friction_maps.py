@@ -199,7 +199,8 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     maps = velocity_maps(tree, view, at["speed"], FrictionModel(**{n: friction.attrs[n] for n in CONVENTIONS}))
     force = here["force"] if "force" in here else under_load["force"]
     touching = under_load.assign(force=force)
-    maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
+    radius = friction["radius_along_line"] if "radius_along_line" in friction else under_load["equivalent_radius"]
+    maps["equivalent_radius"] = loaded_map(touching, radius)
     for name in ("lambda_ratio", "friction_coefficient"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])
