@@ -116,7 +116,13 @@ def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "acro
         If the result is of an older version.
     """
     velocities, exists = segment_velocities(tree)
-    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    loaded = tree["loaded"].to_dataset()
+    if lost := {"torque", "mesh_position", "segment"} - {str(name) for name in loaded.dims}:
+        raise InputError(
+            f"the group loaded has no dimension {' and '.join(sorted(lost))}: to take one torque or position, keep the "
+            "dimension, as in isel(torque=[0])"
+        )
+    loaded = loaded.transpose("torque", "mesh_position", "segment", ...)
     if "contact_modulus_MPa" not in loaded.attrs:
         raise InputError("this result has no contact modulus: it was written by an older version; make it anew")
     force = loaded["force"].values

@@ -25,7 +25,7 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
-from easeoff.study.show import summary
+from easeoff.study.show import summary, uncertified
 
 POSITIONS = 6
 CONTACT = ContactTable(
@@ -36,6 +36,10 @@ CONTACT = ContactTable(
     profile_nodes=15,
 )
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
+
+
+def replace_torques(torques: tuple[float, ...]) -> ContactTable:
+    return CONTACT.model_copy(update={"torques": torques})
 
 
 def analysed(name: str, **options: Any) -> Analysis:
@@ -451,10 +455,30 @@ def test_feedback_without_friction_is_the_frictionless_contact(analysis: Analysi
     assert np.max(taken - passed) < 1e-4
 
 
-def test_friction_that_takes_the_whole_torque_is_no_result(analysis: Analysis) -> None:
-    found = friction_feedback(analysis.tree, analysis.cases, Operation(1000.0, 90.0, 0.8), FrictionModel(5.0))
+@pytest.mark.parametrize("coefficient", [0.3, 0.5, 5.0])
+def test_feedback_ends_whatever_friction_takes(analysis: Analysis, coefficient: float) -> None:
+    """Also where friction takes more than half of the torque, as worm gears know it."""
+    operation = Operation(1000.0, 90.0, 0.8)
+    found = friction_feedback(analysis.tree, analysis.cases, operation, FrictionModel(coefficient))
+    assert np.all(found["status"] == Status.CERTIFIED)
+    assert float(abs(found["energy_balance"]).max()) < 1e-9
+    assert np.all((found["efficiency"] > 0.5) & (found["efficiency"] < 1.0 - 0.2 * min(coefficient, 1.0)))
+
+
+def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: Analysis) -> None:
+    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
+    whole = analyze_in_full(case)
+    found = friction_feedback(whole.tree, whole.cases, Operation(3000.0, 30.0, 0.8))
+    assert np.all(found["status"] == Status.NOT_CONVERGED)
     assert np.all(found["efficiency"].isnull())
-    assert np.all(found["mesh_power_loss"].isnull())
+    (line,) = uncertified(whole.tree.assign({"friction": xr.DataTree(found)}))
+    assert "friction fed back: 6 of 6" in line
+    assert "not_converged" in line
+
+
+def test_film_and_lambda_are_those_of_each_roughness_with_feedback(fed_back: xr.Dataset) -> None:
+    composite = np.hypot(fed_back["roughness_pinion"], fed_back["roughness_gear"])
+    xr.testing.assert_allclose(fed_back["lambda_ratio"] * composite, fed_back["film_thickness"])
 
 
 def test_feedback_needs_no_particular_solver(analysis: Analysis, fed_back: xr.Dataset) -> None:
