@@ -205,6 +205,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "film": ("um", "film thickness; behind the end of the film the gap"),
     "node_state": ("", "what holds at a node"),
     "settled": ("1", "1 for steps that count in averages, 0 elsewhere"),
+    "leak": (
+        "1",
+        "lubricant made or lost over what flows through in a step; rounding but for failed steps",
+    ),
     "minimum_film": ("um", "smallest film thickness within the dry contact"),
     # friction study
     "combination": ("1", "number of the combination in the design of the study"),
