@@ -26,7 +26,7 @@ from ..contact.loaded_cases import LoadedCase
 from ..contact.solvers import Status, require_solver
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
-from .contacts import LoadedContacts, loaded_contacts
+from .contacts import LoadedContacts, loaded_contacts, loaded_segments
 from .efficiency import OPERATION, friction
 from .losses import losses
 from .operating import FrictionModel, Operation, checked_model
@@ -95,7 +95,7 @@ def _one_operation(
     tree: xr.DataTree, cases: Sequence[LoadedCase], operation: Operation, model: FrictionModel, solver: str
 ) -> xr.Dataset:
     """Friction with feedback at one speed, temperature and roughness."""
-    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    loaded = loaded_segments(tree)
     ratio = float(tree["ease_off"].attrs["ratio"])
     contacts = loaded_contacts(tree, model.radius_direction)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)

@@ -167,7 +167,7 @@ class FrictionModel:
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
         film(self.film)
-        if not isinstance(self.thermal_factor, str) or self.thermal_factor not in THERMAL_FACTORS:
+        if self.thermal_factor not in tuple(THERMAL_FACTORS):
             raise InputError(f"thermal_factor = {self.thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
         for name, allowed in CHOICES.items():
             if getattr(self, name) not in allowed:

@@ -71,7 +71,7 @@ def uncertified(tree: xr.DataTree) -> list[str]:
                 f"({', '.join(reasons)}); their values are NaN"
             )
     if "friction" in tree.children and "status" in tree["friction"]:
-        status = tree["friction"]["status"].values
+        status = tree["friction"].to_dataset()["status"].values
         bad = status != Status.CERTIFIED
         if np.any(bad):
             reasons = sorted({Status(int(s)).name.lower() for s in status[bad]})

@@ -21,6 +21,8 @@ from easeoff.friction.contacts import RadiusDirection, loaded_contacts
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.kinematics import action_fields, axes_of, surface_velocities
 from easeoff.friction.line_radius import radii_along_line
+from easeoff.friction.lubricant import FOLDER
+from easeoff.friction.operating import named_models
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
@@ -569,6 +571,9 @@ def test_no_result_of_a_pair_depends_on_the_units(tree: xr.DataTree) -> None:
         ({"roughness": -0.1}, "roughness = -0.1"),
         ({"roughness": (0.1, 0.2, 0.3)}, "tuple"),
         ({"roughness": ["rough"]}, "rough"),
+        ({"roughness": [0.8, 0.8]}, "comes twice"),
+        ({"roughness": [(0.8, 0.4), (0.4, 0.8)]}, "comes twice"),
+        ({"oil": None}, "oil = None"),
         ({"temperature": -300.0}, "temperature = -300"),
         ({"oil": "butter"}, "butter"),
     ],
@@ -586,9 +591,51 @@ def test_unknown_models_are_named() -> None:
         ({"rolling_frame": "moon"}, "rolling_frame = 'moon'"),
         ({"sliding_of_ratio": "up"}, "sliding_of_ratio = 'up'"),
         ({"radius_direction": "down"}, "radius_direction = 'down'"),
+        ({"out_of_range": "ignore"}, "out_of_range = 'ignore'"),
+        ({"coefficient": None}, "friction model None"),
+        ({"coefficient": True}, "friction model True"),
+        ({"coefficient": np.inf}, "finite"),
+        ({"film": []}, "film = \\[\\]"),
     ):
         with pytest.raises(InputError, match=message):
-            FrictionModel(**options)  # type: ignore[arg-type]
+            FrictionModel(**options)
+
+
+def test_a_model_may_be_that_of_the_coefficient_alone(tree: xr.DataTree) -> None:
+    operation = Operation(1500.0)
+    for given in ("benedict_kelly", 0.07):
+        by_model = friction(tree, operation, FrictionModel(given))
+        xr.testing.assert_identical(friction(tree, operation, given), by_model)
+    with pytest.raises(InputError, match="operation = 500: must be an Operation"):
+        friction(tree, 500)  # type: ignore[arg-type]
+
+
+def test_a_result_without_a_dimension_is_named(tree: xr.DataTree) -> None:
+    with pytest.raises(InputError, match=r"no dimension torque.*isel\(torque=\[0\]\)"):
+        friction(tree.isel(torque=0), Operation(1500.0))
+    with pytest.raises(InputError, match="no group flanks"):
+        friction(
+            tree.filter(lambda node: node.name != "flanks"), Operation(1500.0), FrictionModel(radius_direction="along")
+        )
+
+
+def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
+    oil = (FOLDER / "75w90.toml").read_text(encoding="utf-8")
+    (tmp_path / "oil.toml").write_text(oil, encoding="utf-8")
+    text = (Path(easeoff.cases.__file__).with_name("nasa-12x36.toml")).read_text(encoding="utf-8")
+    (tmp_path / "case.toml").write_text(text + '\n[friction]\nspeed = 500\noil = "oil.toml"\n', encoding="utf-8")
+    names = [str(tmp_path / name) for name in ("case.toml", "oil.toml")]
+    found = CliRunner().invoke(main, ["run", names[0], "-o", names[1]])
+    assert found.exit_code == 2
+    assert "is the file that is read" in found.output
+    assert (tmp_path / "oil.toml").read_text(encoding="utf-8") == oil
+
+
+def test_report_and_pictures_name_unusual_models(tree: xr.DataTree, result: xr.Dataset) -> None:
+    assert named_models(result.attrs) == "oil 75w90, coefficient kolivand"
+    model = FrictionModel(film="dowson_higginson", radius_direction="along")
+    text = named_models(friction(tree, Operation(1500.0), model).attrs)
+    assert text == "oil 75w90, coefficient kolivand, film dowson_higginson, radius along"
 
 
 def test_conditions_need_a_speed() -> None:

@@ -100,7 +100,7 @@ class Film:
         dry contact opens from its edge.
         """
         spacing = float(self.position[1] - self.position[0]) / self.contact.half_width
-        return self.minimum_film / self.contact.film_scale / spacing**1.5
+        return float(self.minimum_film / self.contact.film_scale / spacing**1.5)
 
     @property
     def central_film(self) -> float:
