@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.errors import EaseoffError, InputError
+from ...core.errors import EaseoffError
 from . import checks
 from .certificate import Status
 from .conditions import LineContact
@@ -81,8 +81,7 @@ class Resolution:
     thermal: bool = True
 
     def __post_init__(self) -> None:
-        if self.model not in ("load_sharing", "passage"):
-            raise InputError(f"model {self.model!r} is not known: give 'load_sharing' or 'passage'")
+        checks.one_of("model", self.model, ("load_sharing", "passage"))
         checked = {
             "correlation_length": checks.positive("correlation_length", self.correlation_length, "m"),
             "points": checks.positive("points", self.points, "1"),

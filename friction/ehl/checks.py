@@ -67,10 +67,16 @@ def truth(name: str, value: Any) -> bool:
     return value
 
 
+def one_of(name: str, value: Any, allowed: tuple[str, ...]) -> None:
+    """Refuse a word that is not known."""
+    if not (isinstance(value, str) and value in allowed):
+        raise InputError(f"{name} {value!r} is not known: give {' or '.join(map(repr, allowed))}")
+
+
 def instance(name: str, value: Any, kind: type) -> None:
     """Refuse what is not of a kind."""
     if not isinstance(value, kind):
-        raise InputError(f"{name} must be {kind.__name__}, not {value!r}")
+        raise InputError(f"{name} must be of the kind {kind.__name__}, not {value!r}")
 
 
 def row(name: str, values: Any, unit: str, *, fewest: int = 1, size: int | None = None) -> NDArray[np.float64]:

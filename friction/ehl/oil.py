@@ -91,8 +91,7 @@ class Oil:
                 checks.positive(name, getattr(self, name), unit)
         if self.inlet_temperature is not None:
             checks.above("inlet_temperature", self.inlet_temperature, _ROELANDS_TEMPERATURE, "deg C")
-        if not isinstance(self.law, str) or self.law not in ("roelands", "two_slope"):
-            raise InputError(f"law {self.law!r} is not known: give 'roelands' or 'two_slope'")
+        checks.one_of("law", self.law, ("roelands", "two_slope"))
         by_roelands = self.law == "roelands" or self.inlet_temperature is not None
         if by_roelands and math.log(self.viscosity) + _ROELANDS_LOGARITHM <= 0.0:
             raise InputError(
