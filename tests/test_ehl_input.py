@@ -132,7 +132,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
 def test_traction_refuses_wrong_fields_and_coefficients(name: str, value: Any) -> None:
     given = {"position": X, "pressure": PRESSURE, "film": FILM, name: value}
     wrong = "pressure|position" if name == "position" else name
-    refused(wrong, lambda: traction(CONTACT, **given))
+    refused(f"({wrong}) must", lambda: traction(CONTACT, **given))
 
 
 def test_traction_does_not_mind_a_gap_that_nothing_presses() -> None:

@@ -106,7 +106,7 @@ def run_study(
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
     dataset.attrs["model_version"] = MODEL_VERSION
     with whole_file(target) as temporary:
-        packed = {name: {"zlib": True} for name, variable in dataset.data_vars.items() if variable.dtype.kind != "U"}
+        packed = {name: {"zlib": True} for name in dataset.data_vars}
         dataset.to_netcdf(temporary, engine="netcdf4", encoding=packed)
     return dataset
 
