@@ -23,7 +23,7 @@ from .steady import _FEWEST, _MOST, Film, domain, mixed_film, smooth_film
 
 #: Of the model and its numerics. To be raised with every change that changes results: rows of another version that a
 #: study finds on disk are not used.
-MODEL_VERSION = 2
+MODEL_VERSION = 1
 #: A case whose certified steps are fewer than this share is not converged.
 ENOUGH_STEPS = 0.9
 _RAMP = 20

@@ -8,11 +8,10 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing
 from dataclasses import asdict
 from numbers import Real
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -94,13 +93,13 @@ def run_study(
     missing = [number for number in conditions if number not in known]
     deadline = time.monotonic() + seconds
     run = _with_dask if dask else _one_by_one
-    with closing(_opened(store)) as file:
-        rows = run({n: conditions[n] for n in missing}, resolution, deadline)
-        for done, (number, row) in enumerate(rows, start=1):
-            known[number] = row
-            _append(file, store, {"key": key, "number": number, "row": row})
-            if progress is not None:
-                progress(done, len(missing))
+    _append(store, "")  # whether it can be written is known before the first case
+    for done, (number, row) in enumerate(run({n: conditions[n] for n in missing}, resolution, deadline), start=1):
+        known[number] = row
+        # The line feed in front ends a line that an interruption may have left half-written.
+        _append(store, "\n" + json.dumps({"key": key, "number": number, "row": row}))
+        if progress is not None:
+            progress(done, len(missing))
     not_run: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
     dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
@@ -187,26 +186,19 @@ def _check_is_study(target: Path) -> None:
         return
     try:
         with xr.open_dataset(target, engine="netcdf4") as there:
-            if {"combination", "status", *NUMBERS} <= set(there.variables):
+            if {"combination", "status", "friction_coefficient"} <= set(there.variables):
                 return
     except (OSError, ValueError, RuntimeError):
         pass
     raise InputError(f"{target} exists and is no study: it would be overwritten; give another name, or remove it")
 
 
-def _opened(store: Path) -> IO[str]:
+def _append(store: Path, text: str) -> None:
     try:
         store.parent.mkdir(parents=True, exist_ok=True)
-        return store.open("a", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{store} cannot be written: {error.strerror or error}") from error
-
-
-def _append(file: IO[str], store: Path, entry: dict[str, Any]) -> None:
-    try:
-        # The line feed in front ends a line that an interruption may have left half-written.
-        file.write(f"\n{json.dumps(entry)}")
-        file.flush()
-        os.fsync(file.fileno())
+        with store.open("a", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
     except OSError as error:
         raise InputError(f"{store} cannot be written: {error.strerror or error}") from error
