@@ -240,7 +240,10 @@ def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.in
         return np.arange(design.size)
     if _is_whole(wanted):
         return design.subset(operator.index(wanted))  # type: ignore[arg-type]
-    given = list(wanted) if isinstance(wanted, Iterable) and not isinstance(wanted, str) else []
+    try:
+        given = list(wanted)  # type: ignore[arg-type]
+    except TypeError:
+        given = []
     if not given or not all(map(_is_whole, given)):
         raise InputError(f"wanted must be a number of cases, numbers of combinations or None for all, not {wanted!r}")
     return np.array([operator.index(number) for number in given], dtype=int)
