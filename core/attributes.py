@@ -212,6 +212,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "minimum_film": ("um", "smallest film thickness within the dry contact"),
     # friction study
     "combination": ("1", "number of the combination in the design of the study"),
+    "failure": ("", "what went wrong in a case that failed"),
     "contact_pressure": ("GPa", "greatest pressure of the dry contact"),
     "contact_radius": ("mm", "equivalent radius of the contact"),
     "roughness_1": ("um", "rms height of the first surface"),

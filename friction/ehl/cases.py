@@ -10,7 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.errors import InputError
+from ...core.errors import EaseoffError
+from . import checks
 from .certificate import Status
 from .conditions import LineContact
 from .design import Condition
@@ -18,8 +19,11 @@ from .load_sharing import Asperities
 from .moving import FLOODED, TOUCHING_FILM, rough_passage
 from .roughness import generated_profile
 from .shear import BOUNDARY_FRICTION, traction
-from .steady import Film, domain, mixed_film, smooth_film
+from .steady import _FEWEST, _MOST, Film, domain, mixed_film, smooth_film
 
+#: Of the model and its numerics. To be raised with every change that changes results: rows of another version that a
+#: study finds on disk are not used.
+MODEL_VERSION = 1
 #: A case whose certified steps are fewer than this share is not converged.
 ENOUGH_STEPS = 0.9
 #: Lubricant that the others may make or lose, of all that flows through.
@@ -61,7 +65,7 @@ class Resolution:
     Raises
     ------
     InputError
-        There is no such model.
+        There is no such model, or a number cannot be used.
     """
 
     model: Literal["load_sharing", "passage"] = "load_sharing"
@@ -79,8 +83,23 @@ class Resolution:
     thermal: bool = True
 
     def __post_init__(self) -> None:
-        if self.model not in ("load_sharing", "passage"):
-            raise InputError(f"model {self.model!r} is not known: give 'load_sharing' or 'passage'")
+        checks.one_of("model", self.model, ("load_sharing", "passage"))
+        checked = {
+            "correlation_length": checks.positive("correlation_length", self.correlation_length, "m"),
+            "points": checks.positive("points", self.points, "1"),
+            "fewest": checks.whole("fewest", self.fewest, _FEWEST, _MOST),
+            "most": checks.whole("most", self.most, self.fewest if self.model == "passage" else _FEWEST, _MOST),
+            "travel": checks.positive("travel", self.travel, "1", zero=True),
+            "smooth_from": checks.positive("smooth_from", self.smooth_from, "1", zero=True, infinite=True),
+            "flooded": checks.above("flooded", self.flooded, 1.0, "1"),
+            "order": checks.whole("order", self.order, 1, 2),
+            "seed": checks.whole("seed", self.seed, 0),
+            "touching_film": checks.positive("touching_film", self.touching_film, "m"),
+            "boundary_friction": checks.positive("boundary_friction", self.boundary_friction, "1", zero=True),
+            "thermal": checks.truth("thermal", self.thermal),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
 
 Row = dict[str, float]
@@ -106,14 +125,17 @@ def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
     Returns
     -------
     dict
-        `status` and the numbers of the dataset, in its units. A case that fails is a row with its status.
+        `status` and the numbers of the dataset, in its units. A case that the model or its arithmetic fails at is a row
+        with the status `FAILED` and a `message`; a mistake in the program is an exception as ever.
     """
-    resolution = resolution or Resolution()
+    checks.instance("condition", condition, Condition)
+    resolution = Resolution() if resolution is None else resolution
+    checks.instance("resolution", resolution, Resolution)
     start = time.perf_counter()
     row: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.FAILED)}
     try:
         row.update(_computed(condition, resolution))
-    except Exception as error:  # the study goes on; what went wrong is in the row
+    except (EaseoffError, ArithmeticError, np.linalg.LinAlgError) as error:  # the study goes on
         row["message"] = f"{type(error).__name__}: {error}"  # type: ignore[assignment]
     row["run_time"] = time.perf_counter() - start
     return row
@@ -139,6 +161,9 @@ _smooth_film = lru_cache(maxsize=8)(smooth_film)
 
 
 def _steady(film: Film, resolution: Resolution) -> Row:
+    cost = {"newton_steps": float(film.iterations), "nodes": float(film.position.size)}
+    if not film.certified:
+        return cost | {"status": float(Status.NOT_CONVERGED), "certified_share": 0.0}
     shear = traction(
         film.contact,
         film.position,
@@ -148,7 +173,7 @@ def _steady(film: Film, resolution: Resolution) -> Row:
         boundary_friction=resolution.boundary_friction,
         thermal=resolution.thermal,
     )
-    settled = film.certified and math.isfinite(shear.film)
+    settled = math.isfinite(shear.film)
     within = np.abs(film.position) < film.contact.half_width
     numbers = {
         "film_friction": shear.film,
@@ -156,12 +181,14 @@ def _steady(film: Film, resolution: Resolution) -> Row:
         "asperity_share": film.asperity_share,
         "mean_film": 1e6 * float(film.film[within].mean()),
     }
-    return (numbers if settled else {}) | {
-        "status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED),
-        "certified_share": float(settled),
-        "newton_steps": float(film.iterations),
-        "nodes": float(film.position.size),
-    }
+    return (
+        cost
+        | (numbers if settled else {})
+        | {
+            "status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED),
+            "certified_share": float(settled),
+        }
+    )
 
 
 def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -> Row:

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 
 from ...core.errors import InputError
-from .oil import Oil, _check
+from . import checks
+from .oil import Oil
 
 #: Reduced modulus of steel on steel, 2 / sum((1 - nu^2) / E) [Pa].
 STEEL = 2.27e11
@@ -35,7 +36,7 @@ class LineContact:
     Raises
     ------
     InputError
-        A number is not positive or not finite, or the slide-to-roll ratio is not within [-2, 2].
+        A number is not positive or not finite, the slide-to-roll ratio is not within [-2, 2], or `oil` is no `Oil`.
     """
 
     hertz_pressure: float
@@ -47,13 +48,13 @@ class LineContact:
     inlet_viscosity: float = 1.0
 
     def __post_init__(self) -> None:
-        _check("hertz_pressure", self.hertz_pressure, "Pa")
-        _check("radius", self.radius, "m")
-        _check("rolling_velocity", self.rolling_velocity, "m/s")
-        _check("reduced_modulus", self.reduced_modulus, "Pa")
-        _check("inlet_viscosity", self.inlet_viscosity, "1")
-        if not abs(self.slide_to_roll) <= 2.0:
-            raise InputError(f"slide_to_roll must be within [-2, 2], not {self.slide_to_roll!r}")
+        checks.positive("hertz_pressure", self.hertz_pressure, "Pa")
+        checks.positive("radius", self.radius, "m")
+        checks.positive("rolling_velocity", self.rolling_velocity, "m/s")
+        checks.positive("reduced_modulus", self.reduced_modulus, "Pa")
+        checks.positive("inlet_viscosity", self.inlet_viscosity, "1")
+        checks.within("slide_to_roll", self.slide_to_roll, -2.0, 2.0, "1")
+        checks.instance("oil", self.oil, Oil)
         if self.hertz_pressure > 0.1 * self.reduced_modulus:
             raise InputError(
                 f"hertz_pressure {self.hertz_pressure:g} Pa is beyond a tenth of the reduced modulus "

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import Any
@@ -15,11 +16,26 @@ from scipy.stats import qmc
 
 from ...core.errors import InputError
 from ..lubricant import lubricant
+from . import checks
 from .conditions import STEEL, LineContact
 from .oil import Oil
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
 _EYRING_STRESS = 5e6
+#: Units of the parameters, the temperatures that the oil is known at, and the pressure beyond which nothing is a Hertz
+#: contact of steel (`LineContact` refuses it), in these units.
+_UNITS = {
+    "hertz_pressure": "GPa",
+    "radius": "mm",
+    "rolling_velocity": "m/s",
+    "slide_to_roll": "1",
+    "temperature": "deg C",
+    "roughness": "um",
+    "roughness_1": "um",
+    "roughness_2": "um",
+}
+_TEMPERATURES = (25.0, 100.0)
+_HIGHEST = 0.1 * STEEL * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
@@ -30,12 +46,24 @@ def oil_75w90(temperature: float) -> Oil:
     InputError
         The temperature is beyond the table.
     """
+    checks.number("temperature", temperature, "deg C")
     return Oil.of(
         lubricant("75w90").at(temperature),
         eyring_stress=_EYRING_STRESS,
         law="two_slope",
         inlet_temperature=temperature,
     )
+
+
+def _level(name: str, value: Any) -> float:
+    """Return a level of a parameter, checked."""
+    if name == "slide_to_roll":
+        return checks.within(name, value, -2.0, 2.0, _UNITS[name])
+    if name == "temperature":
+        return checks.within(name, value, *_TEMPERATURES, _UNITS[name])
+    if name == "hertz_pressure":
+        return checks.within(name, checks.positive(name, value, _UNITS[name]), 0.0, _HIGHEST, _UNITS[name])
+    return checks.positive(name, value, _UNITS[name])
 
 
 @dataclass(frozen=True)
@@ -56,6 +84,11 @@ class Condition:
         Of the oil in the inlet [deg C].
     roughness_1, roughness_2 : float
         Rms heights of the surfaces [um].
+
+    Raises
+    ------
+    InputError
+        A number is not positive, or not in the range of a contact or of the oil.
     """
 
     hertz_pressure: float
@@ -65,6 +98,10 @@ class Condition:
     temperature: float
     roughness_1: float
     roughness_2: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            _level(field.name, getattr(self, field.name))
 
     @property
     def contact(self) -> LineContact:
@@ -89,6 +126,11 @@ class Design:
     """Levels of a study; by default those of the dissertation, 31,500 combinations.
 
     Each pair of roughnesses occurs once, the smoother surface first: 15 pairs of 5 levels.
+
+    Raises
+    ------
+    InputError
+        A parameter has no levels, or one that a `Condition` cannot have.
     """
 
     hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)
@@ -97,6 +139,13 @@ class Design:
     slide_to_roll: tuple[float, ...] = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
     temperature: tuple[float, ...] = (25.0, 50.0, 75.0, 100.0)
     roughness: tuple[float, ...] = (0.1, 0.35, 0.6, 0.85, 1.0)
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            levels = getattr(self, field.name)
+            if not isinstance(levels, list | tuple | np.ndarray) or np.ndim(levels) != 1 or not len(levels):
+                raise InputError(f"{field.name} must be levels in a row, such as (1.0, 2.0), not {levels!r}")
+            object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
 
     @cached_property
     def _axes(self) -> tuple[tuple[Any, ...], ...]:
@@ -128,7 +177,7 @@ class Design:
         InputError
             There is no such combination.
         """
-        if not 0 <= number < self.size:
+        if not _is_whole(number) or not 0 <= number < self.size:
             raise InputError(f"combination {number!r} does not exist: 0 to {self.size - 1}")
         levels = np.unravel_index(number, self.shape)
         *single, pair = (axis[int(level)] for axis, level in zip(self._axes, levels, strict=True))
@@ -153,10 +202,10 @@ class Design:
         Raises
         ------
         InputError
-            More than there are, or none.
+            More than there are, or none; or the seed is no whole number.
         """
-        if not 1 <= size <= self.size:
-            raise InputError(f"size must be from 1 to {self.size}, not {size!r}")
+        size = checks.whole("size", size, 1, self.size)
+        checks.whole("seed", seed, 0)
         if size == self.size:
             return np.arange(size)
         sequence = qmc.Sobol(len(self.shape), seed=seed)
@@ -180,9 +229,25 @@ REFINED = Design(
 
 
 def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.int_]:
-    """Numbers of the combinations that are wanted: given, a subset of a size, or all."""
+    """Numbers of the combinations that are wanted: given, a subset of a size, or all.
+
+    Raises
+    ------
+    InputError
+        A number is not whole, or there is none.
+    """
     if wanted is None:
         return np.arange(design.size)
-    if isinstance(wanted, int):
-        return design.subset(wanted)
-    return np.asarray(list(wanted), dtype=int)
+    if _is_whole(wanted):
+        return design.subset(operator.index(wanted))  # type: ignore[arg-type]
+    try:
+        given = list(wanted)  # type: ignore[arg-type]
+    except TypeError:
+        given = []
+    if not given or not all(map(_is_whole, given)):
+        raise InputError(f"wanted must be a number of cases, numbers of combinations or None for all, not {wanted!r}")
+    return np.array([operator.index(number) for number in given], dtype=int)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import InputError
 from ...core.files import check_writable, whole_file
 from ..conditions import ContactConditions
+from . import checks
 from .conditions import STEEL
 
 Array = NDArray[np.float64]
@@ -36,7 +37,15 @@ TERMS = tuple(t for d in range(_DEGREE + 1) for t in combinations_with_replaceme
 #: How far ln(G) may be from that of the study's oil at the same viscosity.
 _OTHER_OIL = 0.15
 _CHUNK = 16384
-_ARRAYS = ("share", "film", "lowest", "highest", "ratios", "oil")
+#: How many numbers each array of a formula has.
+_ARRAYS = {
+    "share": len(TERMS),
+    "film": len(TERMS),
+    "lowest": len(VARIABLES),
+    "highest": len(VARIABLES),
+    "ratios": 2,
+    "oil": 2,
+}
 
 #: The formula fitted to the studies that come with the package, see `regression.SHIPPED`.
 SHIPPED_FORMULA = Path(__file__).with_name("formula.json")
@@ -127,7 +136,8 @@ class FrictionFormula:
         Returns
         -------
         friction_coefficient : array
-            [1]. Variables beyond the range of the study are taken at its end.
+            [1]. Variables beyond the range of the study are taken at its end, as is a slide-to-roll ratio or a
+            roughness of zero; NaN where an input is not finite, or otherwise not positive.
         inside : bool array
             Where nothing was beyond the range, and the oil like that of the study: its pressure-viscosity coefficient
             within 15 % of the other's at the same viscosity.
@@ -208,21 +218,38 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
     """
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
-        arrays = {name: np.array(value) for name, value in content.items() if name in _ARRAYS}
+        if not isinstance(content, dict):
+            raise InputError("it must be an object with the attributes of a FrictionFormula")
+        arrays = {name: checks.row(name, content[name], "1", size=size) for name, size in _ARRAYS.items()}
         regimes = tuple(RegimeError(*numbers) for numbers in content["regimes"])
-        return FrictionFormula(**(content | arrays | {"regimes": regimes}))
-    except (OSError, ValueError, TypeError, KeyError) as error:
+        formula = FrictionFormula(**(content | arrays | {"regimes": regimes}))
+        checks.positive("boundary_friction", formula.boundary_friction, "1", zero=True)
+        return formula
+    except KeyError as error:
+        raise InputError(f"{path} is not a friction formula: {error} is missing") from error
+    except (OSError, ValueError, TypeError) as error:
         raise InputError(f"{path} is not a friction formula: {error}") from error
 
 
 def logarithms_of(*inputs: ArrayLike) -> tuple[Array, Array, Array]:
-    """Logarithms of the inputs whose range is known (..., 6), of the material group G, and of E' (...)."""
+    """Logarithms of the inputs whose range is known (..., 6), of the material group G, and of E' (...).
+
+    NaN where an input is not finite or not positive; minus infinity where nothing slides or nothing is rough, which is
+    taken at the end of the range.
+    """
     p, r, u, s, eta, alpha, sigma, modulus = np.broadcast_arrays(
         *(np.asarray(value, dtype=np.float64) for value in inputs)
     )
-    with np.errstate(divide="ignore"):  # nothing slides, or nothing is rough: taken at the end of the range
-        columns = [np.log(value) for value in (p, r, u, np.abs(s), eta, sigma)]
-        return np.stack(columns, axis=-1), np.asarray(np.log(alpha * modulus)), np.asarray(np.log(modulus))
+    columns = [_logarithm(value) for value in (p, r, u)]
+    columns += [_logarithm(np.abs(s), zero=True), _logarithm(eta), _logarithm(sigma, zero=True)]
+    material = _logarithm(np.where(alpha > 0.0, alpha, np.nan) * modulus)
+    return np.stack(columns, axis=-1), material, _logarithm(modulus)
+
+
+def _logarithm(values: Array, *, zero: bool = False) -> Array:
+    valid = np.isfinite(values) & ((values >= 0.0) if zero else (values > 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(valid, np.log(values), np.nan)
 
 
 def lambda_ratio(logarithms: Array, material: Array, modulus: Array) -> Array:

@@ -23,6 +23,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.special import gamma, ndtr, pbdv
 
 from ...core.errors import InputError
+from . import checks
 
 Array = NDArray[np.float64]
 
@@ -59,9 +60,7 @@ class Asperities:
 
     def __post_init__(self) -> None:
         for name in ("rms", "correlation_length"):
-            value = getattr(self, name)
-            if not (value > 0.0 and math.isfinite(value)):
-                raise InputError(f"{name} must be positive [m], not {value!r}")
+            checks.positive(name, getattr(self, name), "m")
         if self.rms > 0.5 * self.correlation_length:
             raise InputError(f"rms {self.rms:g} m is over half of the correlation_length {self.correlation_length:g} m")
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
+from . import checks
 from .certificate import Status, certify, judge
 from .complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
 from .conditions import LineContact
@@ -156,10 +157,11 @@ def rough_passage(
     InputError
         A number cannot be used.
     """
-    if steps < 1 or ramp < 0 or keep < 0 or order not in (1, 2):
-        raise InputError(f"steps >= 1, ramp >= 0, keep >= 0, order 1 or 2, not {steps}, {ramp}, {keep}, {order}")
-    if not (touching_film > 0.0 and math.isfinite(touching_film)):
-        raise InputError(f"touching_film must be positive [m], not {touching_film!r}")
+    checks.whole("steps", steps, 1)
+    for name, value in (("ramp", ramp), ("keep", keep), ("settle", 0 if settle is None else settle)):
+        checks.whole(name, value, 0)
+    checks.whole("order", order, 1, 2)
+    checks.positive("touching_film", touching_film, "m")
     start = touching_start(contact, nodes, domain(contact, FLOODED) if span is None else span, touching_film)
     x = start.position / contact.half_width
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ..lubricant import OilState
+from . import checks
 
 Array = NDArray[np.float64]
 
@@ -76,9 +77,10 @@ class Oil:
     inlet_temperature: float | None = None
 
     def __post_init__(self) -> None:
-        _check("viscosity", self.viscosity, "Pa s")
-        _check("pressure_viscosity", self.pressure_viscosity, "1/Pa", zero=True)
-        _check("eyring_stress", self.eyring_stress, "Pa", infinite=True)
+        checks.positive("viscosity", self.viscosity, "Pa s")
+        checks.positive("pressure_viscosity", self.pressure_viscosity, "1/Pa", zero=True)
+        checks.positive("eyring_stress", self.eyring_stress, "Pa", infinite=True)
+        checks.truth("compressible", self.compressible)
         for name, unit in (
             ("high_pressure_viscosity", "1/Pa"),
             ("limiting_shear", "1"),
@@ -86,13 +88,10 @@ class Oil:
             ("conductivity", "W/(m K)"),
         ):
             if getattr(self, name) is not None:
-                _check(name, getattr(self, name), unit)
-        if self.inlet_temperature is not None and not self.inlet_temperature > _ROELANDS_TEMPERATURE:
-            raise InputError(
-                f"inlet_temperature must be above {_ROELANDS_TEMPERATURE:g} deg C, not {self.inlet_temperature!r}"
-            )
-        if self.law not in ("roelands", "two_slope"):
-            raise InputError(f"law {self.law!r} is not known: give 'roelands' or 'two_slope'")
+                checks.positive(name, getattr(self, name), unit)
+        if self.inlet_temperature is not None:
+            checks.above("inlet_temperature", self.inlet_temperature, _ROELANDS_TEMPERATURE, "deg C")
+        checks.one_of("law", self.law, ("roelands", "two_slope"))
         by_roelands = self.law == "roelands" or self.inlet_temperature is not None
         if by_roelands and math.log(self.viscosity) + _ROELANDS_LOGARITHM <= 0.0:
             raise InputError(
@@ -162,9 +161,3 @@ class Oil:
             return np.ones_like(pressure), np.zeros_like(pressure)
         below = 1.0 + _DENSITY_FALL * pressure
         return (1.0 + _DENSITY_RISE * pressure) / below, (_DENSITY_RISE - _DENSITY_FALL) / below**2
-
-
-def _check(name: str, value: float, unit: str, *, zero: bool = False, infinite: bool = False) -> None:
-    valid = value > 0.0 or (zero and value == 0.0)
-    if not valid or (math.isinf(value) and not infinite):
-        raise InputError(f"{name} must be {'zero or ' if zero else ''}positive [{unit}], not {value!r}")

@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
+from . import checks
 from .certificate import Status
 from .conditions import STEEL
 from .design import oil_75w90
@@ -31,6 +32,20 @@ Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 #: Bounds of the lambda ratio between which errors are told apart.
 REGIMES = (0.0, 0.2, 0.5, 1.0, 3.0, math.inf)
+#: What of a study a fit needs.
+_FITTED = (
+    "contact_pressure",
+    "contact_radius",
+    "rolling_velocity",
+    "slide_to_roll",
+    "temperature",
+    "roughness_1",
+    "roughness_2",
+    "status",
+    "friction_coefficient",
+    "film_friction",
+    "asperity_share",
+)
 _FOLDS = 10
 _FEWEST_CASES = 3 * len(TERMS)
 #: Where the fit starts, shares beyond are those of the ends; its steps, and the relative change that ends them.
@@ -76,11 +91,19 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
     Raises
     ------
     InputError
-        Too few cases are certified, or a variable has the same value in all of them.
+        There is no study, they differ in the boundary friction, or a certified case lacks a number; too few cases are
+        certified, or a variable has the same value in all of them.
     """
-    dataset = xr.concat(studies, "combination", combine_attrs="drop_conflicts")
+    boundary = _boundary_friction(studies)
+    dataset = xr.concat([study[list(_FITTED)] for study in studies], "combination", combine_attrs="drop_conflicts")
     friction = dataset["friction_coefficient"].values.astype(float)
-    good = (dataset["status"].values == Status.CERTIFIED) & (friction > 0.0)
+    certified = dataset["status"].values == Status.CERTIFIED
+    for name in ("friction_coefficient", "asperity_share", "film_friction"):
+        lacking = certified & ~np.isfinite(dataset[name].values.astype(float))
+        if lacking.any():
+            first = int(dataset["combination"].values[lacking][0])
+            raise InputError(f"{name} must be a number in every certified case: combination {first} has none")
+    good = certified & (friction > 0.0)
     if good.sum() < _FEWEST_CASES:
         raise InputError(f"{int(good.sum())} certified cases are too few to fit a formula: {_FEWEST_CASES} at least")
     logarithms, material, modulus = (values[good] for values in logarithms_of(*study_inputs(dataset)))
@@ -93,7 +116,6 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
     columns = products(normalised(logarithms, ratio, lowest, highest, ratios))
     share = np.clip(dataset["asperity_share"].values[good].astype(float), _LEAST_SHARE, 1.0 - _LEAST_SHARE)
     film = np.maximum(dataset["film_friction"].values[good].astype(float), 1e-9)
-    boundary = float(dataset.attrs["boundary_friction"])
     guesses = np.stack([np.log(share / (1.0 - share)), np.log(film / (1.0 - share))])
 
     def fitted(rows: Bools) -> tuple[Array, Array]:
@@ -125,16 +147,26 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
     )
 
 
-def compare(dataset: xr.Dataset, formula: Callable[..., ArrayLike]) -> tuple[RegimeError, ...]:
+def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayLike]) -> tuple[RegimeError, ...]:
     """Compare a formula with the model of a study: ln of formula over model by regime.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Of `study.run_study`.
-    formula : callable
-        Takes the keywords of `easeoff.friction.friction_coefficient`.
+    formula : FrictionFormula or callable
+        The latter takes the keywords of `easeoff.friction.friction_coefficient`.
+
+    Raises
+    ------
+    InputError
+        The dataset is no study, or the formula neither.
     """
+    _check_study(dataset)
+    if isinstance(formula, FrictionFormula):
+        return _compared(dataset, formula(*study_inputs(dataset))[0])
+    if not callable(formula):
+        raise InputError(f"formula must be a FrictionFormula or a function like friction_coefficient, not {formula!r}")
     p, r, u, s, *_ = study_inputs(dataset)
     own = formula(
         hertz_pressure=p,
@@ -144,9 +176,32 @@ def compare(dataset: xr.Dataset, formula: Callable[..., ArrayLike]) -> tuple[Reg
         roughness=(1e-6 * dataset["roughness_1"].values, 1e-6 * dataset["roughness_2"].values),
         temperature=dataset["temperature"].values,
     )
+    return _compared(dataset, own)
+
+
+def _compared(dataset: xr.Dataset, own: ArrayLike) -> tuple[RegimeError, ...]:
     good = dataset["status"].values == Status.CERTIFIED
     error = np.log(np.asarray(own) / dataset["friction_coefficient"].values)
     return _by_regime(np.exp(lambda_ratio(*logarithms_of(*study_inputs(dataset))))[good], error[good])
+
+
+def _check_study(study: xr.Dataset) -> None:
+    checks.instance("study", study, xr.Dataset)
+    missing = [name for name in _FITTED if name not in study]
+    if missing:
+        raise InputError(f"a dataset is no study of run_study: it has no {', '.join(missing)}")
+
+
+def _boundary_friction(studies: tuple[xr.Dataset, ...]) -> float:
+    """The one of all studies, once they are found to be some."""
+    if not studies:
+        raise InputError("there is no study to fit: give one or more, as in fit_friction(first, second)")
+    for study in studies:
+        _check_study(study)
+    found = {float(study.attrs.get("boundary_friction", math.nan)) for study in studies}
+    if len(found) > 1 or math.isnan(max(found)):
+        raise InputError(f"boundary_friction must be the same attribute of all studies, not {sorted(found)}")
+    return found.pop()
 
 
 def _by_regime(ratio: Array, error: Array) -> tuple[RegimeError, ...]:

@@ -16,12 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from ...core.errors import InputError
+from . import checks
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 #: Points in a correlation length of a generated profile.
 _POINTS = 12
+#: A trace whose heights are smaller than this, over its largest number, is flat: what is left of it is rounding.
+_FLAT = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +37,19 @@ class RoughProfile:
         [m], with mean zero; the point after the last is the first again.
     spacing : float
         Distance of neighbouring points [m].
+
+    Raises
+    ------
+    InputError
+        There are fewer than three heights, one is not finite, or the spacing is not positive.
     """
 
     heights: Array
     spacing: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "heights", checks.row("heights", self.heights, "m", fewest=3))
+        checks.positive("spacing", self.spacing, "m")
 
     @property
     def rms(self) -> float:
@@ -59,9 +71,18 @@ class RoughProfile:
         return np.asarray(self._spline(np.mod(position, self.length)))
 
     def scaled(self, rms: float) -> RoughProfile:
-        """Return the same profile with another rms height [m]; the dissertation varies a measured one in this way."""
-        if not (rms >= 0.0 and math.isfinite(rms)):
-            raise InputError(f"rms must be zero or positive [m], not {rms!r}")
+        """Return the same profile with another rms height [m]; the dissertation varies a measured one in this way.
+
+        Raises
+        ------
+        InputError
+            The rms height is negative, or positive while the profile is flat.
+        """
+        checks.positive("rms", rms, "m", zero=True)
+        if rms == 0.0:
+            return RoughProfile(np.zeros_like(self.heights), self.spacing)
+        if self.rms == 0.0:
+            raise InputError(f"rms {rms!r} m: a flat profile has no heights that could be scaled")
         return RoughProfile(self.heights * (rms / self.rms), self.spacing)
 
 
@@ -82,7 +103,7 @@ def generated_profile(rms: float, correlation_length: float, length: float, seed
     Raises
     ------
     InputError
-        A length is not positive, or the period is shorter than ten correlation lengths.
+        A length is not positive, the period is shorter than ten correlation lengths, or the seed no whole number.
 
     Notes
     -----
@@ -91,8 +112,8 @@ def generated_profile(rms: float, correlation_length: float, length: float, seed
     l / 6, whose amplitude is nil.
     """
     for name, value in (("rms", rms), ("correlation_length", correlation_length), ("length", length)):
-        if not (value > 0.0 and math.isfinite(value)):
-            raise InputError(f"{name} must be positive [m], not {value!r}")
+        checks.positive(name, value, "m")
+    checks.whole("seed", seed, 0)
     if length < 10.0 * correlation_length:
         raise InputError(f"length {length:g} m is below ten correlation lengths of {correlation_length:g} m")
     points = math.ceil(_POINTS * length / correlation_length)
@@ -119,32 +140,49 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
     Returns
     -------
     RoughProfile
-        The trace and its mirror image, one after the other, so that it repeats without a jump.
+        The trace and its mirror image, one after the other, so that it repeats without a jump. Its heights are exactly
+        zero if nothing but rounding is left of them.
 
     Raises
     ------
     InputError
         Too few heights, a height that is not finite, or a spacing that is not positive.
     """
-    trace = np.asarray(heights, dtype=np.float64)
-    if trace.ndim != 1 or trace.size < 16 or not np.isfinite(trace).all():
-        raise InputError("heights must be at least 16 finite numbers in a row [m]")
-    if not (spacing > 0.0 and math.isfinite(spacing)):
-        raise InputError(f"spacing must be positive [m], not {spacing!r}")
+    trace = checks.row("heights", heights, "m", fewest=16)
+    checks.positive("spacing", spacing, "m")
+    largest = np.abs(trace).max()
     if detrend:
         place = np.arange(trace.size)
         trace = trace - np.polyval(np.polyfit(place, trace, 1), place)
     trace = np.concatenate([trace, trace[-2:0:-1]])
-    return RoughProfile(trace - trace.mean(), spacing)
+    trace = trace - trace.mean()
+    return RoughProfile(trace if np.abs(trace).max() > _FLAT * largest else np.zeros_like(trace), spacing)
 
 
 def wave(amplitude: float, wavelength: float) -> Profile:
-    """Return a sinusoidal profile: amplitude and wavelength [m]."""
+    """Return a sinusoidal profile: amplitude and wavelength [m].
+
+    Raises
+    ------
+    InputError
+        The amplitude is not finite, or the wavelength not positive.
+    """
+    checks.number("amplitude", amplitude, "m")
+    checks.positive("wavelength", wavelength, "m")
     return lambda position: amplitude * np.cos(2.0 * math.pi * position / wavelength)
 
 
 def asperity(height: float, width: float, place: float) -> Profile:
-    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a place on the surface; all [m]."""
+    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a place on the surface; all [m].
+
+    Raises
+    ------
+    InputError
+        A number is not finite, or the width not positive.
+    """
+    checks.number("height", height, "m")
+    checks.positive("width", width, "m")
+    checks.number("place", place, "m")
 
     def profile(position: Array) -> Array:
         s = (position - place) / width

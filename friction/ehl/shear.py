@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.errors import InputError
+from . import checks
 from .conditions import LineContact
 from .reynolds import Array
 
@@ -27,6 +28,9 @@ _STIFFEST = 600.0
 #: of the temperature [K] that ends the inner steps, and their number.
 _TOLERANCE, _ADJUSTMENTS = 1e-6, 60
 _KELVIN, _NEWTON_STEPS = 1e-6, 30
+#: By how much distances of positions may differ, relative; pressures of asperities below zero that are rounding, over
+#: the Hertz pressure.
+_UNEVEN, _ROUNDING = 1e-6, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,9 +93,37 @@ def traction(
     Raises
     ------
     InputError
-        The thermal correction is asked for and the oil has no `temperature_viscosity` or `conductivity`.
+        The positions do not increase by equal distances, an array has another length, a number is not finite, a film
+        under pressure not positive or a part not from 0 to 1; or the thermal correction is asked for and the oil has no
+        `temperature_viscosity` or `conductivity`.
     """
     oil = contact.oil
+    position = checks.row("position", position, "m", fewest=2)
+    steps = np.diff(position)
+    if not (steps > 0.0).all() or np.ptp(steps) > _UNEVEN * steps.mean():
+        raise InputError(
+            f"position must increase by equal distances [m], and not by {steps.min():g} to {steps.max():g}"
+        )
+    pressure = checks.row("pressure", pressure, "Pa", size=position.size)
+    film = checks.row("film", film, "m", size=position.size)
+    # Without a pressure nothing is sheared: at the ends of the domain rough surfaces may overlap on paper.
+    if (film[pressure > 0.0] <= 0.0).any():
+        raise InputError(f"film must be positive [m] under pressure, not {film[pressure > 0.0].min():g}")
+    if np.ndim(fluid_part):
+        fluid_part = checks.row("fluid_part", fluid_part, "1", size=position.size)
+        checks.within("the least fluid_part", fluid_part.min(), 0.0, 1.0, "1")
+        checks.within("the greatest fluid_part", fluid_part.max(), 0.0, 1.0, "1")
+    else:
+        fluid_part = checks.within("fluid_part", fluid_part, 0.0, 1.0, "1")
+    if np.ndim(asperity_pressure):
+        asperity_pressure = checks.row("asperity_pressure", asperity_pressure, "Pa", size=position.size)
+        if asperity_pressure.min() < -_ROUNDING * contact.hertz_pressure:
+            raise InputError(f"asperity_pressure must not be negative [Pa], but {asperity_pressure.min():g} is in it")
+    else:
+        asperity_pressure = checks.positive("asperity_pressure", asperity_pressure, "Pa", zero=True)
+    checks.positive("boundary_friction", boundary_friction, "1", zero=True)
+    checks.positive("effusivity", effusivity, "J/(m^2 K s^0.5)", infinite=True)
+    checks.truth("thermal", thermal)
     loaded = np.maximum(pressure, 0.0)
     whole = loaded > 0.0  # where it is not, the film is ruptured
     thickening, _ = oil.log_viscosity(loaded)

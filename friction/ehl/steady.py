@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...core.errors import InputError
+from . import checks
 from .certificate import Certificate, Status, certify, judge
 from .complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
 from .conditions import LineContact
@@ -131,6 +132,8 @@ def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, floa
         Gap of the rigid surfaces at the inlet over the film. Starvation by a short inlet thins the film: by 0.3 % at
         40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
     """
+    checks.instance("contact", contact, LineContact)
+    checks.above("flooded", flooded, 1.0, "1")
     film = contact.central_film_estimate() / contact.film_scale
     inlet = max(2.0, math.sqrt(2.0 * flooded * film) + 1.0)
     return -inlet, max(1.5, 1.2 + 1.5 * math.sqrt(film))
@@ -204,6 +207,7 @@ def mixed_film(
     Film
         With `asperity_pressure`; otherwise as from `smooth_film`.
     """
+    checks.instance("asperities", asperities, Asperities)
     if span is None:
         start, end = domain(contact, flooded)
         # Far enough for the asperities to part.
@@ -237,11 +241,11 @@ def _refined(
     asperities: Asperities | None,
     touching_film: float = -math.inf,
 ) -> Film:
-    start, end = span
-    if not (start < -1.0 and end > 1.0 and math.isfinite(end - start)):
-        raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start!r} to {end!r}")
-    if not _FEWEST <= nodes <= _MOST:
-        raise InputError(f"nodes must be from {_FEWEST} to {_MOST}, not {nodes!r}")
+    checks.instance("contact", contact, LineContact)
+    start, end = checks.row("span", span, "half widths", size=2)
+    if not (start < -1.0 and end > 1.0):
+        raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start:g} to {end:g}")
+    nodes = checks.whole("nodes", nodes, _FEWEST, _MOST)
     sizes = [nodes]
     while sizes[-1] > 2 * _COARSEST:
         sizes.append((sizes[-1] + 1) // 2)

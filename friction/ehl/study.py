@@ -9,6 +9,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,11 @@ import xarray as xr
 from ...core.attributes import labelled
 from ...core.errors import InputError, MissingPackageError
 from ...core.files import check_writable, whole_file
-from .cases import NUMBERS, Resolution, Row, run_case
+from . import checks
+from .cases import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
 from .certificate import Status
 from .design import Condition, Design, numbers
+from .load_sharing import Asperities
 
 
 def run_study(
@@ -38,14 +41,18 @@ def run_study(
     Parameters
     ----------
     path
-        The netCDF file. What is known is kept beside it, in a file of one JSON object a line with the ending
-        ``.rows``: a study that was interrupted goes on where it stopped.
+        The netCDF file; missing folders are made. What is known is kept beside it, in a file of one JSON object a line
+        with the ending ``.rows``: a study that was interrupted goes on where it stopped. A study that is there already
+        is replaced; any other file is refused.
     wanted : iterable of int, int, or None
         Numbers of combinations; the size of a space-filling subset; or all of them.
     design, resolution
-        Those of the dissertation and the defaults if not given. Rows of another resolution are not used.
+        Those of the dissertation and the defaults if not given. Rows of another design, resolution or version of the
+        model (`cases.MODEL_VERSION`) are not used.
     dask : bool
-        Spread the cases over dask: over the client that is active, or else the processes of this machine.
+        Spread the cases over dask: over the client that is active, or else the processes of this machine. Each process
+        imports the program that called: a script must call from below ``if __name__ == "__main__":``, or else it
+        begins anew in each of them, which ends in a BrokenProcessPool.
     seconds : float
         Begin no case after as many; the rest are rows with the status `NOT_RUN`.
     progress : callable, optional
@@ -59,30 +66,44 @@ def run_study(
     Raises
     ------
     InputError
-        The file cannot be written or a number is not in the design.
+        The file cannot be written or is no study, an argument cannot be used, or a number is not in the design; all
+        before the first case.
     MissingPackageError
         dask is asked for and not installed.
     """
-    design, resolution = design or Design(), resolution or Resolution()
+    design = Design() if design is None else design
+    resolution = Resolution() if resolution is None else resolution
+    checks.instance("design", design, Design)
+    checks.instance("resolution", resolution, Resolution)
+    if not isinstance(seconds, Real) or math.isnan(seconds):
+        raise InputError(f"seconds must be a number [s], infinity for no end, not {seconds!r}")
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress must be a function of two numbers, not {progress!r}")
     target = Path(path)
     check_writable(target)
+    _check_is_study(target)
     order = numbers(design, wanted)
     conditions = {int(number): design.condition(int(number)) for number in order}
+    roughest = max(condition.composite_roughness for condition in conditions.values())
+    Asperities(roughest, resolution.correlation_length)  # refuses what is too steep
     store = target.with_name(target.name + ".rows")
-    key = json.dumps({"design": asdict(design), "resolution": asdict(resolution)}, sort_keys=True)
+    contents = {"version": MODEL_VERSION, "design": asdict(design), "resolution": asdict(resolution)}
+    key = json.dumps(contents, sort_keys=True)
     known = _read(store, key)
     missing = [number for number in conditions if number not in known]
     deadline = time.monotonic() + seconds
     run = _with_dask if dask else _one_by_one
+    _append(store, "")  # whether it can be written is known before the first case
     for done, (number, row) in enumerate(run({n: conditions[n] for n in missing}, resolution, deadline), start=1):
         known[number] = row
-        _append(store, {"key": key, "number": number, "row": row})
+        # The line feed in front ends a line that an interruption may have left half-written.
+        _append(store, "\n" + json.dumps({"key": key, "number": number, "row": row}))
         if progress is not None:
             progress(done, len(missing))
     not_run: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
-    rows = {number: known.get(number, not_run) for number in conditions}
-    dataset = study_dataset(design, rows)
+    dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
+    dataset.attrs["model_version"] = MODEL_VERSION
     with whole_file(target) as temporary:
         packed = {name: {"zlib": True} for name in dataset.data_vars}
         dataset.to_netcdf(temporary, engine="netcdf4", encoding=packed)
@@ -93,7 +114,8 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     """Return rows as a labelled dataset over the dimension `combination`, failed ones included.
 
     Variables: the condition, `status`, `friction_coefficient` and its parts by film and asperities, `asperity_share`,
-    `mean_film`, `smooth_film` (smallest of the smooth surfaces), `lambda_ratio`, `certified_share`, and the cost.
+    `mean_film`, `smooth_film` (smallest of the smooth surfaces), `lambda_ratio`, `certified_share`, and the cost;
+    `failure`, what went wrong, if a case has failed.
     """
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))
@@ -108,6 +130,9 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     data["friction_coefficient"] = ("combination", friction)
     status = np.array([row["status"] for row in rows.values()]).astype(np.int8)
     data["status"] = ("combination", status, Status.flag_attributes())
+    messages = np.array([str(row.get("message", "")) for row in rows.values()])
+    if any(messages):
+        data["failure"] = ("combination", messages)
     return labelled(xr.Dataset(data, coords={"combination": np.array(list(rows), dtype=int)}))
 
 
@@ -136,25 +161,43 @@ def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadlin
 
 
 def _read(store: Path, key: str) -> dict[int, Row]:
-    """Rows on disk of the same design and resolution; half-written lines are skipped."""
+    """Rows on disk of the same version, design and resolution; lines that are half-written or no rows are skipped."""
     known: dict[int, Row] = {}
     if not store.exists():
         return known
+    if store.is_dir():
+        raise InputError(f"{store} is a folder: what is known of the study is kept in a file of this name; remove it")
     for line in store.read_text(encoding="utf-8", errors="replace").splitlines():
         try:
             entry = json.loads(line)
             if entry["key"] == key:
-                known[int(entry["number"])] = {**dict.fromkeys(NUMBERS, math.nan), **entry["row"]}
+                row = {**dict.fromkeys(NUMBERS, math.nan), **entry["row"]}
+                Status(int(row["status"]))
+                if all(isinstance(row[name], int | float) for name in NUMBERS):
+                    known[int(entry["number"])] = row
         except (ValueError, KeyError, TypeError):
             continue
     return known
 
 
-def _append(store: Path, entry: dict[str, Any]) -> None:
+def _check_is_study(target: Path) -> None:
+    """Refuse to overwrite a file that is something else."""
+    if not target.exists():
+        return
     try:
-        # The line feed in front ends a line that an interruption may have left half-written.
+        with xr.open_dataset(target, engine="netcdf4") as there:
+            if {"combination", "status", "friction_coefficient"} <= set(there.variables):
+                return
+    except (OSError, ValueError, RuntimeError):
+        pass
+    raise InputError(f"{target} exists and is no study: it would be overwritten; give another name, or remove it")
+
+
+def _append(store: Path, text: str) -> None:
+    try:
+        store.parent.mkdir(parents=True, exist_ok=True)
         with store.open("a", encoding="utf-8") as file:
-            file.write(f"\n{json.dumps(entry)}")
+            file.write(text)
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:
