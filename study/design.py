@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from ..cases.conversion import blank_design, ease_off_target, misalignment
 from ..cases.design_model import Design
+from ..cases.mistakes import mistakes
 from ..cases.model import Case, MemberTable, PinionTable, TargetsTable
-from ..cases.reading import mistakes
 from ..cases.recording import blank_table, flank_settings
 from ..core.errors import GeometryError
 from ..geometry.assembly import Assembly
