@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from collections.abc import Mapping
 from importlib import resources
@@ -58,11 +59,10 @@ def _text(kind: str, name_or_path: str | Path) -> str:
 def _found(kind: str, name_or_path: str | Path) -> tuple[str, Path | None]:
     """The text, and the folder of the file; none of a shipped one."""
     name, folder = str(name_or_path), _folder(kind)
-    shipped = folder.joinpath(f"{name}.toml")
-    if "/" not in name and "\\" not in name and shipped.is_file():
-        return shipped.read_text(encoding="utf-8"), None
+    if name in _names(folder):
+        return folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
     path = Path(name_or_path)
-    if not path.is_file():
+    if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
         known = ", ".join(_names(folder))
         raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
     try:
