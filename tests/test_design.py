@@ -90,10 +90,10 @@ def test_report_warns_of_what_is_doubtful() -> None:
     assert any("free other settings" in warning for warning in warnings)
 
 
-def test_report_warns_of_pointed_teeth() -> None:
+def test_report_warns_of_narrow_top_lands() -> None:
     thin = changed(r"^thickness_factor = .*$", "thickness_factor = 0.75")
     warnings = design_case(parse_design(thin))[1].warnings
-    assert any("gear's tooth is pointed" in warning for warning in warnings), warnings
+    assert any("gear's tooth has a narrow top land" in warning for warning in warnings), warnings
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -166,7 +166,7 @@ def contact_path(pair: GearPair, rotations: np.ndarray) -> PointContact:
     return path_of_contact(*surfaces(pair, (13, 9)), np.radians(rotations))
 
 
-# An independent program's conventional contact analysis of the pair: pinion rotation [deg], transmission error
+# Conventional contact analysis of the pair by a separate program, which is no part of this repository: pinion rotation [deg], transmission error
 # [arc seconds], then lengthwise and profile fractions on gear and pinion.
 NASA_PATH = np.array(
     [
