@@ -1,4 +1,4 @@
-"""From a design to a whole case: blanks, Formate or generated gear, and a pinion fitted to the wanted ease-off on both sides."""
+"""From a design to a whole case: blanks, Formate or generated gear, a pinion fitted to the ease-off of both sides."""
 
 from __future__ import annotations
 
