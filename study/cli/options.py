@@ -119,7 +119,7 @@ def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> l
         return None
     names = [name.strip() for name in text.split(",")]
     for name in names:
-        if names.count(name) > 1:
+        if name and names.count(name) > 1:
             raise click.BadParameter(f"{text!r}: {name} comes twice")
     return names
 
