@@ -56,7 +56,8 @@ class BlankDesignTable(Table):
         "data type II: clearance over working depth", "1", default=None, ge=0, lt=1
     )
     thickness_factor: Number | None = number(
-        "data type II: what the pinion's mean thickness has over half the pitch and the gear's lacks, over module",
+        "data type II: what the pinion's mean thickness has, and the gear's lacks, beyond half the pitch and the "
+        "profile shift, over module",
         "1",
         default=None,
         gt=-1,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -19,17 +20,35 @@ def _listed(value: Any) -> Any:
     return value if isinstance(value, list | tuple) else (value,)
 
 
+def _is_number(value: Any) -> bool:
+    """Whether it is a finite number; true and false are none, though Python counts them among the whole numbers."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
 def _roughnesses(value: Any) -> Any:
     """The entries of a list of roughnesses, each a number or a pair; one number counts as a list of one."""
     entries = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in _listed(value))
     for entry in entries:
         pair = entry if isinstance(entry, tuple) else (entry, entry)
-        if len(pair) != 2 or not all(isinstance(height, int | float) for height in pair):
+        if len(pair) != 2 or not all(_is_number(height) for height in pair):
             raise ValueError(
-                f"{list(entry) if isinstance(entry, tuple) else entry!r}: give a number in um or a list of such, in "
-                "which [0.8, 0.4] as an entry is pinion and gear"
+                f"{list(entry) if isinstance(entry, tuple) else _written(entry)}: give a number in um or a "
+                "list of such, in which [0.8, 0.4] as an entry is pinion and gear"
             )
     return entries
+
+
+def _coefficient(value: Any) -> Any:
+    """A name or a number, refused in one message: of a union, pydantic reports each of its kinds."""
+    if isinstance(value, str) or _is_number(value):
+        return value
+    from ..friction import COEFFICIENTS
+
+    raise ValueError(f"{_written(value)}: must be one of {', '.join(COEFFICIENTS)}, or a number of zero or more")
+
+
+def _written(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]
@@ -53,7 +72,9 @@ class FrictionTable(Table):
         default=(0.8,),
     )
     oil: str = "75w90"
-    coefficient: str | float = number("model of the friction coefficient, or a number", "1", default="kolivand")
+    coefficient: Annotated[str | float, BeforeValidator(_coefficient)] = number(
+        "model of the friction coefficient, or a number", "1", default="kolivand"
+    )
     film: str = "pan_hamrock"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: Literal["fixed", "contact_line"] = "fixed"

@@ -135,7 +135,7 @@ def _of_both_members(value: Any) -> Any:
     return (value, value) if isinstance(value, int | float) else value
 
 
-Depth = Annotated[float, Field(strict=False, gt=0, lt=1000)]
+Depth = Annotated[Number, Field(gt=0, lt=1000)]
 Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field(strict=False)]
 
 

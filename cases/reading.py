@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from collections.abc import Mapping
 from importlib import resources
@@ -15,6 +16,7 @@ from ..core.errors import EaseoffError, InputError
 from ..geometry.free_settings import scale_of
 from .conversion import designed_blanks
 from .design_model import Design
+from .mistakes import count, mistakes
 from .model import Case
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -57,11 +59,10 @@ def _text(kind: str, name_or_path: str | Path) -> str:
 def _found(kind: str, name_or_path: str | Path) -> tuple[str, Path | None]:
     """The text, and the folder of the file; none of a shipped one."""
     name, folder = str(name_or_path), _folder(kind)
-    shipped = folder.joinpath(f"{name}.toml")
-    if "/" not in name and "\\" not in name and shipped.is_file():
-        return shipped.read_text(encoding="utf-8"), None
+    if name in _names(folder):
+        return folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
     path = Path(name_or_path)
-    if not path.is_file():
+    if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
         known = ", ".join(_names(folder))
         raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
     try:
@@ -170,7 +171,7 @@ def _validated(model: type[Model], data: Mapping[str, Any], origin: str, folder:
     try:
         return model.model_validate(data, context={"folder": folder})
     except ValidationError as error:
-        raise InputError(f"{origin} has {_count(error)}:\n{mistakes(model, error)}") from error
+        raise InputError(f"{origin} has {count(error)}:\n{mistakes(model, error)}") from error
 
 
 def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:
@@ -188,67 +189,3 @@ def _check_blanks(case: Case | Design, origin: str) -> None:
         designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
     except EaseoffError as error:
         raise type(error)(f"{origin}: {error}") from error
-
-
-def _count(error: ValidationError) -> str:
-    count = error.error_count()
-    return "a mistake" if count == 1 else f"{count} mistakes"
-
-
-def mistakes(model: type[BaseModel], error: ValidationError) -> str:
-    """Every mistake in a table, one a line: key, value, what is allowed."""
-    return "\n".join(_lines(model, error))
-
-
-def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:
-    lines = []
-    for item in error.errors(include_url=False):
-        key = ".".join(str(part) for part in item["loc"]) or model.__name__.lower()
-        lines.append(f"  {key}{_value(item)}: {_allowed(model, item)}")
-    return lines
-
-
-def _value(item: Any) -> str:
-    if item["type"] in ("missing", "value_error") or isinstance(item["input"], dict):
-        return ""
-    return f" = {item['input']!r}"
-
-
-def _allowed(model: type[BaseModel], item: Any) -> str:
-    """What is allowed, in plain words."""
-    kind, context = item["type"], item.get("ctx", {})
-    if kind == "missing":
-        return "is missing; it must be given"
-    if kind == "extra_forbidden":
-        table = item["loc"][:-1]
-        known = ", ".join(_known_keys(model, table))
-        whole = f"a {model.__name__.lower()} file"
-        return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else whole}; known are: {known}"
-    if kind == "value_error":
-        return str(context["error"])
-    limits = {"greater_than": "gt", "greater_than_equal": "ge", "less_than": "lt", "less_than_equal": "le"}
-    words = {"gt": "greater than", "ge": "at least", "lt": "below", "le": "at most"}
-    if kind in limits:
-        name = limits[kind]
-        return f"must be {words[name]} {context[name]:g}"
-    if kind == "finite_number":
-        return "must be a finite number"
-    if kind == "tuple_type":
-        return "must be a list in brackets, such as [50.0, 150.0]"
-    return str(item["msg"][0].lower() + item["msg"][1:])
-
-
-def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
-    """Keys of the table at the given place of a case or design."""
-    schema = model.model_json_schema()
-    definitions = schema["$defs"]
-    node = schema
-    for part in table:
-        node = node["properties"].get(part, {})
-        for option in [node, *node.get("anyOf", []), *node.get("allOf", [])]:
-            if "$ref" in option:
-                node = definitions[option["$ref"].rsplit("/", 1)[1]]
-                break
-        if "properties" not in node:
-            return []
-    return sorted(node["properties"])

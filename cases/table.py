@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 
 class Table(BaseModel):
-    """A table of a case file: frozen, no unknown keys, no NaN."""
+    """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
@@ -18,5 +18,6 @@ def number(description: str, unit: str, **limits: Any) -> Any:
     return Field(description=f"{description} [{unit}]", json_schema_extra={"unit": unit}, **limits)
 
 
-Number = Annotated[float, Field(strict=False)]
-Integer = Annotated[int, Field(strict=True)]
+# A whole number of TOML is a number too; true, false and text are none.
+Number = float
+Integer = int

@@ -28,7 +28,6 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import InputError
-from ..core.files import whole_file
+from ..core.files import require_file, whole_file
 from .problem import ContactProblem
 from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES
@@ -194,8 +193,7 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
 @contextlib.contextmanager
 def _opened(path: str | os.PathLike[str]) -> Any:
     """Open a file of contact problems, or say why it is none."""
-    if not Path(path).is_file():
-        raise InputError(f"{path}: no such file")
+    require_file(path)
     try:
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False)
     except (OSError, ValueError, RuntimeError) as error:

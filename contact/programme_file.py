@@ -16,14 +16,13 @@ from __future__ import annotations
 
 import os
 import zipfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from ..core.files import whole_file
+from ..core.files import require_file, whole_file
 from .dual_form import dual_qp
 from .lifted_form import lifted_qp
 from .problem import ContactProblem
@@ -77,8 +76,7 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
     InputError
         The file cannot be read, or its programme is no contact problem: one equality and F >= 0.
     """
-    if not Path(path).is_file():
-        raise InputError(f"{path}: no such file")
+    require_file(path)
     try:
         with np.load(path, allow_pickle=False) as file:
             names = set(file.files)

@@ -271,10 +271,6 @@ class Scaling:
         """Return the rotation beyond first contact [rad]."""
         return float(rotation) * self.rotation
 
-    def unscale_gap(self, gap: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return gaps [mm]."""
-        return np.asarray(gap, dtype=np.float64) * self.gap
-
 
 def power_of_two(value: float) -> float:
     """Return the power of two nearest to a positive number in ratio; 1 if it is zero or not finite."""

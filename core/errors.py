@@ -21,3 +21,9 @@ class MissingSolverError(EaseoffError, ImportError):
 
 class MissingPackageError(EaseoffError, ImportError):
     """A file format was asked for whose package is not installed; the message says which extra installs it."""
+
+
+def how_to_install(requirement: str) -> str:
+    """What a message says about an extra such as ``easeoff[cad]``: what brings it, and how in a checkout."""
+    extra = requirement.removeprefix("easeoff")
+    return f"{requirement} installs it; in a checkout, python3 -m pip --python .venv install -e '.{extra}'"

@@ -9,6 +9,9 @@ from pathlib import Path
 
 from .errors import InputError
 
+#: What a suffix stands for, in messages.
+FORMATS = {".nc": "netCDF"}
+
 
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
@@ -31,7 +34,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     check_writable(target)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    # Cut, because a name that is as long as one may be leaves no room for more.
+    temporary = target.with_name(f".{target.name[:50]}.{os.getpid()}.tmp")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield temporary
@@ -48,7 +52,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             temporary.unlink()
 
 
-def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str]) -> None:
+def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str], suffix: str | None = None) -> None:
     """Refuse an output path before any work is done for it; nothing is left behind.
 
     Parameters
@@ -57,31 +61,80 @@ def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str
         The file to be written.
     *sources
         What it is made from: files that shall not be overwritten, or names that are no files.
+    suffix
+        What the name must end in, because what is written has one format alone; any if left out.
 
     Raises
     ------
     InputError
-        If the folder does not exist and cannot be made, may not be written to, or the path is a folder, a
-        device or one of the sources.
+        If the name has another suffix or is too long, the folder does not exist and cannot be made, may not be written
+        to, or the path is a folder, a device or one of the sources.
     """
     target = Path(path)
-    if target.is_dir():
+    if os.path.isdir(target):
         raise InputError(f"{target} is a folder: give the name of a file")
-    if target.exists() and not target.is_file():
+    if os.path.exists(target) and not os.path.isfile(target):
         raise InputError(f"{target} is a device or a pipe, not a file: give the name of a file")
     for source in sources:
-        if target.exists() and Path(source).is_file() and target.samefile(source):
+        if os.path.isfile(target) and os.path.isfile(source) and os.path.samefile(target, source):
             raise InputError(f"{target} is the file that is read: writing would destroy it; give another name")
+    if suffix is not None and target.suffix.lower() != suffix:
+        raise InputError(f"{target}: one format is written, {FORMATS[suffix]}: give a name that ends in {suffix}")
+    _check_access(target.parent, target)
+    if os.path.exists(target) and not os.access(target, os.W_OK):
+        raise InputError(f"{target} cannot be written: no permission")
+
+
+def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
+    """Refuse a folder for output before any work is done for it; nothing is left behind.
+
+    Parameters
+    ----------
+    path
+        The folder; it need not exist.
+    purpose
+        What it is for, as messages say it.
+
+    Raises
+    ------
+    InputError
+        If it is a file, its name is too long, or it cannot be made or written to.
+    """
+    target = Path(path)
+    if os.path.exists(target) and not os.path.isdir(target):
+        raise InputError(f"{target} is a file: give a folder for the {purpose}")
+    _check_access(target, target)
+
+
+def require_file(path: str | os.PathLike[str]) -> None:
+    """Refuse a path where there is no file to read.
+
+    Raises
+    ------
+    InputError
+        If there is nothing, or a folder.
+    """
+    # The functions of os.path take a name that is too long for one that does not exist; those of pathlib raise.
+    if os.path.isdir(path):
+        raise InputError(f"{path} is a folder: give the name of a file")
+    if not os.path.isfile(path):
+        raise InputError(f"{path}: there is no such file")
+
+
+def _check_access(folder: Path, target: Path) -> None:
+    """Refuse a folder that cannot be made or written to, and a name in it that cannot be."""
     # Whether folders can be made is known by making them; until there is something to write they go again.
-    missing = [folder for folder in target.parents if not folder.exists()]
+    missing = [parent for parent in (folder, *folder.parents) if not os.path.exists(parent)]
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        allowed = os.access(target.parent, os.W_OK)
+        folder.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            target.stat()
+        allowed = os.access(folder, os.W_OK)
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
     finally:
-        for folder in missing:
+        for parent in missing:
             with contextlib.suppress(OSError):
-                folder.rmdir()
-    if not allowed or (target.exists() and not os.access(target, os.W_OK)):
+                parent.rmdir()
+    if not allowed:
         raise InputError(f"{target} cannot be written: no permission")

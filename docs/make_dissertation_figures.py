@@ -126,7 +126,7 @@ def sections() -> dict[str, str]:
 def main() -> None:
     """Write the page."""
     draw()
-    template = (HERE / "dissertation.template.md").read_text(encoding="utf-8")
+    template = (HERE / "dissertation.md.in").read_text(encoding="utf-8")
     page = template.format(**sections(), figure_5_3=figure_5_3()).rstrip() + "\n"
     (HERE / "dissertation.md").write_text(page, encoding="utf-8")
     print("wrote docs/dissertation.md")

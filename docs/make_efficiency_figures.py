@@ -147,7 +147,7 @@ def main() -> None:
     save_small(flank_maps(MAPS[3:], "along"), IMAGES / "figure_5_8_along.png")
     save_small(over_speeds(), IMAGES / "figure_5_11.png")
     save_small(over_roughnesses(), IMAGES / "figure_5_12.png")
-    template = (HERE / "efficiency.template.md").read_text(encoding="utf-8")
+    template = (HERE / "efficiency.md.in").read_text(encoding="utf-8")
     (HERE / "efficiency.md").write_text(
         template.format(**parts(), choices=choices(), everywhere=everywhere(), chapter_four=chapter_four()),
         encoding="utf-8",

@@ -18,7 +18,7 @@ def main() -> None:
     """Write everything."""
     write_examples()
     draw()
-    page = (HERE / "real_flanks.template.md").read_text(encoding="utf-8")
+    page = (HERE / "real_flanks.md.in").read_text(encoding="utf-8")
     parts = {
         "table_4_2": amplitudes("worn"),
         "table_4_4": amplitudes("measured"),

@@ -12,19 +12,31 @@ from pathlib import Path
 import xarray as xr
 
 import easeoff
+from easeoff.cases import gear_pair
 from easeoff.cases.model import ComplianceTable, ContactTable
 from easeoff.friction import FrictionModel
+from easeoff.geometry.deviation import deviation_from_formula
+from easeoff.geometry.flank_errors import FlankErrors
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
 
 
 def coarse_analysis() -> xr.DataTree:
-    """A quick analysis with finite elements and friction: the variables of any other too, few numbers."""
+    """A quick analysis with finite elements, friction and deviations, and the groups of a quick optimization.
+
+    That is more than one result ever has: the variables of any, with few numbers.
+    """
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
     case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
     model = FrictionModel(radius_direction="along")
-    return easeoff.analyze(case, speed=1500.0, friction_model=model, friction_feedback=True)
+    worn = deviation_from_formula(gear_pair(case).pinion.section, FlankErrors(twist=1.0))
+    tree = easeoff.analyze(
+        case, speed=1500.0, friction_model=model, friction_feedback=True, deviations={"pinion": worn}
+    )
+    plain = case.model_copy(update={"compliance": ComplianceTable()})
+    best = easeoff.optimize(plain, order=2, programmes=1)
+    return tree.assign({name: best[name] for name in ("modification", "optimization")})
 
 
 def result_tables(tree: xr.DataTree) -> str:
@@ -44,7 +56,7 @@ def variables(group: xr.Dataset) -> str:
             codes = variable.attrs.get("flag_values", variable.attrs.get("flag_masks"))
             flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
             meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
-        elif variable.dtype.kind == "U":
+        elif variable.dtype.kind == "U" and name in group.coords:
             meaning += ": " + ", ".join(f"`{word}`" for word in variable.values)
         kind = " (coordinate)" if name in group.coords else ""
         dimensions = ", ".join(str(dimension) for dimension in variable.dims)

@@ -226,7 +226,7 @@ def main() -> None:
     """Write the page."""
     loaded, misaligned, unloaded = against_the_dissertation()
     points, lines = conventional()
-    template = (HERE / "validation.template.md").read_text(encoding="utf-8")
+    template = (HERE / "validation.md.in").read_text(encoding="utf-8")
     page = template.format(
         conventional=points,
         lines=lines,

@@ -220,7 +220,7 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
         raise InputError(f"oil = {name!r}: must be the name of a lubricant, the path of its file, or a Lubricant")
     text = os.fspath(name)
     path = FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
-    if not path.is_file():
+    if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
         start = "the working folder" if folder is None else "the folder of the case"
         raise InputError(
             f"oil = {text!r}: neither one of {', '.join(available_lubricants())} nor the path of a TOML file: there is "

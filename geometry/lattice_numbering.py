@@ -107,11 +107,6 @@ class ToothLattice:
         """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
         return self.column[:, 0, self.root_row :]
 
-    @property
-    def opposite_flank(self) -> NDArray[np.int64]:
-        """Nodes (2 l + 1, 2 u + 1) on the other side."""
-        return self.column[:, -1, self.root_row :]
-
 
 def numbered(
     nodes: Array,

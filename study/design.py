@@ -1,4 +1,4 @@
-"""From a design to a whole case: blanks, Formate gear, and a pinion fitted to the wanted ease-off on both sides."""
+"""From a design to a whole case: blanks, Formate or generated gear, a pinion fitted to the ease-off of both sides."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from ..cases.conversion import blank_design, ease_off_target, misalignment
 from ..cases.design_model import Design
+from ..cases.mistakes import mistakes
 from ..cases.model import Case, MemberTable, PinionTable, TargetsTable
-from ..cases.reading import mistakes
 from ..cases.recording import blank_table, flank_settings
 from ..core.errors import GeometryError
 from ..geometry.assembly import Assembly
@@ -25,7 +25,7 @@ from ..geometry.pair_design import SIDES, DesignedPair, design_pair
 
 Array = NDArray[Any]
 NODES = (15, 11)
-NARROW = 0.2  # top land over module below which a tooth counts as pointed
+NARROW = 0.2  # top land over module below which a tooth counts as narrow
 UNDERCUT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
 COARSE_FIT = 0.1  # of the target's range, above which the fit is said to miss it
 
@@ -192,7 +192,7 @@ def _report(design: Design, designed: DesignedPair) -> DesignReport:
         for side, item in sides.items()
         if np.abs(item.root_gap).max() > designed.blank.clearance
     ]
-    return DesignReport(designed.blank, sides, (*warnings, *_pointed(designed)))
+    return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed)))
 
 
 def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"]) -> SideReport:
@@ -213,8 +213,8 @@ def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"
     )
 
 
-def _pointed(designed: DesignedPair) -> list[str]:
-    """Members whose teeth end in a narrow edge, or that have no teeth at all between these flanks."""
+def _narrow(designed: DesignedPair) -> list[str]:
+    """Members whose teeth have a narrow top land, or that have no teeth at all between these flanks."""
     try:
         both = bodies(designed.pair())
     except GeometryError as error:
@@ -223,5 +223,5 @@ def _pointed(designed: DesignedPair) -> list[str]:
     for name, body in zip(("pinion", "gear"), both, strict=True):
         for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
             if thickness < NARROW * designed.blank.mean_normal_module:
-                found.append(f"the {name}'s tooth is pointed at the {end}: {thickness:.2f} mm thick at its tip")
+                found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")
     return found

@@ -78,13 +78,24 @@ def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:
         yield f"{side} pressure angle [deg]", angle, angle
 
 
+def unit_of(name: str) -> str:
+    """Unit in which a free setting is printed; empty for a ratio."""
+    if name == "blade_curvature":
+        return "1/mm"
+    if name == "ratio_of_roll" or name.startswith("modified_roll_"):
+        return ""
+    base, _, order = name.partition("_motion_")
+    unit = "deg" if base in ANGLES else "mm"
+    return f"{unit}/rad^{order}" if order else unit
+
+
 def _moved(item: SideReport) -> str:
     rows = []
     for name, (start, end) in item.moved.items():
-        angle = name in ANGLES or name.split("_motion_")[0] in ANGLES
-        unit = math.degrees(1.0) if angle else 1.0
-        values = [f"{unit * value:.5f}" for value in (start, end, end - start)]
-        rows.append((f"{name} [deg]" if angle else name, *values))
+        unit = unit_of(name)
+        factor = math.degrees(1.0) if unit.startswith("deg") else 1.0
+        values = [f"{factor * value:.5f}" for value in (start, end, end - start)]
+        rows.append((f"{name} [{unit}]" if unit else name, *values))
     return tabulate(
         rows,
         headers=("pinion setting", "conjugate", "fitted", "change"),

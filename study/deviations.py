@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
@@ -43,7 +44,7 @@ def measured_file(name_or_path: str | Path) -> xr.Dataset:
     if name in shipped_deviations():
         with resources.as_file(resources.files("easeoff.cases").joinpath("deviations", f"{name}.csv")) as path:
             return read_measured_grid(path)
-    if not Path(name).suffix and not Path(name).exists():
+    if not Path(name).suffix and not os.path.exists(name):
         raise InputError(
             f"deviation {name!r}: there is no such file ({', '.join(SUFFIXES)}), and the shipped ones are: "
             f"{', '.join(shipped_deviations())}"
@@ -54,7 +55,7 @@ def measured_file(name_or_path: str | Path) -> xr.Dataset:
 def _from_file(name_or_path: str | Path, name: MemberName, pair: GearPair) -> xr.Dataset:
     """A measured grid; or, of a file of ``study.wear``, what it leaves of a member's flank."""
     path = Path(name_or_path)
-    if path.suffix == ".nc" and path.is_file():
+    if path.suffix == ".nc" and os.path.isfile(path):
         opened = open_netcdf(path)
         if "wear_depth" in opened:
             _require_own_flank(path, opened, name, pair)

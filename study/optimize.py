@@ -213,7 +213,7 @@ def _compared(
         "load_norm": (grid, both(lambda loads: figures(loads, "even_load"))),
         "max_end_load": (grid, np.maximum(both(end_loads), 0.0)),
         "peak_to_peak": (grid, both(peak_to_peaks)),
-        "least_line_load": (1e3 * ratio * before["torque"] / arms).max("mesh_position").variable,
+        "least_line_load": ("torque", (1e3 * ratio * before["torque"] / arms).max("mesh_position").values),
     }
     errors = [pair.assembly.misalignment for pair in assemblies]
     data |= {

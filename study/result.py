@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..core.errors import InputError
-from ..core.files import whole_file
+from ..core.files import require_file, whole_file
 
 GROUPS = ("flanks", "ease_off", "teeth", "unloaded", "loaded")
 
@@ -55,8 +55,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
         If there is no such file, or it is no result of this package.
     """
     source = Path(path)
-    if not source.is_file():
-        raise InputError(f"{source}: there is no such file")
+    require_file(source)
     try:
         with xr.open_datatree(source, engine="netcdf4") as opened:
             tree = opened.load()

@@ -1,9 +1,9 @@
 """The flanks of another program's session script, computed from its own keywords, without the package.
 
-The chain of joints and the signs are those of the public code SpyGO (``haomjc/SpyGO``, ``kinematics.py`` and
-``data_structs.py`` in ``OriginalCode/hypoid/main``). Velocities are finite differences of positions, the point of the
-blade that touches the flank is found by bisection, and the point of the flank with given coordinates by Newton's method
-on top of that.
+The order of the joints and their signs are those of the public code SpyGO (``haomjc/SpyGO``, ``kinematics.py`` and
+``data_structs.py`` in ``OriginalCode/hypoid/main``), read for these facts alone; no code of it is here. Velocities are
+finite differences of positions, the point of the blade that touches the flank is found by bisection, and the point of
+the flank with given coordinates by Newton's method on top of that.
 """
 
 from __future__ import annotations

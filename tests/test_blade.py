@@ -77,6 +77,7 @@ def test_sections_are_arcs_of_their_radius() -> None:
 def test_whole_edge_is_that_of_another_programs_tool() -> None:
     """Centres of four arcs from radius, angles and depths, as an open reading of HypoidFaceMilled (SpyGO) has them.
 
+    The relations are written anew; no code of it is here.
     There the tip plane is z = 0, the body at negative z, and toprem and flankrem turn the angle of the blade at their
     depth by an angle of their own.
     """

@@ -76,7 +76,11 @@ MISTAKES = {
         "number_of_teeth = -12",
         ["number_of_teeth", "-12", "at least"],
     ),
-    "fractional tooth count": (r"^number_of_teeth = 12$", "number_of_teeth = 12.5", ["number_of_teeth", "12.5"]),
+    "fractional tooth count": (
+        r"^number_of_teeth = 12$",
+        "number_of_teeth = 12.5",
+        ["number_of_teeth = 12.5: must be a whole number"],
+    ),
     "not a number": (r"^radial_distance = .*$", "radial_distance = nan", ["radial_distance", "nan", "finite"]),
     "infinite": (r"^radial_distance = .*$", "radial_distance = inf", ["radial_distance", "inf"]),
     "text for a number": (
@@ -89,7 +93,15 @@ MISTAKES = {
     "cones the wrong way": (r"^face_angle = .*$", "face_angle = 10.0", ["face_angle", "10", "root_angle"]),
     "face too wide": (r"^face_width = .*$", "face_width = 100.0", ["face_width", "100", "outer_cone_distance"]),
     "negative torque": (r"^torques = .*$", "torques = [50.0, -1.0]", ["torques", "-1", "greater than 0"]),
-    "no torque": (r"^torques = .*$", "torques = []", ["torques"]),
+    "no torque": (r"^torques = .*$", "torques = []", ["contact.torques = []: must have at least 1 value"]),
+    "true for a number": (r"^shaft_angle = .*$", "shaft_angle = true", ["pair.shaft_angle = true: must be a number"]),
+    "a number in quotes": (r"^shaft_angle = .*$", 'shaft_angle = "90"', ["pair.shaft_angle = '90': must be a number"]),
+    "true for a torque": (r"^torques = .*$", "torques = [true]", ["a mistake", "torques.0 = true: must be a number"]),
+    "a torque in quotes": (r"^torques = .*$", 'torques = ["50"]', ["a mistake", "torques.0 = '50': must be a number"]),
+    "true for a count": (r"^number_of_teeth = 12$", "number_of_teeth = true", ["true: must be a whole number"]),
+    "a number for text": (r"^title = .*$", "title = 3", ["title = 3: must be text in quotes"]),
+    "a number for a choice": (r"^hand_of_spiral = .*$", "hand_of_spiral = 3", ["= 3: must be 'left' or 'right'"]),
+    "true for depths": (r"^\[contact\]$", "[compliance]\nrim_depth = true\n[contact]", ["rim_depth.0 = true: must be"]),
     "one torque twice": (r"^torques = .*$", "torques = [50.0, 60.0, 50]", ["torques contains 50.0 twice"]),
     "a torque that is no list": (r"^torques = .*$", "torques = 50.0", ["contact.torques = 50.0", "list in brackets"]),
     "torque zero": (r"^torques = .*$", "torques = [0.0]", ["torques", "0.0", "greater than 0"]),
@@ -107,7 +119,13 @@ def test_mistakes_name_key_value_and_what_is_allowed(name: str) -> None:
     assert "mycase.toml" in message
     for word in words:
         assert word in message, message
-    assert "pydantic" not in message
+    for foreign in ("pydantic", "validation", "input should", "tuple"):
+        assert foreign not in message, message
+
+
+def test_whole_numbers_are_numbers() -> None:
+    case = parse_case(changed(r"^torques = .*$", "torques = [50, 150]"))
+    assert case.contact.torques == (50.0, 150.0)
 
 
 def test_several_mistakes_come_in_one_message() -> None:

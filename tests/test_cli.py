@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,8 @@ from easeoff.contact import read_labels, read_problems
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 
+RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
+WEAR = ["wear", "nasa-12x36", "--torque", "5", "--revolutions", "1"]
 SMALL = ["mesh_positions = 4", "segments_per_line = 9", "lengthwise_nodes = 11", "profile_nodes = 9"]
 
 
@@ -163,6 +166,38 @@ def test_a_full_disk_is_one_message_and_leaves_nothing(case: Path, tmp_path: Pat
         (["run", "nasa-12x36", "-o", "/proc/nothing/x.nc"], ["/proc/nothing/x.nc", "cannot be written"]),
         (["run", "nasa-12x36", "-o", "{pipe}"], ["pipe is a device or a pipe"]),
         (["run", "nasa-12x36"], ["--output"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/x.txt"], ["x.txt", "netCDF", "ends in .nc"]),
+        (["problems", "nasa-12x36", "-o", "{tmp}/x.txt"], ["x.txt", "netCDF", "ends in .nc"]),
+        (["optimize", "nasa-12x36", "-o", "{tmp}/x.csv"], ["x.csv", "netCDF", "ends in .nc"]),
+        ([*WEAR, "-o", "{tmp}/x.csv"], ["x.csv", "netCDF", "ends in .nc"]),
+        ([*WEAR, "-o", "{tmp}/x.nc", "--coefficient", "0"], ["'0': nothing wears", "greater than zero"]),
+        ([*WEAR, "-o", "{tmp}/x.nc", "--coefficient", "0/0"], ["'0/0': nothing wears", "greater than zero"]),
+        ([*WEAR, "-o", "{tmp}/x.nc", "--interpolation", "smooth"], ["--interpolation goes with --deviation"]),
+        ([*RUN, "--interpolation", "spline"], ["--interpolation goes with --deviation"]),
+        ([*RUN, "--deviated", "surface"], ["--deviated goes with --deviation"]),
+        ([*RUN, "--misalignment", "E=0.1,E=0.2"], ["E comes twice"]),
+        (["export", "nasa-12x36", "-o", "{tmp}/x.csv", "--margins", "toe=1,toe=3"], ["toe comes twice"]),
+        (["compare", "{foreign}", "{foreign}", "-o", "{tmp}/s"], ["foreign.nc comes twice"]),
+        (["compare", "{foreign}", "{tmp}/../{name}/foreign.nc", "-o", "{tmp}/s"], ["foreign.nc comes twice"]),
+        (["compare", "{foreign}", "-o", "{tmp}/s", "--solvers", "native,native"], ["native comes twice"]),
+        ([*RUN, "--deviation", "pinion={result}"], ["result.nc is a result of an analysis, not a measured grid"]),
+        (["show", "{tmp}"], ["{tmp} is a folder"]),
+        (["show", "/proc/x"], ["/proc/x: there is no such file"]),
+        (["plot", "{result}", "/proc/x"], ["/proc/x cannot be written"]),
+        (["plot", "{result}", "{text}"], ["text.toml is a file: give a folder for the pictures"]),
+        (["run", "{long}", "-o", "{tmp}/x.nc"], ["there is no such file"]),
+        (["run", "{long}.toml", "-o", "{tmp}/x.nc"], ["there is no such file"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/{long}.nc"], ["cannot be written: File name too long"]),
+        (["run", "nasa-12x36", "-o", "{tmp}/{long}/x.nc"], ["cannot be written: File name too long"]),
+        ([*RUN, "--plots", "{tmp}/{long}"], ["cannot be written: File name too long"]),
+        (["plot", "{result}", "{tmp}/{long}"], ["cannot be written: File name too long"]),
+        (["plot", "{long}", "{tmp}/pictures"], ["there is no such file"]),
+        (["show", "{long}.nc"], ["there is no such file"]),
+        ([*RUN, "--deviation", "gear={long}"], ["there is no such file"]),
+        ([*RUN, "--deviation", "gear={long}.nc"], ["there is no such file"]),
+        ([*RUN, "--deviation", "gear={long}.csv"], ["there is no such file"]),
+        ([*RUN, "--speed", "5", "--oil", "{long}"], ["nor the path of a TOML file"]),
+        (["compare", "{long}", "-o", "{tmp}/s"], ["there is no such file"]),
         (["run", "{text}", "-o", "{tmp}/x.nc"], ["not a TOML file"]),
         (["show", "{tmp}/none.nc"], ["none.nc", "no such file"]),
         (["show", "{text}"], ["not a netCDF file"]),
@@ -178,7 +213,9 @@ def test_a_full_disk_is_one_message_and_leaves_nothing(case: Path, tmp_path: Pat
         (["convert", "nasa-12x36"], ["--output"]),
     ],
 )
-def test_mistakes_give_one_message_and_exit_code_2(arguments: list[str], words: list[str], tmp_path: Path) -> None:
+def test_mistakes_give_one_message_and_exit_code_2(
+    arguments: list[str], words: list[str], tmp_path: Path, result: Path
+) -> None:
     text, foreign, case, design = (tmp_path / f for f in ("text.toml", "foreign.nc", "case.toml", "design.toml"))
     text.write_text("no case at all", encoding="utf-8")
     case.write_text(case_text("nasa-12x36"), encoding="utf-8")
@@ -186,15 +223,27 @@ def test_mistakes_give_one_message_and_exit_code_2(arguments: list[str], words: 
     xr.Dataset({"x": ("t", [1.0, 2.0])}).to_netcdf(foreign)
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    before = contents(tmp_path)
     files = {"text": str(text), "foreign": str(foreign), "case": str(case), "design": str(design), "pipe": str(pipe)}
-    places = {"tmp": str(tmp_path), "name": tmp_path.name, **files}
+    files["result"] = str(shutil.copy(result, tmp_path / "result.nc"))
+    before = contents(tmp_path)
+    places = {"tmp": str(tmp_path), "name": tmp_path.name, "long": 300 * "x", **files}
     found = call(*(a.format(**places) for a in arguments))
     assert found.exit_code == 2, found.output
+    assert isinstance(found.exception, SystemExit)
+    # A long message may be framed and broken into lines.
+    said = " ".join(found.output.split())
     for word in words:
-        assert word.format(**places) in found.output, found.output
+        assert word.format(**places) in said, found.output
+    assert "picture.png" not in found.output
     assert "Traceback" not in found.output
     assert contents(tmp_path) == before
+
+
+def test_a_name_as_long_as_one_may_be_is_written(case: Path, tmp_path: Path) -> None:
+    out = tmp_path / (252 * "x" + ".nc")
+    assert call("run", str(case), "-o", str(out), "--torque", "50").exit_code == 0
+    assert call("show", str(out)).exit_code == 0
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]
 
 
 def test_a_result_is_written_over_an_old_one_but_a_name_of_a_case_is_no_file(

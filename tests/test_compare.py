@@ -536,7 +536,8 @@ def test_missing_solver_is_told_how_to_install_it(file: Path, tmp_path: Path, mo
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "highspy" else real(name))
     said = call(str(file), "--solvers", "highs", "-o", str(tmp_path))
     assert said.exit_code == 2
-    assert "pip install 'easeoff[solvers]'" in said.output
+    assert "easeoff[solvers] installs it" in said.output
+    assert "install -e '.[solvers]'" in said.output
 
 
 def test_table_from_elsewhere_is_refused(file: Path, tmp_path: Path) -> None:

@@ -28,4 +28,4 @@ def test_curved_blades_cut_the_flanks_of_the_programs_own_chain(
     edge = curved(cutters[member][flank], flank)
     points = points_of(case, member, flank)
     theirs = flank_points(member, hand, machines[member][flank], edge, points)
-    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-9)

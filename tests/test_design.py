@@ -22,6 +22,7 @@ from easeoff.geometry.pair import bodies
 from easeoff.study.analysis import analyze
 from easeoff.study.cli import main
 from easeoff.study.design import DesignReport, design_case
+from easeoff.study.design_report import unit_of
 
 NAMES = list(shipped_designs())
 FM = _text("design", "fm-11x41")
@@ -90,10 +91,28 @@ def test_report_warns_of_what_is_doubtful() -> None:
     assert any("free other settings" in warning for warning in warnings)
 
 
-def test_report_warns_of_pointed_teeth() -> None:
+def test_report_warns_of_narrow_top_lands() -> None:
     thin = changed(r"^thickness_factor = .*$", "thickness_factor = 0.75")
     warnings = design_case(parse_design(thin))[1].warnings
-    assert any("gear's tooth is pointed" in warning for warning in warnings), warnings
+    assert any("gear's tooth has a narrow top land" in warning for warning in warnings), warnings
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("radial_distance", "mm"),
+        ("point_radius", "mm"),
+        ("cutter_tilt", "deg"),
+        ("pressure_angle", "deg"),
+        ("ratio_of_roll", ""),
+        ("modified_roll_2c", ""),
+        ("blade_curvature", "1/mm"),
+        ("sliding_base_motion_1", "mm/rad^1"),
+        ("cutter_tilt_motion_2", "deg/rad^2"),
+    ],
+)
+def test_report_gives_every_setting_its_unit(name: str, unit: str) -> None:
+    assert unit_of(name) == unit
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -103,7 +103,7 @@ def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_every_page_with_code_is_run() -> None:
-    pages = {page.stem for page in DOCS.glob("*.md") if not page.stem.endswith(".template")}
+    pages = {page.stem for page in DOCS.glob("*.md")}
     assert {name for name in pages if blocks(text(name), "python")} <= set(WITH_CODE)
 
 

@@ -166,8 +166,8 @@ def contact_path(pair: GearPair, rotations: np.ndarray) -> PointContact:
     return path_of_contact(*surfaces(pair, (13, 9)), np.radians(rotations))
 
 
-# An independent program's conventional contact analysis of the pair: pinion rotation [deg], transmission error
-# [arc seconds], then lengthwise and profile fractions on gear and pinion.
+# Conventional contact analysis of the pair by a separate program, which is no part of this repository: pinion
+# rotation [deg], transmission error [arc seconds], then lengthwise and profile fractions on gear and pinion.
 NASA_PATH = np.array(
     [
         [-12.5, 89.7629, 0.68785, 0.14320, 0.67130, 0.88733],

@@ -69,8 +69,11 @@ def test_ceiling_of_the_shear_stress() -> None:
         ("two_slope", [0.0157, 0.0232, 0.0284, 0.0326, 0.0370]),
     ],
 )
-def test_friction_of_a_smooth_film_is_that_of_an_independent_prototype(law: str, expected: list[float]) -> None:
-    """1 GPa, 20 mm, 10 m/s, 50 deg C, Eyring stress 5 MPa; film without shear thinning."""
+def test_friction_of_a_smooth_film_is_that_of_a_separate_program(law: str, expected: list[float]) -> None:
+    """One that is no part of this repository.
+
+    1 GPa, 20 mm, 10 m/s, 50 deg C, Eyring stress 5 MPa; film without shear thinning.
+    """
     film = smooth_film(sliding(0.0, law="roelands", eyring_stress=math.inf), nodes=513)
     for ratio, friction in zip([0.025, 0.1, 0.25, 0.5, 1.0], expected, strict=True):
         contact = sliding(ratio, law=law)

@@ -25,7 +25,7 @@ PUBLISHED = {
     ("gear", "concave"): (2.474433967420987, -0.3395653327372070, 0.9856358798469023),
     ("gear", "convex"): (2.487328996883535, -0.2265447761173172, 0.9856358798469033),
 }
-# The same settings evaluated by an independent program: (t, h) and point [inch].
+# The same settings evaluated by a separate program, which is no part of this repository: (t, h) and point [inch].
 COMPUTED = {
     ("pinion", "concave"): [
         (0.0, 0.5, 0.8901646, 0.2211861, 2.5328185),
@@ -53,7 +53,7 @@ def test_published_points_of_all_four_flanks(which: tuple[str, str]) -> None:
 
 
 @pytest.mark.parametrize("which", COMPUTED)
-def test_points_of_an_independent_program(which: tuple[str, str]) -> None:
+def test_points_of_a_separate_program(which: tuple[str, str]) -> None:
     member = nasa_member(*which)
     for t, h, *point in COMPUTED[which]:
         found = member.flank(np.array([t]), np.array([h])).position[:, 0] / INCH

@@ -126,7 +126,7 @@ def test_flanks_are_those_of_the_programs_own_chain(member: str, flank: str, han
     edge = straight(CUTTERS[member][flank], flank)
     points = points_of(case, member, flank)
     theirs = flank_points(member, hand, machines[member][flank], edge, points)
-    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("keyword", ["R1", "V1", "R3", "V3"])
@@ -137,7 +137,7 @@ def test_odd_motions_of_a_left_hand_pinion_are_those_of_the_chain(keyword: str, 
     edge = straight(CUTTERS["PINION"]["CONCAVE"], "CONCAVE")
     points = points_of(case, "PINION", "CONCAVE")
     theirs = flank_points("PINION", "LEFT", machines["PINION"]["CONCAVE"], edge, points)
-    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(points, theirs, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("hand", ["LEFT", "RIGHT"])
@@ -153,7 +153,7 @@ def test_formate_flanks_are_those_of_the_programs_own_chain(flank: str, hand: st
     }
     edge = straight(CUTTERS["GEAR"][flank], flank)
     points = points_of(case, "GEAR", flank)
-    np.testing.assert_allclose(points, flank_points("GEAR", hand, polar, edge, points), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(points, flank_points("GEAR", hand, polar, edge, points), rtol=0, atol=1e-9)
 
 
 def no_mirror_image(member: str) -> set[str]:

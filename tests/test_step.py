@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import math
 import re
 import sys
@@ -17,7 +18,7 @@ from test_mesh import closed_tooth, ring_segment
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError, MissingPackageError
 from easeoff.geometry.formats import write_step
-from easeoff.geometry.formats.step import spline
+from easeoff.geometry.formats.step import require_opencascade, spline
 from easeoff.geometry.tooth_flanks import placed_flanks, tooth_angle
 from easeoff.geometry.tooth_surface import tooth_patches
 from easeoff.study.cli import main
@@ -245,7 +246,7 @@ def test_command_writes_and_says_nothing_else(tmp_path: Path, capfd: pytest.Capt
 
 def test_without_opencascade_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP.collections", None)
-    with pytest.raises(MissingPackageError, match=r"pip install 'easeoff\[cad\]'"):
+    with pytest.raises(MissingPackageError, match=r"easeoff\[cad\] installs it.*install -e '\.\[cad\]'"):
         write_step(ring_segment(), tmp_path / "x.step")
     done = CliRunner().invoke(main, ["export", "fm-11x41", "-o", str(tmp_path / "x.step")])
     assert done.exit_code == 2
@@ -259,3 +260,21 @@ def test_other_suffixes_and_patches_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no finite numbers"):
         write_step({"a": np.full((4, 4, 3), np.nan)}, tmp_path / "x.step")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_only_a_missing_package_is_called_missing(interrupted: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Control-C while it loads, and a system library it lacks, are no reasons to install what is there."""
+    real = builtins.__import__
+
+    def fails(name: str, *arguments: Any, **more: Any) -> Any:
+        if name.startswith("OCP"):
+            raise ImportError("initialization failed") from (KeyboardInterrupt() if interrupted else None)
+        return real(name, *arguments, **more)
+
+    monkeypatch.setattr(builtins, "__import__", fails)
+    expected: Any = KeyboardInterrupt if interrupted else MissingPackageError
+    with pytest.raises(expected) as caught:
+        require_opencascade()
+    assert "installs it" not in str(caught.value)
+    assert interrupted or "does not load: initialization failed" in str(caught.value)

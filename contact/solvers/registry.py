@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.errors import InputError, MissingSolverError
+from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..certificate import EXACT_TOLERANCE
 from ..problem import ContactProblem
 from ..recovered import recovered, with_certificate
@@ -50,7 +50,7 @@ def require_solver(name: str) -> str:
         hint = f" (did you mean {close[0]!r}?)" if close else ""
         raise InputError(f"unknown solver {name!r}{hint}: choose from auto, {', '.join(SOLVERS)}")
     if not _is_installed(name):
-        raise MissingSolverError(f"solver {name!r} is not installed: pip install '{SOLVERS[name].requirement}'")
+        raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
     return name
 
 

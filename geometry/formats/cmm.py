@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...core.attributes import labelled
 from ...core.errors import GeometryError, InputError
-from ...core.files import whole_file
+from ...core.files import require_file, whole_file
 from ..flank_surface import Flank, NodeStatus
 from ..pair import Member
 from ..section import BlankSection
@@ -252,8 +252,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
 
 def content(source: Path) -> str:
     """A text file. Raises InputError if there is none, or it is no text."""
-    if not source.is_file():
-        raise InputError(f"{source}: there is no such file")
+    require_file(source)
     try:
         return source.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -262,8 +261,7 @@ def content(source: Path) -> str:
 
 def opened(source: Path) -> xr.Dataset:
     """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
-    if not source.is_file():
-        raise InputError(f"{source}: there is no such file")
+    require_file(source)
     try:
         with xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
             return file.load()

@@ -114,6 +114,11 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
     suffix, source = _suffix(path), Path(path)
     if suffix == ".nc":
         grid = cmm.opened(source)
+        if "easeoff_version" in grid.attrs and "position" not in grid:
+            raise InputError(
+                f"{source} is a result of an analysis, not a measured grid: give a grid as `easeoff export` writes it "
+                "with deviations filled in, or a file of `easeoff wear`"
+            )
     else:
         content = cmm.content(source)
         grid = (dmis if suffix in DMIS_SUFFIXES else cmm_csv).parsed(content, str(source))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from ...core.errors import InputError, MissingPackageError
+from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.files import whole_file
 from .patches import oriented, rotations
 
@@ -75,14 +75,21 @@ def require_opencascade() -> None:
     Raises
     ------
     MissingPackageError
-        If OpenCASCADE is not installed, or too old.
+        If OpenCASCADE is not installed, is too old, or does not load.
     """
     try:
         import OCP.collections
         import OCP.STEPControl  # noqa: F401
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         raise MissingPackageError(
-            "STEP files need OpenCASCADE with Python bindings of version 8: pip install 'easeoff[cad]'"
+            f"STEP files need OpenCASCADE with Python bindings of version 8: {how_to_install('easeoff[cad]')}"
+        ) from error
+    except ImportError as error:
+        # An interrupted extension module says that its initialization failed, and keeps the reason as the cause.
+        if isinstance(error.__cause__, KeyboardInterrupt):
+            raise error.__cause__ from None
+        raise MissingPackageError(
+            f"STEP files need OpenCASCADE, which is installed but does not load: {error}"
         ) from error
 
 

@@ -40,9 +40,7 @@ _PAIR = (
     click.option(
         "--interpolation",
         type=click.Choice(["spline", "smooth", "weighted_average"]),
-        default="spline",
-        show_default=True,
-        help="Between the nodes of measured grids; smooth evens out their scatter.",
+        help="Between the nodes of measured grids; smooth evens out their scatter.  [default: spline]",
     ),
     click.option("--solver", default="auto", show_default=True, help="Contact solver."),
 )
@@ -64,11 +62,12 @@ _ANALYSIS = (
     click.option(
         "--deviated",
         type=click.Choice(["ease_off", "surface"]),
-        default="ease_off",
-        show_default=True,
-        help="Update the ease-off for the deviations, or compute with the deviating flanks themselves.",
+        help="Update the ease-off for the deviations, or compute with the deviating flanks themselves.  "
+        "[default: ease_off]",
     ),
 )
+
+DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 
 def pair_options(command: Any) -> Any:
@@ -83,6 +82,21 @@ def analysis_options(command: Any) -> Any:
     for option in reversed(_ANALYSIS):
         command = option(command)
     return pair_options(command)
+
+
+def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
+    """The options with what stands for those that say how deviations are taken, where they are left out.
+
+    Raises
+    ------
+    click.UsageError
+        If one of them is given and no deviation is.
+    """
+    own = {name: value for name, value in DEVIATING.items() if name in options}
+    for name in own:
+        if options[name] is not None and not options["deviations"]:
+            raise click.UsageError(f"--{name} goes with --deviation: without one there is nothing that it changes")
+    return options | {name: value for name, value in own.items() if options[name] is None}
 
 
 def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:
@@ -105,7 +119,7 @@ def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:
     checked = read_case(case) if isinstance(case, str) else case
     total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
     with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
-        return analyze_in_full(checked, torques=torques, progress=lambda: _step(bar), **options)
+        return analyze_in_full(checked, torques=torques, progress=lambda: _step(bar), **with_defaults(options))
 
 
 def _step(bar: Any) -> None:

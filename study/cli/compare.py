@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
-from .options import solvers
+from .options import problem_files, solvers
 
 
 @click.command()
-@click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default="comparison", show_default=True, help="Folder."
 )

@@ -12,7 +12,7 @@ import click
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Case file to write.")
 @click.option("--report", is_flag=True, help="Print blanks, moved settings and what is left of the target.")
 def design(design: str, output: Path, report: bool) -> None:
-    """Make a case file from DESIGN, a shipped name or a file: blanks, Formate gear, fitted pinion."""
+    """Make a case file from DESIGN, a shipped name or a file: blanks, Formate or generated gear, fitted pinion."""
     from ...cases import read_design, write_case
     from ...core.files import check_writable
     from ..design import design_case

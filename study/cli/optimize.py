@@ -77,9 +77,9 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     from ..result import write_result
     from ..show import uncertified
 
-    for path in (output, fitted_case):
-        if path is not None:
-            check_writable(path, case)
+    check_writable(output, case, suffix=".nc")
+    if fitted_case is not None:
+        check_writable(fitted_case, case)
     checked = read_case(case)
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
         tree = optimized(checked, progress=lambda: _step(bar), **options)

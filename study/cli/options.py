@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import click
 
 # Everything heavy is imported where it is needed: `easeoff --help` stays quick.
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ...geometry.assembly import Misalignment
 
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
@@ -37,7 +40,7 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
 
     from ...geometry.assembly import Misalignment
 
-    values = dict.fromkeys(MISALIGNMENT_KEYS, 0.0)
+    values, given = dict.fromkeys(MISALIGNMENT_KEYS, 0.0), set()
     for part in text.split(","):
         key, _, number = part.partition("=")
         try:
@@ -48,6 +51,9 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
             raise click.BadParameter(f"{key!r}: known are {', '.join(MISALIGNMENT_KEYS)} (mm, Sigma in degrees)")
         if not abs(value) < 10.0:
             raise click.BadParameter(f"{part!r}: must lie between -10 and 10 (mm, Sigma in degrees)")
+        if key in given:
+            raise click.BadParameter(f"{text!r}: {key} comes twice")
+        given.add(key)
         values[key] = value
     return Misalignment(values["E"], values["P"], values["G"], math.radians(values["Sigma"]))
 
@@ -93,11 +99,13 @@ def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> d
     """Strips left out at the edges of a measuring grid [mm], by edge."""
     if text is None:
         return None
-    values = {}
+    values: dict[str, float] = {}
     for part in text.split(","):
         key, _, number = part.partition("=")
         if key not in ("toe", "heel", "root", "tip"):
             raise click.BadParameter(f"{key!r}: known are toe, heel, root, tip (mm)")
+        if key in values:
+            raise click.BadParameter(f"{text!r}: {key} comes twice")
         try:
             values[key] = float(number)
         except ValueError as error:
@@ -106,8 +114,23 @@ def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> d
 
 
 def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
-    """Names separated by commas."""
-    return None if text is None else text.split(",")
+    """Names separated by commas, each once."""
+    if text is None:
+        return None
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name and names.count(name) > 1:
+            raise click.BadParameter(f"{text!r}: {name} comes twice")
+    return names
+
+
+def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Path, ...]) -> tuple[Path, ...]:
+    """Files of contact problems, each once."""
+    whole = [os.path.realpath(path) for path in paths]
+    for path, own in zip(paths, whole, strict=True):
+        if whole.count(own) > 1:
+            raise click.BadParameter(f"{path} comes twice")
+    return paths
 
 
 def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:
@@ -172,4 +195,9 @@ def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tup
         found = []
     if len(found) not in (1, 2):
         raise click.BadParameter(f"{text!r}: give a coefficient in mm^2/N, or PINION/GEAR, such as 1e-12/2e-12")
+    if not any(found):
+        raise click.BadParameter(
+            f"{text!r}: nothing wears; give a coefficient in mm^2/N greater than zero, or PINION/GEAR, of which one "
+            "may be 0"
+        )
     return found[0], found[-1]

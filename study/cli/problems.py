@@ -18,7 +18,7 @@ def problems(case: str, output: Path, **options: Any) -> None:
     from ...contact.exchange import write_problems
     from ...core.files import check_writable
 
-    check_writable(output, case, *options["deviations"].values())
+    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     analysis = analysed(case, **options)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()

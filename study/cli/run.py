@@ -63,7 +63,7 @@ def run(
 ) -> None:
     """Analyse CASE, a shipped name or a file, and write the result."""
     from ...cases import read_case
-    from ...core.files import check_writable
+    from ...core.files import check_folder, check_writable
     from ..analysis import operation_of
     from ..result import write_result
     from ..show import uncertified
@@ -71,9 +71,9 @@ def run(
     checked = read_case(case)
     table = checked.friction
     oils = [oil] if oil is not None else [table.oil_file] if table is not None else []
-    check_writable(output, case, *options["deviations"].values(), *oils)
+    check_writable(output, case, *options["deviations"].values(), *oils, suffix=".nc")
     if plots is not None:
-        check_writable(plots / "picture.png")
+        check_folder(plots, "pictures")
     operation = operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     if operation is None and (friction_model is not None or clamp_temperature or friction_feedback):
         raise click.UsageError(

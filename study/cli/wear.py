@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .analysing import pair_options
+from .analysing import pair_options, with_defaults
 from .options import coefficients, duty_cycle
 
 
@@ -55,17 +55,14 @@ def wear(
     """
     from tqdm import tqdm
 
-    from ...core.errors import InputError
     from ...core.files import check_writable, whole_file
     from ..wear import WearLaw
     from ..wear import wear as worn
 
-    if output.suffix != ".nc":
-        raise InputError(f"{output}: wear is written as netCDF: give a name that ends in .nc")
+    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
-    check_writable(output, case, *options["deviations"].values())
     with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
-        history = worn(case, law, torque=torque, progress=lambda done: _moved(bar, done), **options)
+        history = worn(case, law, torque=torque, progress=lambda done: _moved(bar, done), **with_defaults(options))
     with whole_file(output) as temporary:
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
     last = history.isel(step=-1)

@@ -16,7 +16,7 @@ from ...contact.exchange import read_labels, read_problems
 from ...contact.problem import ContactProblem
 from ...contact.solvers import ContactSolution, available_solvers, require_solver, solve
 from ...core.errors import InputError
-from ...core.files import check_writable
+from ...core.files import check_folder, check_writable
 from .attempt import CRASHED, SETTINGS, TIME_LIMIT, Attempt
 from .checkpoint import Checkpoint, key, problem_digest
 from .machine import find_module, machine, solver_version
@@ -115,8 +115,7 @@ def compare(
     chosen = checked_solvers(solvers)
     _check_numbers(repetitions, time_limit, tolerance)
     target = Path(folder)
-    if target.exists() and not target.is_dir():
-        raise InputError(f"{target} is a file: give a folder for the comparison")
+    check_folder(target, "comparison")
     check_writable(target / CHECKPOINT)
     given = list(dict.fromkeys(Path(path) for path in paths))
     names = [path.name for path in given]

@@ -14,7 +14,7 @@ import xarray as xr
 from ...contact.certificate import Certificate
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import whole_file
+from ...core.files import require_file, whole_file
 from .attempt import Attempt
 
 FORMAT = "easeoff comparison of solvers"
@@ -127,8 +127,7 @@ def read_table(path: Path) -> xr.Dataset:
     InputError
         There is no such file, or it is no table of a comparison.
     """
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
+    require_file(path)
     try:
         with xr.open_dataset(path, engine="netcdf4") as opened:
             dataset = opened.load()

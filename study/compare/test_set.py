@@ -13,7 +13,7 @@ from typing import Any
 
 from ...contact.problem import ContactProblem
 from ...core.errors import InputError
-from ...core.files import check_writable, whole_file
+from ...core.files import check_folder, check_writable, whole_file
 
 SCRIPT = "contact_qpbenchmark.py"
 
@@ -97,8 +97,7 @@ def write_test_set(
     if not problems:
         raise InputError("no contact problems to write")
     target = Path(folder)
-    if target.exists() and not target.is_dir():
-        raise InputError(f"{target} is a file: give a folder for the test set")
+    check_folder(target, "test set")
     data = target / "data"
     check_writable(data / "contact_0000.npz")
     for old in data.glob("contact_*.npz"):

@@ -16,7 +16,7 @@ from ...contact.problem import ContactProblem
 from ...contact.solvers import solve
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import check_writable
+from ...core.files import check_folder, check_writable
 from .answers import Answer, reference_answers
 from .description import LIBRARY_VERSION, MESH_POSITIONS, PARTS, Entry, entries
 from .generation import generate
@@ -83,8 +83,7 @@ def write_library(
     if unknown or not chosen:
         raise InputError(f"parts = {', '.join(chosen) or 'none'}: choose from {', '.join(PARTS)}")
     target = Path(folder)
-    if target.exists() and not target.is_dir():
-        raise InputError(f"{target} is a file: give a folder for the library")
+    check_folder(target, "library")
     paths = {part: target / f"{part}.nc" for part in chosen}
     for path in paths.values():
         check_writable(path)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csc_matrix
 from scipy.sparse.linalg import splu
 
-from ....core.errors import MissingPackageError
+from ....core.errors import MissingPackageError, how_to_install
 
 Array = NDArray[Any]
 Factoriser = Literal["auto", "cholmod", "superlu"]
@@ -43,7 +43,7 @@ def solver_of(matrix: csc_array, factoriser: Factoriser = "auto") -> Callable[[A
         except ImportError as error:
             if factoriser == "cholmod":
                 raise MissingPackageError(
-                    "cholmod needs the package scikit-sparse: python -m pip install 'easeoff[cholmod]'"
+                    f"cholmod needs the package scikit-sparse: {how_to_install('easeoff[cholmod]')}"
                 ) from error
         else:
             solve: Callable[[Array], Array] = cholesky(csc_matrix(matrix))

@@ -1,0 +1,104 @@
+"""What pydantic finds wrong with a case or design file, in the words of the file: key, value, what is allowed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+LIMITS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("below", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+COUNTS = {
+    "too_short": ("least", "min_length"),
+    "too_long": ("most", "max_length"),
+    "string_too_short": ("least", "min_length"),
+    "string_too_long": ("most", "max_length"),
+}
+WORDS = {
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "bool_type": "must be true or false",
+    "string_type": "must be text in quotes",
+    "tuple_type": "must be a list in brackets, such as [50.0, 150.0]",
+    "model_type": "must be a table with keys of its own",
+}
+
+
+def count(error: ValidationError) -> str:
+    """How many mistakes there are, in words."""
+    found = len(_items(error))
+    return "a mistake" if found == 1 else f"{found} mistakes"
+
+
+def mistakes(model: type[BaseModel], error: ValidationError) -> str:
+    """Every mistake in a table, one a line: key, value, what is allowed."""
+    return "\n".join(_lines(model, error))
+
+
+def _items(error: ValidationError) -> list[Any]:
+    """What pydantic reports, but that a list is too short when it only lacks the entries reported already."""
+    return [
+        item
+        for item in error.errors(include_url=False)
+        if not (item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
+    ]
+
+
+def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:
+    lines = []
+    for item in _items(error):
+        key = ".".join(str(part) for part in item["loc"]) or model.__name__.lower()
+        lines.append(f"  {key}{_value(item)}: {_allowed(model, item)}")
+    return lines
+
+
+def _value(item: Any) -> str:
+    if item["type"] in ("missing", "value_error") or isinstance(item["input"], dict):
+        return ""
+    value = item["input"]
+    return f" = {str(value).lower() if isinstance(value, bool) else repr(value)}"
+
+
+def _allowed(model: type[BaseModel], item: Any) -> str:
+    """What is allowed, in plain words."""
+    kind, context = item["type"], item.get("ctx", {})
+    if kind == "missing":
+        return "is missing; it must be given"
+    if kind == "extra_forbidden":
+        table = item["loc"][:-1]
+        known = ", ".join(_known_keys(model, table))
+        whole = f"a {model.__name__.lower()} file"
+        return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else whole}; known are: {known}"
+    if kind == "value_error":
+        return str(context["error"])
+    if kind in LIMITS:
+        words, name = LIMITS[kind]
+        return f"must be {words} {context[name]:g}"
+    if kind in COUNTS:
+        words, name = COUNTS[kind]
+        unit = "character" if kind.startswith("string") else "value"
+        return f"must have at {words} {context[name]} {unit}{'' if context[name] == 1 else 's'}"
+    if kind == "literal_error":
+        return f"must be {context['expected']}"
+    return WORDS.get(kind) or str(item["msg"][0].lower() + item["msg"][1:])
+
+
+def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
+    """Keys of the table at the given place of a case or design."""
+    schema = model.model_json_schema()
+    definitions = schema["$defs"]
+    node = schema
+    for part in table:
+        node = node["properties"].get(part, {})
+        for option in [node, *node.get("anyOf", []), *node.get("allOf", [])]:
+            if "$ref" in option:
+                node = definitions[option["$ref"].rsplit("/", 1)[1]]
+                break
+        if "properties" not in node:
+            return []
+    return sorted(node["properties"])
