@@ -108,7 +108,7 @@ def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
     both = [greatest_loads(before), greatest_loads(after)]
     levels = pressure_levels(max(one.peak for one in both))
     for axes, loads, name in zip(rest, both, ("before", "after"), strict=True):
-        mesh = Triangulation(*loads.points, loads.triangles)
+        mesh = Triangulation(loads.points[0], loads.points[1], loads.triangles)
         shading = axes.tricontourf(mesh, loads.pressure, levels=levels, cmap="viridis")
         title(axes, name, f"up to {loads.peak:.0f} N/mm")
     bar = figure.colorbar(shading, ax=rest, ticks=MaxNLocator(7))

@@ -37,7 +37,9 @@ def deviation_maps(example: str) -> Figure:
         missing = -dataset["deviation"].values.T
         # The grids' numbers are rounded: what is as good as nothing is not divided by the level zero.
         missing = np.where(np.abs(missing) < ROUNDED, 0.5 * ROUNDED, missing)
-        levels = MaxNLocator(16, steps=[1, 2, 5, 10]).tick_values(float(missing.min()), float(missing.max()))
+        extent = float(missing.min()), float(missing.max())
+        levels = np.asarray(MaxNLocator(16, steps=[1, 2, 5, 10]).tick_values(*extent))
+        every_second = levels[np.round(levels / (levels[1] - levels[0])) % 2 == 0]
         drawn = axes.contourf(t, h, missing, levels, cmap="viridis")
         axes.contour(t, h, dataset["extrapolated"].values.T, [0.5], colors="white", linestyles="--", linewidths=0.9)
         place = deviation.section.fractions(deviation.axial, deviation.radial)
@@ -46,7 +48,7 @@ def deviation_maps(example: str) -> Figure:
         axes.set_xlabel("toe to heel", fontsize=SMALL_SIZE, color=INK)
         axes.set_ylabel("root to tip", fontsize=SMALL_SIZE, color=INK)
         axes.tick_params(labelsize=SMALL_SIZE, colors=INK, length=2.5, width=0.6)
-        plain_bar(figure.colorbar(drawn, ax=axes, ticks=levels[levels % (2.0 * (levels[1] - levels[0])) == 0.0]), "")
+        plain_bar(figure.colorbar(drawn, ax=axes, ticks=every_second), "")
     note = "white points: the grid; beyond the white dashed line the deviation is extrapolated"
     figure.supxlabel(note, fontsize=SMALL_SIZE, color=GREY)
     return figure
