@@ -39,7 +39,7 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
     chosen = evenly_chosen(here[by].values, MOST_CURVES)
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
-        label = value_name(quantity, by, float(here[by].values[index]))
+        label = value_name(quantity, by, int(index))
         axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
     plain_axes(axes)
     low, high = axes.get_ylim()
@@ -53,8 +53,10 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
 
 def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
     """Say on an axis of roughnesses what both flanks have, if they differ."""
-    values = np.unique(quantity["roughness"].values)
-    names = [roughness_name(quantity, value).removesuffix(" µm") for value in values]
+    every = quantity["roughness"].values
+    values = np.unique(every)
+    all_names = np.array([roughness_name(quantity, index).removesuffix(" µm") for index in range(every.size)])
+    names = [", ".join(dict.fromkeys(all_names[every == value])) for value in values]
     if not any("/" in name for name in names):
         return
     label = "quadratic mean of both flanks' RMS roughnesses [µm]"
@@ -64,9 +66,10 @@ def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
     axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
 
 
-def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, value: float) -> str:
-    """A value of an operating condition with its unit."""
-    return roughness_name(quantity, value) if condition == "roughness" else f"{value:.4g} {UNITS[condition]}"
+def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
+    """One of the values of an operating condition with its unit."""
+    value = float(quantity[condition].values[index])
+    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {UNITS[condition]}"
 
 
 def how_many(drawn: int, count: int, condition: str) -> str:
@@ -124,5 +127,6 @@ def legend_beside(axes: Axes, heading: str) -> None:
 
 def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
     """The conditions that are held, above a panel."""
-    held = ", ".join(value_name(friction, name, at[name]) for name in AXES if name not in varied)
+    index = {name: int(np.argmax(friction[name].values == at[name])) for name in AXES}
+    held = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
     axes.set_title(held, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

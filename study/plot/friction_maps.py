@@ -168,18 +168,17 @@ def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
     return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
 
 
-def roughness_name(friction: xr.Dataset | xr.DataArray, roughness: float) -> str:
+def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     """A root mean square roughness [um] as it is written in pictures: both flanks' if they differ, the pinion's first.
 
     Parameters
     ----------
     friction
         The group ``friction`` or one of its variables.
-    roughness
-        One of its values of ``roughness``.
+    index
+        Which of its roughnesses.
     """
-    at = int(np.argmax(friction["roughness"].values == roughness))
-    pinion, gear = (float(friction[f"roughness_{member}"].values[at]) for member in ("pinion", "gear"))
+    pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
     return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
 
 
@@ -198,7 +197,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         if name in here:
             maps[name] = loaded_map(touching, here[name])
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
-    rough = roughness_name(friction, at["roughness"])
+    rough = roughness_name(friction, index["roughness"])
     conditions = (
         f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
         f"{friction.attrs['oil']} at {at['temperature']:g} °C{clamped}, roughness {rough}"
