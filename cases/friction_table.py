@@ -94,13 +94,18 @@ class FrictionTable(Table):
             own["oil"] = lubricant(self.oil, self._folder)
         return Operation(**(own | changed))
 
+    @property
+    def oil_file(self) -> Path:
+        """Where the oil's file is, if it is not shipped."""
+        return Path(self._folder or "", self.oil)
+
     def seen_from(self, folder: Path) -> Self:
         """The table as a case in another folder has it: with the relative path of an oil from there."""
         from ..friction.lubricant import is_shipped
 
         moved = self.model_copy()
         if not is_shipped(self.oil) and not Path(self.oil).is_absolute():
-            file = Path(self._folder or "", self.oil).absolute()
+            file = self.oil_file.absolute()
             try:
                 oil = Path(os.path.relpath(file, folder.absolute()))
             except ValueError:  # no way leads from one drive of Windows to another

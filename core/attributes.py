@@ -175,7 +175,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
         "m s-1",
         "sliding of the pinion on the gear across the contact line, positive the way the line moves over the gear",
     ),
-    "rolling_velocity": ("m s-1", "mean speed of both surfaces across the contact line"),
+    "rolling_velocity": ("m s-1", "mean speed of both surfaces across the contact line, in the chosen frame"),
     "radius_along_line": ("mm", "product over sum of both radii along the contact line, taken as equivalent radius"),
     "slide_to_roll": (
         "1",
@@ -205,6 +205,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "film": ("um", "film thickness; behind the end of the film the gap"),
     "node_state": ("", "what holds at a node"),
     "settled": ("1", "1 for steps that count in averages, 0 elsewhere"),
+    "leak": (
+        "1",
+        "lubricant made or lost over what flows through in a step; rounding but for failed steps",
+    ),
     "minimum_film": ("um", "smallest film thickness within the dry contact"),
     # friction study
     "combination": ("1", "number of the combination in the design of the study"),

@@ -20,6 +20,7 @@ from .lubricant import Lubricant, OutOfRange, lubricant
 Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
 USUAL_CONSTANT = 0.05  # Coleman, Machine Design 47, 1975
+MAY_VANISH = ("slide_to_roll", "sliding_velocity", "roughness_pinion", "roughness_gear")
 
 
 def xu_kahraman(conditions: ContactConditions) -> Array:
@@ -72,7 +73,7 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
     Raises
     ------
     InputError
-        If there is no model of that name, or the constant is negative.
+        If there is no model of that name, or the constant is negative or not finite.
     """
     if callable(model):
         return model
@@ -80,8 +81,13 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
         if model in COEFFICIENTS:
             return COEFFICIENTS[model]
         raise InputError(f"friction model {model!r}: must be one of {', '.join(COEFFICIENTS)}, or a number")
+    if isinstance(model, bool) or not isinstance(model, int | float | np.number):
+        raise InputError(
+            f"friction model {model!r}: must be one of {', '.join(COEFFICIENTS)}, a number, or a function of "
+            "ContactConditions"
+        )
     if not (np.isfinite(model) and model >= 0.0):
-        raise InputError(f"friction coefficient {model!r}: must be zero or more")
+        raise InputError(f"friction coefficient {model!r}: must be zero or more, and finite")
     return partial(constant, value=float(model))
 
 
@@ -131,7 +137,10 @@ def contact_conditions(
     InputError
         If a value is not finite, or not positive where it must be; or from oil and film.
     """
-    pinion, gear = roughness if isinstance(roughness, tuple) else (roughness, roughness)
+    given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
+    if len(given) != 2:
+        raise InputError(f"roughness = {roughness!r}: a tuple has two entries, pinion and gear")
+    pinion, gear = given
     values = {
         "hertz_pressure": hertz_pressure,
         "equivalent_radius": equivalent_radius,
@@ -141,21 +150,24 @@ def contact_conditions(
         "roughness_pinion": pinion,
         "roughness_gear": gear,
     }
-    arrays = {name: np.asarray(value, dtype=float) for name, value in values.items()}
+    if sliding_velocity is not None:
+        values["sliding_velocity"] = sliding_velocity
+    try:
+        arrays = {name: np.asarray(value, dtype=float) for name, value in values.items()}
+    except (TypeError, ValueError) as error:
+        raise InputError(f"conditions of a contact must be numbers or arrays of numbers: {error}") from error
     for name, array in arrays.items():
-        rough = name.startswith("roughness")
-        bad = ~(np.isfinite(array) & ((array >= 0.0) if rough or name == "slide_to_roll" else (array > 0.0)))
+        may_vanish = name in MAY_VANISH
+        bad = ~(np.isfinite(array) & ((array >= 0.0) if may_vanish else (array > 0.0)))
         if np.any(bad):
-            raise InputError(
-                f"{name} = {array[bad].flat[0]:g}: must be {'zero or more' if rough else 'positive'} and finite, in SI"
-                if name != "slide_to_roll"
-                else f"slide_to_roll = {array[bad].flat[0]:g}: must be zero or more and finite"
-            )
+            least = "zero or more" if may_vanish else "positive"
+            raise InputError(f"{name} = {array[bad].flat[0]:g}: must be {least} and finite, in SI")
+    if arrays["contact_modulus"].ndim:
+        raise InputError(f"contact_modulus = {contact_modulus!r}: must be one number")
     state = lubricant(oil).at(temperature, out_of_range=out_of_range)
-    across = arrays["slide_to_roll"] * arrays["rolling_velocity"]
+    arrays.setdefault("sliding_velocity", arrays["slide_to_roll"] * arrays["rolling_velocity"])
     return ContactConditions(
         **{k: v for k, v in arrays.items() if k != "contact_modulus"},
-        sliding_velocity=across if sliding_velocity is None else np.asarray(sliding_velocity, dtype=float),
         temperature=np.asarray(temperature, dtype=float),
         viscosity=state.viscosity,
         pressure_viscosity=state.pressure_viscosity,

@@ -69,12 +69,28 @@ class LoadedContacts:
         return dot(v.pinion, direction), dot(v.gear, direction)
 
 
+def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
+    """The group ``/loaded`` with torque, mesh position and segment first.
+
+    Raises
+    ------
+    InputError
+        If one of these dimensions was taken away.
+    """
+    loaded, order = tree["loaded"].to_dataset(), ("torque", "mesh_position", "segment")
+    if lost := [name for name in order if name not in loaded.dims]:
+        raise InputError(
+            f"the group loaded has no dimension {' and '.join(lost)}: to take one torque or position, keep the "
+            "dimension, as in isel(torque=[0])"
+        )
+    return loaded.transpose(*order, ...)
+
+
 def segment_places(tree: xr.DataTree) -> tuple[Array, NDArray[np.bool_]]:
     """Fractions (2, n) of all potential segments of a result that exist, and which do (mesh position, segment)."""
-    loaded = tree["loaded"].to_dataset()
-    order = ("torque", "mesh_position", "segment")
+    loaded = loaded_segments(tree)
     # The lines do not move under load: a segment's place is the same at every torque.
-    places = np.stack([loaded[n].transpose(*order).values[0] for n in ("lengthwise", "profile")])
+    places = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
     exists = np.isfinite(places[0])
     return places[:, exists], exists
 
@@ -116,7 +132,7 @@ def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "acro
         If the result is of an older version.
     """
     velocities, exists = segment_velocities(tree)
-    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    loaded = loaded_segments(tree)
     if "contact_modulus_MPa" not in loaded.attrs:
         raise InputError("this result has no contact modulus: it was written by an older version; make it anew")
     force = loaded["force"].values

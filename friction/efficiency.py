@@ -9,11 +9,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
+from .coefficient import CoefficientModel
 from .contacts import LoadedContacts, loaded_contacts, segment_radii_along, segment_velocities
 from .formula import FLAGS, formula_flags
 from .kinematics import SurfaceVelocities
 from .losses import losses
-from .operating import FrictionModel, Operation
+from .operating import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
 MOST_VALUES = 3_000_000  # of a field over segments that is kept without being asked for
@@ -23,7 +24,7 @@ OPERATION = ("speed", "temperature", "roughness")
 def friction(
     tree: xr.DataTree,
     operation: Operation,
-    model: FrictionModel | None = None,
+    model: FrictionModel | str | float | CoefficientModel | None = None,
     *,
     segment_fields: bool | None = None,
 ) -> xr.Dataset:
@@ -38,7 +39,8 @@ def friction(
     operation
         Speeds, temperatures, roughnesses and oil.
     model
-        Models of friction coefficient, film and rolling; the dissertation's if left out.
+        Models of friction coefficient, film and rolling, or that of the coefficient alone; the dissertation's if left
+        out.
     segment_fields
         Whether to keep the fields over the segments, not just sums and means. Left out: if each has less than three
         million values.
@@ -51,9 +53,10 @@ def friction(
     Raises
     ------
     InputError
-        If the result is of an older version, or a temperature is out of the oil's range.
+        If the result is of an older version or lacks a dimension, an argument is of another kind, or a temperature is
+        out of the oil's range.
     """
-    model = model or FrictionModel()
+    model = checked_model(operation, model)
     contacts = loaded_contacts(tree, model.radius_direction)
     loaded = tree["loaded"].to_dataset()
     segments = loaded.sizes["segment"]
@@ -164,11 +167,10 @@ def _coordinates(operation: Operation, model: FrictionModel) -> dict[str, Any]:
     """Operating conditions as coordinates; a pair of unlike roughnesses goes by its quadratic mean."""
     oil = model.oil_states(operation)
     rough = operation.roughnesses
-    equal = rough[:, 0] == rough[:, 1]
     return {
         "speed": operation.speeds,
         "temperature": operation.temperatures,
-        "roughness": np.where(equal, rough[:, 0], np.sqrt(np.mean(rough**2, axis=1))),
+        "roughness": operation.mean_roughnesses,
         "roughness_pinion": ("roughness", rough[:, 0]),
         "roughness_gear": ("roughness", rough[:, 1]),
         "viscosity": ("temperature", 1e3 * oil.viscosity),

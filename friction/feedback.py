@@ -6,7 +6,8 @@ the gear axis and the ratio R, the input torque T holds
     T = sum F r / R + sum mu F f + rolling,
 
 f the velocity of the pinion's surface along the sliding, per angular velocity. Friction does not deform the teeth here,
-so the forces are those of the frictionless contact at a lower torque, and that torque alone is iterated.
+so the forces are those of the frictionless contact at a lower torque, and that torque alone is iterated. What friction
+takes is nearly in proportion to the torque N that is left, so that N/(N + taken) of the input torque is left next.
 """
 
 from __future__ import annotations
@@ -24,14 +25,15 @@ from ..contact.line_contact_solution import solve_on_bending
 from ..contact.loaded_cases import LoadedCase
 from ..contact.solvers import Status, require_solver
 from ..core.attributes import labelled
-from .contacts import LoadedContacts, loaded_contacts
+from .coefficient import CoefficientModel
+from .contacts import LoadedContacts, loaded_contacts, loaded_segments
 from .efficiency import OPERATION, friction
 from .losses import losses
-from .operating import FrictionModel, Operation
+from .operating import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
 ITERATIONS = 30
-TOLERANCE = 1e-11  # of the torque; an iteration gains a factor of fifteen or more
+TOLERANCE = 1e-11  # of the torque
 
 
 def friction_torques(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> tuple[Array, Array]:
@@ -93,19 +95,20 @@ def _one_operation(
     tree: xr.DataTree, cases: Sequence[LoadedCase], operation: Operation, model: FrictionModel, solver: str
 ) -> xr.Dataset:
     """Friction with feedback at one speed, temperature and roughness."""
-    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
+    loaded = loaded_segments(tree)
     ratio = float(tree["ease_off"].attrs["ratio"])
     contacts = loaded_contacts(tree, model.radius_direction)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
     effective, current = given, tree
     for count in range(ITERATIONS + 1):
         taken, _ = friction_torques(contacts, operation, model)
-        wanted = given - taken
-        moving = contacts.solved & (np.abs(wanted - effective) > TOLERANCE * given)
+        moving = contacts.solved & (np.abs(given - taken - effective) > TOLERANCE * given)
         if not np.any(moving):
             break
-        # Friction that takes the whole torque, or no end of the iteration: no result there.
-        failed = moving & ((wanted <= 0.0) | (count == ITERATIONS))
+        # Where friction drives the pinion faster than the forces hold it, and where the iteration does not end: NaN.
+        failed = moving & ((effective + taken <= 0.0) | (count == ITERATIONS))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wanted = given * effective / (effective + taken)
         loaded = _solved_again(cases, wanted, moving & ~failed, loaded, ratio, solver)
         loaded["status"].values[failed] = Status.NOT_CONVERGED
         loaded["force"].values[failed] = np.nan
@@ -117,9 +120,12 @@ def _one_operation(
     carried = 1e-3 * (loaded["force"] * loaded["lever_arm"]).sum("segment").values / ratio
     output = np.where(contacts.solved, ratio * (carried + passed), np.nan)
     result = friction(current, operation, model, segment_fields=True)
+    # The forces go with the roughness here, and the film with the forces.
+    result["film_thickness"] = result["film_thickness"].expand_dims("roughness", axis=-1)
     result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=[3, 4, 5])
     mesh = ("torque", "mesh_position", *OPERATION)
     result["output_torque"] = (mesh, output[..., None, None, None])
+    result["status"] = (mesh, loaded["status"].values[..., None, None, None], Status.flag_attributes())
     power_in = given * operation.angular_velocity[0]
     power_out = output * operation.angular_velocity[0] / ratio
     loss = result["mesh_power_loss"].values[..., 0, 0, 0]
@@ -131,7 +137,7 @@ def friction_feedback(
     tree: xr.DataTree,
     cases: Sequence[LoadedCase],
     operation: Operation,
-    model: FrictionModel | None = None,
+    model: FrictionModel | str | float | CoefficientModel | None = None,
     *,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
@@ -145,7 +151,7 @@ def friction_feedback(
     operation
         Speeds, temperatures, roughnesses; the contact is solved anew for every combination.
     model
-        How friction is computed.
+        As in ``friction``.
     solver
         Of the contact problem.
     progress
@@ -154,15 +160,15 @@ def friction_feedback(
     Returns
     -------
     xr.Dataset
-        The variables of ``friction``, and ``force``, ``output_torque`` and ``energy_balance``: input
-        power less output power less losses, over the input power.
+        The variables of ``friction``, the film's thickness at each roughness too, and ``force``, ``output_torque``,
+        ``energy_balance``: input power less output power less losses, over the input power, and ``status``.
 
     Raises
     ------
     InputError
         As ``friction``.
     """
-    model = model or FrictionModel()
+    model = checked_model(operation, model)
 
     def at(speed: float, temperature: float, roughness: Array) -> xr.Dataset:
         pair = (float(roughness[0]), float(roughness[1]))

@@ -42,6 +42,6 @@ def film(name: str) -> Callable[[Array, Array, Array], Array]:
     InputError
         If there is none of that name.
     """
-    if name not in FILMS:
+    if name not in tuple(FILMS):  # a tuple takes what cannot be a key, too
         raise InputError(f"film = {name!r}: must be one of {', '.join(FILMS)}")
     return FILMS[name]

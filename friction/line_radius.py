@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.fields import fit
+from ..core.errors import InputError
 from ..geometry.vectors import dot
 
 Array = NDArray[Any]
@@ -27,8 +28,15 @@ def radii_along_line(tree: xr.DataTree, points: Array) -> Array:
         A result of ``analyze`` or ``read_result``.
     points
         Lengthwise and profile fractions (2, ...).
+
+    Raises
+    ------
+    InputError
+        If the result has no flanks.
     """
     order = ("lengthwise", "profile")
+    if "flanks" not in tree.children:
+        raise InputError("this result has no group flanks, which the radius along the contact line needs")
     ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
     flanks = {
         # At the points of action the pinion's normals turn along the line as its flank bends.

@@ -19,6 +19,15 @@ Interpolation = Literal["log_linear", "walther"]
 OutOfRange = Literal["error", "clamp"]
 FOLDER = Path(__file__).with_name("lubricants")
 THERMAL_CONDUCTIVITY = 0.14  # [W/(m K)], usual for oils; only the thermal factor of the rolling traction asks for it
+# Factor, unit, least and greatest value, to find values in another unit.
+PLAUSIBLE = {
+    "temperature": (1.0, "degC", -100.0, 400.0),
+    "dynamic_viscosity": (1.0, "Pa s", 1e-5, 1e4),
+    "pressure_viscosity": (1e9, "1/GPa", 1.0, 100.0),
+    "density": (1.0, "kg/m^3", 300.0, 3000.0),
+    "thermal_conductivity": (1.0, "W/(m K)", 0.01, 10.0),
+}
+THICKEST = 1.0  # [Pa s] at the warmest temperature of a table
 KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
 
 
@@ -72,7 +81,8 @@ class Lubricant:
     Raises
     ------
     InputError
-        If the temperatures do not increase, or an array has another length or values that are not positive.
+        If the temperatures do not increase, or an array has another length, values that are not positive, or
+        values that no oil has.
     """
 
     name: str
@@ -85,6 +95,9 @@ class Lubricant:
     thermal_conductivity: float = THERMAL_CONDUCTIVITY
 
     def __post_init__(self) -> None:
+        for key in ("temperature", "dynamic_viscosity", "pressure_viscosity", "density"):
+            if getattr(self, key) is not None:
+                object.__setattr__(self, key, np.asarray(getattr(self, key), dtype=float))
         size = np.shape(self.temperature)
         if len(size) != 1 or size[0] < 2 or not np.all(np.diff(self.temperature) > 0.0):
             raise InputError(f"lubricant {self.name}: temperature needs at least two values, each above the one before")
@@ -96,6 +109,20 @@ class Lubricant:
                 raise InputError(f"lubricant {self.name}: {key} has not one value for each of {size[0]} temperatures")
             if not np.all(np.isfinite(values) & (np.asarray(values) > 0.0)):
                 raise InputError(f"lubricant {self.name}: {key} must be positive throughout")
+        for key, (factor, unit, low, high) in PLAUSIBLE.items():
+            if getattr(self, key) is None:
+                continue
+            least, most = (factor * extreme(getattr(self, key)) for extreme in (np.min, np.max))
+            if least < low or most > high:
+                raise InputError(
+                    f"lubricant {self.name}: {key} goes from {least:g} to {most:g} {unit}; no oil is outside "
+                    f"{low:g} to {high:g} {unit}: check the unit"
+                )
+        if np.min(self.dynamic_viscosity) > THICKEST:
+            raise InputError(
+                f"lubricant {self.name}: dynamic_viscosity is {np.min(self.dynamic_viscosity):g} Pa s and more: no oil "
+                "is so thick where it is warm; check the unit, a mPa s is 0.001 Pa s"
+            )
 
     def at(
         self, temperature: Any, *, interpolation: Interpolation = "log_linear", out_of_range: OutOfRange = "error"
@@ -189,6 +216,8 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
     """
     if isinstance(name, Lubricant):
         return name
+    if not isinstance(name, str | os.PathLike):
+        raise InputError(f"oil = {name!r}: must be the name of a lubricant, the path of its file, or a Lubricant")
     text = os.fspath(name)
     path = FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
     if not path.is_file():

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,12 @@ Roughness = float | tuple[float, float]
 FrameOfRolling = Literal["fixed", "contact_line"]
 SlidingOfRatio = Literal["across", "whole"]
 HIGHEST_SPEED = 1e6
+CHOICES = {
+    "rolling_frame": get_args(FrameOfRolling),
+    "sliding_of_ratio": get_args(SlidingOfRatio),
+    "radius_direction": get_args(RadiusDirection),
+    "out_of_range": get_args(OutOfRange),
+}
 
 
 def _numbers(name: str, values: Any, low: float, high: float, allowed: str) -> Array:
@@ -38,6 +44,11 @@ def _numbers(name: str, values: Any, low: float, high: float, allowed: str) -> A
     if np.unique(array).size != array.size:
         raise InputError(f"{name} = {array.tolist()}: a value comes twice")
     return array
+
+
+def _mean_roughness(pairs: Array) -> Array:
+    """Quadratic mean (n) of pairs (n, 2), exactly the value of equal ones."""
+    return np.where(pairs[:, 0] == pairs[:, 1], pairs[:, 0], np.sqrt(np.mean(pairs**2, axis=1)))
 
 
 @dataclass(frozen=True)
@@ -75,7 +86,8 @@ class Operation:
         speeds = _numbers("speed", self.speed, tiny, HIGHEST_SPEED, f"above 0 and at most {HIGHEST_SPEED:g} per minute")
         temperatures = _numbers("temperature", self.temperature, -273.15, np.inf, "above -273.15 degC")
         given = self.roughness
-        entries: list[Any] = list(given) if isinstance(given, (list, np.ndarray)) else [given]
+        many = isinstance(given, list) or (isinstance(given, np.ndarray) and given.ndim > 0)
+        entries: list[Any] = list(given) if many else [given]  # type: ignore[arg-type]
         pairs = [entry if isinstance(entry, tuple) else (entry, entry) for entry in entries]
         try:
             flat = np.array(pairs, dtype=float)
@@ -87,6 +99,8 @@ class Operation:
             )
         if not np.all((flat >= 0.0) & (flat <= 100.0)):
             raise InputError(f"roughness = {given!r}: every value must be within 0 and 100 um")
+        if np.unique(_mean_roughness(flat)).size != len(flat):
+            raise InputError(f"roughness = {given!r}: a value comes twice; of a pair its quadratic mean counts")
         for name, value in (
             ("speeds", speeds),
             ("temperatures", temperatures),
@@ -99,6 +113,11 @@ class Operation:
     def angular_velocity(self) -> Array:
         """Of the pinion [rad/s] (speeds)."""
         return np.asarray(self.speeds * (2.0 * np.pi / 60.0))
+
+    @property
+    def mean_roughnesses(self) -> Array:
+        """The quadratic mean of both flanks' roughnesses [um] (roughnesses)."""
+        return _mean_roughness(self.roughnesses)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -148,14 +167,11 @@ class FrictionModel:
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
         film(self.film)
-        if self.thermal_factor not in THERMAL_FACTORS:
+        if self.thermal_factor not in tuple(THERMAL_FACTORS):
             raise InputError(f"thermal_factor = {self.thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
-        if self.rolling_frame not in ("fixed", "contact_line"):
-            raise InputError(f"rolling_frame = {self.rolling_frame!r}: must be 'fixed' or 'contact_line'")
-        if self.sliding_of_ratio not in ("across", "whole"):
-            raise InputError(f"sliding_of_ratio = {self.sliding_of_ratio!r}: must be 'across' or 'whole'")
-        if self.radius_direction not in ("across", "along"):
-            raise InputError(f"radius_direction = {self.radius_direction!r}: must be 'across' or 'along'")
+        for name, allowed in CHOICES.items():
+            if getattr(self, name) not in allowed:
+                raise InputError(f"{name} = {getattr(self, name)!r}: must be {' or '.join(map(repr, allowed))}")
 
     def rolling(self, velocities: SurfaceVelocities) -> Array:
         """Rolling velocity (...), signed as ``SurfaceVelocities.across``, in the chosen frame."""
@@ -182,3 +198,30 @@ class FrictionModel:
     def oil_states(self, operation: Operation) -> OilState:
         """The oil at all temperatures; raises InputError as ``Lubricant.at``."""
         return operation.lubricant.at(operation.temperatures, out_of_range=self.out_of_range)
+
+
+def checked_model(operation: Operation, model: FrictionModel | str | float | CoefficientModel | None) -> FrictionModel:
+    """The model, from that of the coefficient alone if that is given.
+
+    Raises
+    ------
+    InputError
+        If the operation is none, or there is no such model.
+    """
+    if not isinstance(operation, Operation):
+        raise InputError(f"operation = {operation!r}: must be an Operation, as Operation(speed=1500)")
+    if model is None:
+        return FrictionModel()
+    return model if isinstance(model, FrictionModel) else FrictionModel(model)
+
+
+def named_models(attributes: Mapping[Any, Any]) -> str:
+    """Oil and models of a group ``/friction`` in words, from its attributes: those that are not the usual ones."""
+    usual = {"film": "film", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame",
+             "sliding_of_ratio": "sliding of the ratio", "radius_direction": "radius"}  # fmt: skip
+    words = [f"oil {attributes['oil']}", f"coefficient {attributes['friction_coefficient']}"]
+    for name, word in usual.items():
+        default = FrictionModel.__dataclass_fields__[name].default
+        if attributes.get(name, default) != default:
+            words.append(f"{word} {attributes[name]}")
+    return ", ".join(words)

@@ -42,12 +42,13 @@ def gupta_cheng(conditions: ContactConditions) -> Array:
     """Thermal factor with sliding (...).
 
     Gupta, Cheng and others, Tribology Transactions 35, 1992, doi 10.1080/10402009208982117, as quoted by Arana,
-    Larranaga and Ulacia 2019, Eq. 24, doi 10.1177/1350650118778655.
+    Larranaga and Ulacia 2019, Eq. 24, doi 10.1177/1350650118778655. Zero where the formula, far beyond its range of
+    pressure and speed, would be negative.
     """
     c = conditions
     thermal = c.thermal_parameter
     cooling = 1.0 - 13.2 * c.pressure_parameter * thermal**0.42
-    return np.asarray(cooling / (1.0 + 0.213 * (1.0 + 2.23 * c.slide_to_roll**0.83) * thermal**0.64))
+    return np.asarray(np.maximum(cooling, 0.0) / (1.0 + 0.213 * (1.0 + 2.23 * c.slide_to_roll**0.83) * thermal**0.64))
 
 
 def no_heating(conditions: ContactConditions) -> Array:

@@ -10,6 +10,7 @@ from tabulate import tabulate
 
 from ..contact.loaded_cases import CERTIFICATE
 from ..contact.solvers import Status
+from ..friction.operating import named_models
 
 
 def _certificate(loaded: xr.Dataset) -> Any:
@@ -68,6 +69,15 @@ def uncertified(tree: xr.DataTree) -> list[str]:
             lines.append(
                 f"{torque:g} N m: {bad.sum()} of {status.size} mesh positions have no certified solution "
                 f"({', '.join(reasons)}); their values are NaN"
+            )
+    if "friction" in tree.children and "status" in tree["friction"]:
+        status = tree["friction"].to_dataset()["status"].values
+        bad = status != Status.CERTIFIED
+        if np.any(bad):
+            reasons = sorted({Status(int(s)).name.lower() for s in status[bad]})
+            lines.append(
+                f"friction fed back: {bad.sum()} of {status.size} mesh positions and conditions have no load "
+                f"distribution ({', '.join(reasons)}); their values are NaN"
             )
     return lines
 
@@ -160,7 +170,7 @@ def summary(tree: xr.DataTree) -> str:
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
-        name = f"Friction{fed_back}: oil {friction.attrs['oil']}, coefficient {friction.attrs['friction_coefficient']}"
+        name = f"Friction{fed_back}: {named_models(friction.attrs)}"
         parts += ["", name, "", efficiencies(friction)]
     notes = uncertified(tree)
     if attrs["opposite_flanks"] != "given":

@@ -21,11 +21,13 @@ from easeoff.friction.contacts import RadiusDirection, loaded_contacts
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.kinematics import action_fields, axes_of, surface_velocities
 from easeoff.friction.line_radius import radii_along_line
+from easeoff.friction.lubricant import FOLDER
+from easeoff.friction.operating import named_models
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
-from easeoff.study.show import summary
+from easeoff.study.show import summary, uncertified
 
 POSITIONS = 6
 CONTACT = ContactTable(
@@ -36,6 +38,10 @@ CONTACT = ContactTable(
     profile_nodes=15,
 )
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
+
+
+def replace_torques(torques: tuple[float, ...]) -> ContactTable:
+    return CONTACT.model_copy(update={"torques": torques})
 
 
 def analysed(name: str, **options: Any) -> Analysis:
@@ -451,10 +457,30 @@ def test_feedback_without_friction_is_the_frictionless_contact(analysis: Analysi
     assert np.max(taken - passed) < 1e-4
 
 
-def test_friction_that_takes_the_whole_torque_is_no_result(analysis: Analysis) -> None:
-    found = friction_feedback(analysis.tree, analysis.cases, Operation(1000.0, 90.0, 0.8), FrictionModel(5.0))
+@pytest.mark.parametrize("coefficient", [0.3, 0.5, 5.0])
+def test_feedback_ends_whatever_friction_takes(analysis: Analysis, coefficient: float) -> None:
+    """Also where friction takes more than half of the torque, as worm gears know it."""
+    operation = Operation(1000.0, 90.0, 0.8)
+    found = friction_feedback(analysis.tree, analysis.cases, operation, FrictionModel(coefficient))
+    assert np.all(found["status"] == Status.CERTIFIED)
+    assert float(abs(found["energy_balance"]).max()) < 1e-9
+    assert np.all((found["efficiency"] > 0.5) & (found["efficiency"] < 1.0 - 0.2 * min(coefficient, 1.0)))
+
+
+def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: Analysis) -> None:
+    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
+    whole = analyze_in_full(case)
+    found = friction_feedback(whole.tree, whole.cases, Operation(3000.0, 30.0, 0.8))
+    assert np.all(found["status"] == Status.NOT_CONVERGED)
     assert np.all(found["efficiency"].isnull())
-    assert np.all(found["mesh_power_loss"].isnull())
+    (line,) = uncertified(whole.tree.assign({"friction": xr.DataTree(found)}))
+    assert "friction fed back: 6 of 6" in line
+    assert "not_converged" in line
+
+
+def test_film_and_lambda_are_those_of_each_roughness_with_feedback(fed_back: xr.Dataset) -> None:
+    composite = np.hypot(fed_back["roughness_pinion"], fed_back["roughness_gear"])
+    xr.testing.assert_allclose(fed_back["lambda_ratio"] * composite, fed_back["film_thickness"])
 
 
 def test_feedback_needs_no_particular_solver(analysis: Analysis, fed_back: xr.Dataset) -> None:
@@ -545,6 +571,9 @@ def test_no_result_of_a_pair_depends_on_the_units(tree: xr.DataTree) -> None:
         ({"roughness": -0.1}, "roughness = -0.1"),
         ({"roughness": (0.1, 0.2, 0.3)}, "tuple"),
         ({"roughness": ["rough"]}, "rough"),
+        ({"roughness": [0.8, 0.8]}, "comes twice"),
+        ({"roughness": [(0.8, 0.4), (0.4, 0.8)]}, "comes twice"),
+        ({"oil": None}, "oil = None"),
         ({"temperature": -300.0}, "temperature = -300"),
         ({"oil": "butter"}, "butter"),
     ],
@@ -562,9 +591,51 @@ def test_unknown_models_are_named() -> None:
         ({"rolling_frame": "moon"}, "rolling_frame = 'moon'"),
         ({"sliding_of_ratio": "up"}, "sliding_of_ratio = 'up'"),
         ({"radius_direction": "down"}, "radius_direction = 'down'"),
+        ({"out_of_range": "ignore"}, "out_of_range = 'ignore'"),
+        ({"coefficient": None}, "friction model None"),
+        ({"coefficient": True}, "friction model True"),
+        ({"coefficient": np.inf}, "finite"),
+        ({"film": []}, "film = \\[\\]"),
     ):
         with pytest.raises(InputError, match=message):
-            FrictionModel(**options)  # type: ignore[arg-type]
+            FrictionModel(**options)
+
+
+def test_a_model_may_be_that_of_the_coefficient_alone(tree: xr.DataTree) -> None:
+    operation = Operation(1500.0)
+    for given in ("benedict_kelly", 0.07):
+        by_model = friction(tree, operation, FrictionModel(given))
+        xr.testing.assert_identical(friction(tree, operation, given), by_model)
+    with pytest.raises(InputError, match="operation = 500: must be an Operation"):
+        friction(tree, 500)  # type: ignore[arg-type]
+
+
+def test_a_result_without_a_dimension_is_named(tree: xr.DataTree) -> None:
+    with pytest.raises(InputError, match=r"no dimension torque.*isel\(torque=\[0\]\)"):
+        friction(tree.isel(torque=0), Operation(1500.0))
+    with pytest.raises(InputError, match="no group flanks"):
+        friction(
+            tree.filter(lambda node: node.name != "flanks"), Operation(1500.0), FrictionModel(radius_direction="along")
+        )
+
+
+def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
+    oil = (FOLDER / "75w90.toml").read_text(encoding="utf-8")
+    (tmp_path / "oil.toml").write_text(oil, encoding="utf-8")
+    text = (Path(easeoff.cases.__file__).with_name("nasa-12x36.toml")).read_text(encoding="utf-8")
+    (tmp_path / "case.toml").write_text(text + '\n[friction]\nspeed = 500\noil = "oil.toml"\n', encoding="utf-8")
+    names = [str(tmp_path / name) for name in ("case.toml", "oil.toml")]
+    found = CliRunner().invoke(main, ["run", names[0], "-o", names[1]])
+    assert found.exit_code == 2
+    assert "is the file that is read" in found.output
+    assert (tmp_path / "oil.toml").read_text(encoding="utf-8") == oil
+
+
+def test_report_and_pictures_name_unusual_models(tree: xr.DataTree, result: xr.Dataset) -> None:
+    assert named_models(result.attrs) == "oil 75w90, coefficient kolivand"
+    model = FrictionModel(film="dowson_higginson", radius_direction="along")
+    text = named_models(friction(tree, Operation(1500.0), model).attrs)
+    assert text == "oil 75w90, coefficient kolivand, film dowson_higginson, radius along"
 
 
 def test_conditions_need_a_speed() -> None:

@@ -22,7 +22,8 @@ from easeoff.friction.ehl import (
     wave,
 )
 from easeoff.friction.ehl.complementarity import ROUGH
-from easeoff.friction.ehl.moving import _March
+from easeoff.friction.ehl.moving import FLOODED, TOUCHING_FILM, _March
+from easeoff.friction.ehl.steady import domain, touching_start
 
 OIL = Oil(0.0139, 10.4e-9)
 GEAR = LineContact(0.7e9, 0.01, 2.2, OIL, slide_to_roll=0.45)
@@ -80,6 +81,31 @@ def test_asperities_take_the_load_as_the_film_becomes_thin() -> None:
     assert shares[0] < shares[1] < shares[2]
     assert shares[2] > 0.95
     assert frictions[2] == pytest.approx(0.1, abs=0.006)
+
+
+def test_only_failed_steps_make_or_lose_lubricant() -> None:
+    """Slow ridges on a coarse grid: some steps fail, and what follows is certified for the lubricant that is left."""
+    profiles = [generated_profile(0.3e-6, 30e-6, 5e-3, seed) for seed in (1, 2)]
+    oil = Oil(0.0208, 11.4e-9)
+    slow, fast = (
+        rough_passage(LineContact(1e9, 0.02, u, oil, slide_to_roll=0.25), *profiles, steps=50, nodes=97, settle=45)
+        for u in (3e-3, 0.3)
+    )
+    certified = slow.status == Status.CERTIFIED
+    assert 0.5 < certified.mean() < 1.0
+    assert np.abs(slow.leak[certified]).max() < 1e-9
+    assert slow.leakage > 1e-4
+    assert fast.leakage < 1e-9
+
+
+def test_slow_surfaces_start_from_films_that_touch_or_from_faster_ones() -> None:
+    """Where the smooth film would be thinner than the layers on the surfaces, and thinner than the grid can tell."""
+    oil = Oil(0.0208, 11.4e-9)
+    for velocity in (1e-6, 1e-3, 1e-2):
+        contact = LineContact(1e9, 0.02, velocity, oil, slide_to_roll=0.25)
+        start = touching_start(contact, 193, domain(contact, FLOODED), TOUCHING_FILM)
+        assert start.certified
+        assert start.film.min() > 0.999 * TOUCHING_FILM
 
 
 def test_rough_film_depends_neither_on_the_grid_nor_on_the_order() -> None:

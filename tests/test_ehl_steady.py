@@ -20,6 +20,7 @@ from easeoff.friction.ehl.certificate import certify
 from easeoff.friction.ehl.complementarity import evaluate
 from easeoff.friction.ehl.hierarchical import OFFSETS
 from easeoff.friction.ehl.reynolds import History, balance
+from easeoff.friction.ehl.steady import RESOLVED
 
 MODULUS = 2.273e11
 NEWTONIAN = math.inf
@@ -242,6 +243,30 @@ def test_slow_and_heavily_loaded_contact_is_that_of_hertz() -> None:
         errors.append(float(np.abs(film.pressure - hertz)[np.abs(x) < 0.95].max() / hertz.max()))
     assert errors[0] > errors[1] > errors[2]
     assert errors[2] < 2e-3
+
+
+@pytest.mark.parametrize("span", [None, (-1.0001, 1.0001)])
+def test_no_negative_film_is_certified(span: tuple[float, float] | None) -> None:
+    """Slow and coarse, or cut off within the dry contact: the equations of the grid hold, for surfaces that overlap."""
+    slow = LineContact(2e9, 0.02, 1e-3, Oil(0.0208, 11.4e-9), slide_to_roll=0.25)
+    fast = LineContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    film = smooth_film(slow, nodes=513) if span is None else smooth_film(fast, nodes=129, span=span)
+    assert film.film.min() < 0.0
+    assert film.certificate.negative_film > 1.0
+    assert film.status == Status.NOT_CERTIFIED
+
+
+def test_grid_is_refined_until_it_resolves_the_film() -> None:
+    """Below a resolution of one a film may be far off although every equation of its grid holds."""
+    for velocity, nodes in ((1.0, 513), (3e-3, 1025), (1e-3, 4097)):
+        contact = LineContact(2e9, 0.02, velocity, Oil(0.0208, 11.4e-9), slide_to_roll=0.25)
+        film = smooth_film(contact)
+        assert film.certified
+        assert film.position.size >= nodes
+        assert film.resolution >= RESOLVED
+        fine = smooth_film(contact, nodes=4 * film.position.size - 3)
+        assert film.minimum_film == pytest.approx(fine.minimum_film, rel=0.04)
+        assert fine.resolution == pytest.approx(8.0 * film.resolution, rel=0.05)
 
 
 def test_published_shape_of_the_film() -> None:

@@ -152,6 +152,11 @@ def test_an_oil_of_ones_own(tmp_path: Path) -> None:
         (GOOD.replace("[0.1, 0.01]", '["a", "b"]'), "lists of numbers"),
         (GOOD.replace("[20, 80]", "20"), "at least two values"),
         (GOOD + "thermal_conductivity = 0\n", "thermal_conductivity must be positive"),
+        (GOOD.replace("[0.1, 0.01]", "[100, 10]"), "10 Pa s and more.*mPa s"),
+        (GOOD.replace("[20, 12]", "[20e-9, 12e-9]"), "pressure_viscosity goes from 1.2e-08 to 2e-08 1/GPa"),
+        (GOOD.replace("[20, 80]", "[-500, 80]"), "temperature goes from -500"),
+        (GOOD.replace("[20, 80]", "[20, inf]"), "temperature goes from 20 to inf"),
+        (GOOD + "density = [0.9, 0.86]\n", "density goes from 0.86"),
         ("title = ", "not a TOML file"),
     ],
 )

@@ -22,6 +22,8 @@ from .steady import Film, domain, mixed_film, smooth_film
 
 #: A case whose certified steps are fewer than this share is not converged.
 ENOUGH_STEPS = 0.9
+#: Lubricant that the others may make or lose, of all that flows through.
+MOST_LEAKAGE = 0.01
 _RAMP = 20
 
 
@@ -193,7 +195,7 @@ def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -
         thermal=resolution.thermal,
     )
     friction = passage.friction_coefficient
-    enough = passage.certified_share >= ENOUGH_STEPS and math.isfinite(friction)
+    enough = passage.certified_share >= ENOUGH_STEPS and passage.leakage <= MOST_LEAKAGE and math.isfinite(friction)
     return {
         "status": float(Status.CERTIFIED if enough else Status.NOT_CONVERGED),
         "film_friction": passage.average("film_friction"),

@@ -7,13 +7,13 @@ zero is perfect.
 from __future__ import annotations
 
 import math
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
 from ...core.status import StoredStatus
 from .complementarity import LOAD, Problem, evaluate
-from .reynolds import Array
+from .reynolds import THINNEST, Array
 
 #: What each entry must reach.
 TOLERANCE = 1e-8
@@ -43,6 +43,9 @@ class Certificate:
         max(-V, 0) over the mean flow: more lubricant than the gap holds.
     negative_gap : float
         max(-g, 0), penetration, over the film left between touching asperities; 0 where none can touch.
+    negative_film : float
+        How far the film is below the thinnest that the mass balance tells from none, over that: smooth surfaces, which
+        have no asperities to touch with, may not pass through one another either.
     complementarity : float
         Largest of min(P, |V|, g), each by its scale: somewhere a node is neither film, nor ruptured, nor touching.
     """
@@ -51,6 +54,7 @@ class Certificate:
     negative_pressure: float
     negative_lack: float
     negative_gap: float
+    negative_film: float
     complementarity: float
 
     @property
@@ -80,13 +84,15 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
         Infinite throughout where a number is not finite.
     """
     if not (np.isfinite(pressure).all() and math.isfinite(approach)):
-        return Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
+        return Certificate(*(math.inf,) * len(fields(Certificate)))
     point = evaluate(problem, pressure, approach)
     inner = slice(1, -1)
     flow = float(np.abs(point.balance.flow).mean())
     lack = point.lack[inner] / flow
     can_touch = math.isfinite(problem.touching_film)
     gap = point.gap[inner] / problem.touching_film if can_touch else np.full_like(lack, math.inf)
+    # Asperities also touch where they pass the ends of the domain, which carry no pressure.
+    clearance = point.clearance[inner] if can_touch else point.clearance
     load = problem.deflection.spacing * float(pressure.sum())
     shared = np.minimum(np.minimum(point.fluid[inner], np.abs(lack)), np.abs(gap))
     return Certificate(
@@ -94,6 +100,7 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
         negative_pressure=max(-float(point.fluid.min()), 0.0) + float(np.abs(point.fluid[[0, -1]]).max()),
         negative_lack=max(-float(lack.min()), 0.0),
         negative_gap=max(-float(gap.min()), 0.0),
+        negative_film=max(1.0 - float(clearance.min()) / THINNEST, 0.0),
         complementarity=max(float(shared.max()), 0.0),
     )
 

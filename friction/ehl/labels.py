@@ -51,6 +51,7 @@ def passage_dataset(passage: Passage) -> xr.Dataset:
         "settled": ("time", passage.settled.astype(np.int8)),
         "iterations": ("time", passage.iterations),
         "worst_residual": ("time", passage.violation),
+        "leak": ("time", passage.leak),
         "film_friction": ("time", passage.film_friction),
         "asperity_friction": ("time", passage.asperity_friction),
         "asperity_share": ("time", passage.asperity_share),

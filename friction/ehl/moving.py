@@ -20,7 +20,7 @@ from .deflection import Deflection
 from .reynolds import Array, History, fluid_part
 from .roughness import Profile, smooth
 from .shear import BOUNDARY_FRICTION, traction
-from .steady import Film, domain, smooth_film
+from .steady import Film, domain, touching_start
 
 #: Film left between touching asperities [m]: a few layers of molecules.
 TOUCHING_FILM = 4e-9
@@ -46,6 +46,9 @@ class Passage:
     iterations : (t) int array
     violation : array
         Largest entry of the certificate [1].
+    leak : array
+        Lubricant that a step has made (positive) or lost, over what flows through the contact in a step [1]: nil but
+        for rounding where the step is certified. The steps after one that is not are certified for what is left.
     film_friction, asperity_friction : arrays
         Friction coefficients of film and touching asperities [1].
     asperity_share : array
@@ -53,7 +56,7 @@ class Passage:
     minimum_film, mean_film : arrays
         Smallest and mean film thickness within the dry contact [m].
     pressure, film, state : (k, n) arrays
-        [Pa], [m], values of `State` at the steps `kept`.
+        [Pa], [m], values of `State` at the steps `kept`; NaN, NaN and nothing meant where the step is not certified.
     kept : (k) int array
     """
 
@@ -64,6 +67,7 @@ class Passage:
     status: NDArray[np.int8]
     iterations: NDArray[np.int_]
     violation: Array
+    leak: Array
     film_friction: Array
     asperity_friction: Array
     asperity_share: Array
@@ -75,12 +79,20 @@ class Passage:
     kept: NDArray[np.int_]
 
     @property
+    def leakage(self) -> float:
+        """Lubricant made and lost by steps that are not certified, over what flows through in all steps [1]."""
+        return float(np.abs(self.leak).sum() / self.leak.size)
+
+    @property
     def certified_share(self) -> float:
         """Part of the settled steps that is certified [1]."""
         return float(np.mean(self.status[self.settled] == Status.CERTIFIED))
 
     def average(self, name: str) -> float:
-        """Mean of one of the quantities by step over the settled, certified steps; NaN if there are none."""
+        """Mean of one of the quantities by step over the settled, certified steps; NaN if there are none.
+
+        What it leaves out is told by `certified_share`, and what the steps left out do to the others by `leakage`.
+        """
         values = getattr(self, name)[self.settled & (self.status == Status.CERTIFIED)]
         return float(values.mean()) if values.size else math.nan
 
@@ -137,7 +149,7 @@ def rough_passage(
     Returns
     -------
     Passage
-        If the smooth film cannot be found, a passage whose steps all have the status `FAILED`.
+        If the film of smooth surfaces cannot be found, a passage whose steps all have the status `FAILED`.
 
     Raises
     ------
@@ -148,7 +160,7 @@ def rough_passage(
         raise InputError(f"steps >= 1, ramp >= 0, keep >= 0, order 1 or 2, not {steps}, {ramp}, {keep}, {order}")
     if not (touching_film > 0.0 and math.isfinite(touching_film)):
         raise InputError(f"touching_film must be positive [m], not {touching_film!r}")
-    start = smooth_film(contact, nodes=nodes, span=domain(contact, FLOODED) if span is None else span)
+    start = touching_start(contact, nodes, domain(contact, FLOODED) if span is None else span, touching_film)
     x = start.position / contact.half_width
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
     if settle >= steps:
@@ -168,7 +180,7 @@ def rough_passage(
             certificate = certify(problem, point.pressure, point.approach)
             at = step - 1
             status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
-            records["violation"][at] = certificate.worst
+            records["violation"][at], records["leak"][at] = certificate.worst, march.leak
             if status[at] == Status.CERTIFIED:
                 _record(records, at, start.position, problem, point, boundary_friction, thermal)
                 if keep and step % keep == 0:
@@ -192,6 +204,7 @@ def rough_passage(
 
 _RECORDED = (
     "violation",
+    "leak",
     "film_friction",
     "asperity_friction",
     "asperity_share",
@@ -234,7 +247,7 @@ class _March:
         self.contact, self.x, self.order = contact, x, order
         self.deflection = Deflection(x.size, float(x[1] - x[0]))
         self.touching_film = touching_film
-        self.step = 0
+        self.step, self.leak = 0, 0.0
         point = start.outcome.point
         self.pressure, self.approach = point.pressure, point.approach
         self.smooth = point.pressure
@@ -279,9 +292,14 @@ class _March:
             self.mass_before, self.mass = self.mass, self._mass(point)
             self.lack = np.where(outcome.state == State.FILM, 0.0, np.maximum(point.lack, 0.0))
             self.lack[[0, -1]] = 0.0
+            # What is handed on differs from what was balanced where nodes are neither whole, nor ruptured, nor apart.
+            made = (point.lack - self.lack + self.mass - self._mass(point, -math.inf))[1:-1]
+            self.leak = float(made.sum() / np.abs(point.balance.flow).mean())
+        else:
+            self.leak = math.nan
         return outcome, problem
 
-    def _mass(self, point: Point) -> Array:
+    def _mass(self, point: Point, thinnest: float = 0.0) -> Array:
         pressure = self.contact.hertz_pressure * np.maximum(point.pressure, 0.0)
         density, _ = self.contact.oil.relative_density(pressure)
-        return np.asarray(density * np.maximum(point.film, 0.0))
+        return np.asarray(density * np.maximum(point.film, thinnest))

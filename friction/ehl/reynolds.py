@@ -33,8 +33,9 @@ from .conditions import LineContact
 
 Array = NDArray[np.float64]
 
-#: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R.
-_THINNEST = 1e-9
+#: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R. The iteration may
+#: pass through thinner and negative films; no answer may, see `certificate`.
+THINNEST = 1e-9
 #: Largest ln(viscosity) that is told apart from a solid: the flow under pressure is nil long before.
 _STIFFEST = 100.0
 
@@ -104,7 +105,7 @@ def balance(
     inside = pressure >= 0.0
     density, density_slope = oil.relative_density(unit * positive)
     density_slope = np.where(inside, unit * density_slope, 0.0)
-    thick = np.maximum(film, _THINNEST)
+    thick = np.maximum(film, THINNEST)
     mobility, mobility_slope, mobility_by_film = _mobility(contact, positive, thick, density, density_slope)
     mobility_slope = np.where(inside, mobility_slope, 0.0)
     mass, mass_slope = density * film, density_slope * film

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ...core.errors import InputError
 from .certificate import Certificate, Status, certify, judge
-from .complementarity import SMOOTH, Outcome, Problem, State, States, solve
+from .complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
 from .conditions import LineContact
 from .deflection import Deflection
 from .load_sharing import Asperities
@@ -20,9 +20,13 @@ from .reynolds import Array
 _FLOODED = 120.0
 #: The coarsest grid of the sequence that leads to the wanted one has at most twice as many nodes.
 _COARSEST = 96
-_FEWEST, _MOST = 65, 16385
+_FEWEST, _USUAL, _MOST = 65, 513, 16385
+#: `Film.resolution` from which on a smooth film is within 4 % of that on a fine grid; at 0.5 it may be off by a half.
+RESOLVED = 1.0
 #: Separation in rms heights at which statistical asperities hardly touch any more.
 _APART = 4.0
+#: Rolling velocities to start rough passages from, as factors of their own.
+_FASTER = (1.0, 2.0, 4.0, 8.0, 16.0)
 #: Thicker and thinner films to start from on the coarsest grid, as factors of the estimate.
 _STARTS = (1.0, 2.0, 0.5, 4.0, 8.0)
 
@@ -89,6 +93,16 @@ class Film:
         return float(self.film[self.within_film].min())
 
     @property
+    def resolution(self) -> float:
+        """Smallest film over what the grid can tell apart between smooth surfaces [1], see `RESOLVED`.
+
+        In units of the Hertz contact the smallest film over the node distance to the power of 3/2: as the gap of the
+        dry contact opens from its edge.
+        """
+        spacing = float(self.position[1] - self.position[0]) / self.contact.half_width
+        return float(self.minimum_film / self.contact.film_scale / spacing**1.5)
+
+    @property
     def central_film(self) -> float:
         """Film thickness in the middle of the dry contact [m]."""
         return float(np.interp(0.0, self.position, self.film))
@@ -123,15 +137,19 @@ def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, floa
 
 
 def smooth_film(
-    contact: LineContact, *, nodes: int = 513, flooded: float = _FLOODED, span: tuple[float, float] | None = None
+    contact: LineContact,
+    *,
+    nodes: int | None = None,
+    flooded: float = _FLOODED,
+    span: tuple[float, float] | None = None,
 ) -> Film:
     """Solve for the film between smooth surfaces in a steady state.
 
     Parameters
     ----------
     contact : LineContact
-    nodes : int
-        Nodes of the uniform grid, from 65 to 16385.
+    nodes : int, optional
+        Nodes of the uniform grid, from 65 to 16385. By default 513, or as many more as the film needs to be resolved.
     flooded : float
         See `domain`.
     span : (float, float), optional
@@ -152,7 +170,15 @@ def smooth_film(
     The grid is refined by halves from about a hundred nodes on, each starting from the one before: the end of the film
     then moves by a node or two on each grid, and the number of Newton steps does not grow with the number of nodes.
     """
-    return _refined(contact, nodes, domain(contact, flooded) if span is None else span, None)
+    ends = domain(contact, flooded) if span is None else span
+    if nodes is not None:
+        return _refined(contact, nodes, ends, None)
+    nodes = _USUAL
+    film = _refined(contact, nodes, ends, None)
+    while not (film.certified and film.resolution >= RESOLVED) and 2 * nodes - 1 <= _MOST:
+        nodes = 2 * nodes - 1
+        film = _refined(contact, nodes, ends, None)
+    return film
 
 
 def mixed_film(
@@ -186,7 +212,31 @@ def mixed_film(
     return _refined(contact, nodes, span, asperities)
 
 
-def _refined(contact: LineContact, nodes: int, span: tuple[float, float], asperities: Asperities | None) -> Film:
+def touching_start(contact: LineContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
+    """The film between smooth surfaces, which touch where it would be thinner than `touching_film` [m].
+
+    What rough surfaces start from: where the film is thicker than twice that, it is `smooth_film`. Where neither can be
+    found, just above the touching film on a coarse grid, it is the film of faster surfaces, which the first steps
+    carry away.
+    """
+    for factor in _FASTER:
+        faster = replace(contact, rolling_velocity=factor * contact.rolling_velocity)
+        film = _refined(faster, nodes, span, None)
+        if film.certified and film.film.min() > 2.0 * touching_film:
+            return film
+        film = _refined(faster, nodes, span, None, touching_film / contact.film_scale)
+        if film.certified:
+            return film
+    return film
+
+
+def _refined(
+    contact: LineContact,
+    nodes: int,
+    span: tuple[float, float],
+    asperities: Asperities | None,
+    touching_film: float = -math.inf,
+) -> Film:
     start, end = span
     if not (start < -1.0 and end > 1.0 and math.isfinite(end - start)):
         raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start!r} to {end!r}")
@@ -197,16 +247,19 @@ def _refined(contact: LineContact, nodes: int, span: tuple[float, float], asperi
         sizes.append((sizes[-1] + 1) // 2)
     grids = [np.linspace(start, end, size) for size in reversed(sizes)]
     for factor in _STARTS:
-        film = _from_dry_contact(contact, grids, factor, asperities)
+        film = _from_dry_contact(contact, grids, factor, asperities, touching_film)
         if film.certified:
             break
     return film
 
 
-def _from_dry_contact(contact: LineContact, grids: list[Array], factor: float, asperities: Asperities | None) -> Film:
+def _from_dry_contact(
+    contact: LineContact, grids: list[Array], factor: float, asperities: Asperities | None, touching_film: float
+) -> Film:
     """Refine from the dry contact with a film of `factor` times the estimate in between."""
     x = grids[0]
-    problem = _problem(contact, x, asperities)
+    problem = _problem(contact, x, asperities, touching_film)
+    paces = SMOOTH if math.isinf(touching_film) else (*SMOOTH, *ROUGH)
     film = factor * contact.central_film_estimate() / contact.film_scale
     if asperities is not None:
         film = max(film, factor * asperities.rms / contact.film_scale)
@@ -214,18 +267,19 @@ def _from_dry_contact(contact: LineContact, grids: list[Array], factor: float, a
     width = max(1.0, 1.5 * math.sqrt(film))
     pressure = np.sqrt(np.maximum(1.0 - (x / width) ** 2, 0.0)) / width
     approach = film - float((problem.profile + problem.deflection(pressure)).min())
-    outcome = solve(problem, pressure, approach, SMOOTH)
+    outcome = solve(problem, pressure, approach, paces)
     for grid in grids[1:]:
         if not outcome.converged:
             break
         pressure = np.interp(grid, x, np.maximum(outcome.point.pressure, 0.0))
-        x, problem = grid, _problem(contact, grid, asperities)
-        outcome = solve(problem, pressure, outcome.point.approach, SMOOTH)
+        x, problem = grid, _problem(contact, grid, asperities, touching_film)
+        outcome = solve(problem, pressure, outcome.point.approach, paces)
     return described(contact, x, problem, outcome)
 
 
-def _problem(contact: LineContact, x: Array, asperities: Asperities | None = None) -> Problem:
-    return Problem(contact, Deflection(x.size, float(x[1] - x[0])), 0.5 * x**2, asperities=asperities)
+def _problem(contact: LineContact, x: Array, asperities: Asperities | None, touching_film: float) -> Problem:
+    deflection = Deflection(x.size, float(x[1] - x[0]))
+    return Problem(contact, deflection, 0.5 * x**2, touching_film, asperities=asperities)
 
 
 def described(contact: LineContact, x: Array, problem: Problem, outcome: Outcome) -> Film:

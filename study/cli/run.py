@@ -68,12 +68,12 @@ def run(
     from ..result import write_result
     from ..show import uncertified
 
-    sources = [case, *options["deviations"].values(), *([] if oil is None else [oil])]
-    check_writable(output, *sources)
-    if plots is not None:
-        check_writable(plots / "picture.png")
     checked = read_case(case)
     table = checked.friction
+    oils = [oil] if oil is not None else [table.oil_file] if table is not None else []
+    check_writable(output, case, *options["deviations"].values(), *oils)
+    if plots is not None:
+        check_writable(plots / "picture.png")
     operation = operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     if operation is None and (friction_model is not None or clamp_temperature or friction_feedback):
         raise click.UsageError(

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...friction.operating import named_models
 from .friction_maps import chosen_condition, roughness_name
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes
 from .transmission_error import two_cycles
@@ -101,8 +102,7 @@ def draw(tree: xr.DataTree) -> Figure:
     varied = [name for name in AXES if friction.sizes[name] > 1]
     count = 1 + len(varied)
     rows = -(-count // 2)
-    note = f"oil {friction.attrs['oil']}, coefficient {friction.attrs['friction_coefficient']}"
-    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note)
+    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, named_models(friction.attrs))
     panels = figure.subplots(rows, 2, squeeze=False)
     for axes in panels.flat[count:]:
         axes.set_visible(False)

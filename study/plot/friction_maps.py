@@ -20,19 +20,28 @@ from numpy.typing import NDArray
 from ...contact.curves import boundary_distance
 from ...friction import FrictionModel
 from ...friction.kinematics import action_fields, axes_of, surface_velocities
+from ...friction.operating import named_models
 from .contours import drop_short, number_lines, outlined, points_per_unit, triangulated, without_border, without_steep
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
 
-SHADES = {"rolling_velocity": "Blues", "sliding_velocity": "Oranges", "slide_to_roll": "Purples",
-          "equivalent_radius": "Greys", "lambda_ratio": "Greens", "friction_coefficient": "YlOrRd"}  # fmt: skip
+SHADES = {
+    "rolling_velocity": "Blues",
+    "sliding_velocity": "Oranges",
+    "slide_to_roll": "Purples",
+    "equivalent_radius": "Greys",
+    "radius_along_line": "Greys",
+    "lambda_ratio": "Greens",
+    "friction_coefficient": "YlOrRd",
+}
 NAMES = {
     "rolling_velocity": "rolling velocity [m/s]",
     "sliding_velocity": "sliding velocity [m/s]",
     "slide_to_roll": "slide-to-roll ratio",
     "equivalent_radius": "equivalent radius [mm]",
+    "radius_along_line": "radius along the contact line [mm]",
     "lambda_ratio": "lambda ratio",
     "friction_coefficient": "friction coefficient",
 }
@@ -191,8 +200,10 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     maps = velocity_maps(tree, view, at["speed"], FrictionModel(**{n: friction.attrs[n] for n in CONVENTIONS}))
     force = here["force"] if "force" in here else under_load["force"]
     touching = under_load.assign(force=force)
-    radius = friction["radius_along_line"] if "radius_along_line" in friction else under_load["equivalent_radius"]
-    maps["equivalent_radius"] = loaded_map(touching, radius)
+    if "radius_along_line" in friction:
+        maps["radius_along_line"] = loaded_map(touching, friction["radius_along_line"])
+    else:
+        maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
     for name in ("lambda_ratio", "friction_coefficient"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])
@@ -200,7 +211,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     rough = roughness_name(friction, index["roughness"])
     conditions = (
         f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
-        f"{friction.attrs['oil']} at {at['temperature']:g} °C{clamped}, roughness {rough}"
+        f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
     rows = -(-len(maps) // 2)
     height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)
