@@ -19,7 +19,14 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from easeoff.core.files import whole_file
-from easeoff.study.plot.contact_pattern import Pattern, contact_pattern, draw_path, draw_pattern, legend_below
+from easeoff.study.plot.contact_pattern import (
+    Pattern,
+    contact_pattern,
+    draw_path,
+    draw_pattern,
+    legend_below,
+    path_beyond,
+)
 from easeoff.study.plot.ease_off import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.mesh_cycle import Passage, passage
 from easeoff.study.plot.page import (
@@ -224,11 +231,12 @@ def patterns(panels: list[tuple[str, str, xr.DataTree]]) -> Figure:
         title(axes, name, where)
     entries = [
         Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact"),
+        path_beyond("before and after"),
         Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the pattern"),
         Line2D([], [], color=FAINT, linewidth=0.8, label="lines before and after"),
         Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
     ]
-    figure.legend(handles=entries, loc="outside lower center", ncols=4, fontsize=SMALL_SIZE + 0.5, frameon=False,
+    figure.legend(handles=entries, loc="outside lower center", ncols=5, fontsize=SMALL_SIZE + 0.5, frameon=False,
                   labelcolor=INK, handlelength=2.4, columnspacing=2.0)  # fmt: skip
     return figure
 

@@ -25,6 +25,8 @@ from contact_reference import (
     reference,
     setting,
 )
+from dissertation_figures import save_small
+from matplotlib.ticker import MaxNLocator
 from tabulate import tabulate
 
 import easeoff
@@ -39,7 +41,7 @@ from easeoff.geometry import GearPair
 from easeoff.geometry.section import BlankSection
 from easeoff.geometry.tooth_flanks import MemberName
 from easeoff.geometry.tooth_lattice import LatticeSize
-from easeoff.study.plot.page import SMALL_SIZE, WIDTH, plain_bar, sheet
+from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
@@ -248,7 +250,7 @@ def figure() -> None:
     """Reference, finite elements and shell side by side."""
     rows = [("fm-11x41", 250.0), ("fm-11x41-toe", 50.0), ("fm-11x41-heel", 50.0), ("fh-12x41-45", 500.0)]
     views = [tooth_view(analysed(name, "fe")) for name, _ in rows]
-    page = sheet(sum((WIDTH - 1.4) / 3.0 * view.aspect + 0.3 for view in views) + 0.4)
+    page = sheet(sum((WIDTH - 1.4) / 3.0 * view.aspect + 0.4 for view in views) + 0.7)
     grid = page.subplots(len(rows), 3)
     for r, ((name, torque), view) in enumerate(zip(rows, views, strict=True)):
         models = ("fe", "shell")
@@ -259,14 +261,19 @@ def figure() -> None:
         levels = pressure_levels(max(one.peak for one in maps))
         shading = None
         for c, label in enumerate(("without the split", "finite elements", "shell")):
-            draw_flank(grid[r, c], view, labels=(r == len(rows) - 1, False))
-            shading = draw_surface(grid[r, c], view, maps[c], levels) or shading
-            title = f"{name}, {torque:.0f} N m\n{label}, {peaks[c]:.0f} MPa"
-            grid[r, c].set_title(title, fontsize=SMALL_SIZE, loc="left")
+            axes = grid[r, c]
+            draw_flank(axes, view, labels=(r == len(rows) - 1, False))
+            axes.tick_params(axis="x", bottom=r == len(rows) - 1)
+            axes.spines["bottom"].set_position(("outward", 5.0))  # beyond the word at the root
+            shading = draw_surface(axes, view, maps[c], levels) or shading
+            title = f"{name}, {torque:.0f} N m\n{label}, {peaks[c]:.0f} MPa off the edges"
+            axes.set_title(title, fontsize=SMALL_SIZE, loc="left")
         assert shading is not None
-        plain_bar(page.colorbar(shading, ax=list(grid[r]), shrink=0.8, aspect=18, pad=0.01), "MPa")
-    with whole_file(IMAGE) as temporary:
-        page.savefig(temporary, format="png", dpi=110)
+        bar = page.colorbar(shading, ax=list(grid[r]), shrink=0.8, aspect=18, pad=0.01, ticks=MaxNLocator(5))
+        plain_bar(bar, "MPa")
+    note = f"numbers: greatest more than {EDGE_MARGIN:g} mm off the edges; +: greatest of all that is drawn"
+    page.supxlabel(note, fontsize=SMALL_SIZE, color=GREY)
+    save_small(page, IMAGE)
 
 
 if __name__ == "__main__":

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from dissertation_figures import save_small
+from dissertation_figures import save_small, title
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
 
 import easeoff
 from easeoff.study.fitted_settings import fit_modification, recorded_modification
+from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
+from easeoff.study.plot.pressure import pressure_levels
+from easeoff.study.plot.pressure_map import PressureMap, pressure_map
 
 HERE = Path(__file__).parent
 PAGE = HERE / "optimal_modification.md"
@@ -81,34 +87,35 @@ def table(name: str, made: dict[str, xr.DataTree]) -> str:
     return "\n".join(lines)
 
 
-def swept(tree: xr.DataTree) -> tuple[Any, Any, Any]:
-    """Places on the gear's flank and the line loads [N/mm] there at the shown torque, over all mesh positions."""
+def greatest_loads(tree: xr.DataTree) -> PressureMap:
+    """Line load [N/mm] over the gear's flank at the shown torque, over all mesh positions."""
     loaded = tree["loaded"].to_dataset().sel(torque=SHOWN)
-    load = (loaded["force"] / loaded["length"]).values.ravel()
-    known = np.isfinite(load)
-    return tuple(v[known] for v in (loaded["lengthwise"].values.ravel(), loaded["profile"].values.ravel(), load))
+    # The root of the load, like a pressure, says where it ends.
+    roots = pressure_map(loaded.assign(pressure=np.sqrt(np.maximum(loaded["force"], 0.0) / loaded["length"])))
+    return replace(roots, pressure=roots.pressure**2)
 
 
 def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
     """The modification, and where the load was and is."""
-    figure = Figure(figsize=(9.6, 2.9), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = sheet(2.7)
     left, *rest = figure.subplots(1, 3, sharey=True)
     surface = after["modification"].to_dataset()["modification"]
     t, h = surface["lengthwise"].values, surface["profile"].values
     filled = left.contourf(t, h, surface.values.T, levels=12, cmap="RdBu_r", vmin=-50, vmax=50)
-    figure.colorbar(filled, ax=left, label="µm")
-    left.set_title("modification")
-    left.set_ylabel("root to tip")
-    both = [swept(before), swept(after)]
-    most = max(load.max() for _, _, load in both)
-    for axes, (x, y, load), title in zip(rest, both, ("before", "after"), strict=True):
-        order = np.argsort(load)
-        points = axes.scatter(x[order], y[order], c=load[order], s=16, cmap="viridis", vmin=0.0, vmax=most)
-        axes.set_title(f"{title}: up to {load.max():.0f} N/mm")
-    figure.colorbar(points, ax=rest, label=f"line load at {SHOWN:g} N m [N/mm]")
+    plain_bar(figure.colorbar(filled, ax=left, ticks=MaxNLocator(7, steps=[1, 2, 5, 10])), "µm")
+    title(left, "modification")
+    left.set_ylabel("root to tip", fontsize=SMALL_SIZE, color=INK)
+    both = [greatest_loads(before), greatest_loads(after)]
+    levels = pressure_levels(max(one.peak for one in both))
+    for axes, loads, name in zip(rest, both, ("before", "after"), strict=True):
+        mesh = Triangulation(loads.points[0], loads.points[1], loads.triangles)
+        shading = axes.tricontourf(mesh, loads.pressure, levels=levels, cmap="viridis")
+        title(axes, name, f"up to {loads.peak:.0f} N/mm")
+    bar = figure.colorbar(shading, ax=rest, ticks=MaxNLocator(7))
+    plain_bar(bar, f"line load at {SHOWN:g} N m [N/mm]")
     for axes in (left, *rest):
-        axes.set_xlabel("toe to heel")
+        axes.set_xlabel("toe to heel", fontsize=SMALL_SIZE, color=INK)
+        axes.tick_params(labelsize=SMALL_SIZE, colors=INK, length=2.5, width=0.6)
         axes.set_xlim(0.0, 1.0)
         axes.set_ylim(0.0, 1.0)
     save_small(figure, path)
@@ -128,7 +135,7 @@ def trade(name: str, free: xr.DataTree) -> list[tuple[float, float]]:
 
 def draw_trade(reached: list[tuple[float, float]], path: Path) -> None:
     """What a limit of the transmission error costs."""
-    figure = Figure(figsize=(4.6, 3.0), layout="constrained")
+    figure = Figure(figsize=(4.6, 3.0), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     axes.plot(*np.array(sorted(reached)).T, "o-")

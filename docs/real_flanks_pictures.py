@@ -9,39 +9,48 @@ import numpy as np
 import xarray as xr
 from dissertation_figures import ease_offs, patterns, save_small
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 from real_flanks_analyses import CASES, MEMBERS, TORQUE, analysed, files
 
 import easeoff
 from easeoff.cases import gear_pair
 from easeoff.study.deviations import flank_deviations
 from easeoff.study.plot.ease_off import draw_map, ease_off_map
-from easeoff.study.plot.page import BLUE, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
+from easeoff.study.plot.page import BLUE, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
 from easeoff.study.plot.pressure import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import pressure_map
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 from easeoff.study.plot.transmission_error import two_cycles
 
 IMAGES = Path(__file__).parent / "images" / "real_flanks"
+ROUNDED = 0.1  # [um]; the last digit of the grids
 
 
 def deviation_maps(example: str) -> Figure:
     """Figures 4.5 and 4.10: the deviations, metal missing, on their own flanks."""
     pair = gear_pair(easeoff.read_case(CASES[example]), "drive")
     deviations = flank_deviations(pair, files(example))  # type: ignore[arg-type]
-    figure = sheet(2.3)
-    t, h = np.linspace(0, 1, 81), np.linspace(0, 1, 61)
+    figure = sheet(2.5)
+    t, h = np.linspace(0, 1, 241), np.linspace(0, 1, 181)
     for axes, (name, deviation) in zip(figure.subplots(1, 2), deviations.items(), strict=True):
         dataset = deviation.on_grid(t, h)
         missing = -dataset["deviation"].values.T
-        drawn = axes.contourf(t, h, missing, 12, cmap="viridis")
+        # The grids' numbers are rounded: what is as good as nothing is not divided by the level zero.
+        missing = np.where(np.abs(missing) < ROUNDED, 0.5 * ROUNDED, missing)
+        extent = float(missing.min()), float(missing.max())
+        levels = np.asarray(MaxNLocator(16, steps=[1, 2, 5, 10]).tick_values(*extent))
+        every_second = levels[np.round(levels / (levels[1] - levels[0])) % 2 == 0]
+        drawn = axes.contourf(t, h, missing, levels, cmap="viridis")
         axes.contour(t, h, dataset["extrapolated"].values.T, [0.5], colors="white", linestyles="--", linewidths=0.9)
         place = deviation.section.fractions(deviation.axial, deviation.radial)
         axes.plot(place[0].ravel(), place[1].ravel(), ".", color="white", markersize=1.5)
         axes.set_title(f"{name}: metal missing [µm]", fontsize=SMALL_SIZE + 1, color=INK, loc="left")
         axes.set_xlabel("toe to heel", fontsize=SMALL_SIZE, color=INK)
         axes.set_ylabel("root to tip", fontsize=SMALL_SIZE, color=INK)
-        plain_bar(figure.colorbar(drawn, ax=axes), "")
+        axes.tick_params(labelsize=SMALL_SIZE, colors=INK, length=2.5, width=0.6)
+        plain_bar(figure.colorbar(drawn, ax=axes, ticks=every_second), "")
+    note = "white points: the grid; beyond the white dashed line the deviation is extrapolated"
+    figure.supxlabel(note, fontsize=SMALL_SIZE, color=GREY)
     return figure
 
 
@@ -53,11 +62,13 @@ def change_map(example: str) -> Figure:
     figure = sheet((WIDTH - 1.4) * view.aspect + 0.4)
     axes = figure.subplots()
     draw_flank(axes, view)
-    values = easeoff_map(tree, gap)
-    levels = np.linspace(0.0, np.ceil(np.nanmax(values[1][values[2]])), 9)
-    shading = draw_map(axes, view, values, levels)
+    grid, values, inside = easeoff_map(tree, gap)
+    # Where no metal is missing, rounding and extrapolation give half a micrometre either side of zero: no line there.
+    values = np.maximum(values, 0.5 * ROUNDED)
+    levels = np.asarray(MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0.0, float(values[inside].max())))
+    shading = draw_map(axes, view, (grid, values, inside), levels)
     if shading is not None:
-        plain_bar(figure.colorbar(shading, ax=axes, shrink=0.8), "gap added [µm]")
+        plain_bar(figure.colorbar(shading, ax=axes, shrink=0.8, extendfrac=0), "gap added [µm]")
     return figure
 
 
@@ -105,7 +116,7 @@ def pressure_maps(example: str) -> Figure:
         shading = draw_surface(axes, view, surface, levels) or shading
         axes.set_title(f"{name}, peak {surface.peak:.0f} MPa", fontsize=SMALL_SIZE + 1, color=INK, loc="left")
     if shading is not None:
-        plain_bar(figure.colorbar(shading, ax=list(grid), shrink=0.8), "pressure [MPa]")
+        plain_bar(figure.colorbar(shading, ax=list(grid), shrink=0.8, ticks=MaxNLocator(7)), "pressure [MPa]")
     return figure
 
 

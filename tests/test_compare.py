@@ -434,6 +434,10 @@ def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> 
     heights = {str(line.get_label()): float(np.asarray(line.get_ydata())[-1]) for line in axes.lines}
     assert heights == {name: float(name in ("native", "fake_solvers:deny")) for name in SOLVERS}
     (axes,) = draw_growth(dataset, problems_of_all).axes
+    sizes = np.unique(problems_of_all["size"])
+    assert list(axes.get_xticks()) == list(sizes)
+    assert [label.get_text() for label in axes.get_xticklabels()] == [f"{size:g}" for size in sizes]
+    assert not any(label.get_text() for label in axes.get_yticklabels(minor=True))
     legend = axes.get_legend()
     assert legend is not None
     assert {text.get_text() for text in legend.get_texts()} >= {

@@ -25,13 +25,24 @@ from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
 from easeoff.study.plot import FRICTION_PICTURES, PICTURES, write_pictures
 from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
+from easeoff.study.plot.contours import (
+    drop_short,
+    label_places,
+    outlined,
+    points_per_unit,
+    triangulated,
+    without_border,
+    without_steep,
+)
 from easeoff.study.plot.ease_off import contour_levels, ease_off_map
-from easeoff.study.plot.friction_maps import APART, GRID, label_places, loaded_map, velocity_maps
+from easeoff.study.plot.efficiency import draw as draw_efficiency
+from easeoff.study.plot.friction_maps import GRID, loaded_map, roughness_name, velocity_maps
 from easeoff.study.plot.load_sharing import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.mesh_cycle import envelope, pairs_in_view, passage
 from easeoff.study.plot.page import evenly_chosen, small_print
 from easeoff.study.plot.pressure_map import Line, loaded_part, pressure_map, surface
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
+from easeoff.study.plot.transmission_error import draw as draw_transmission_error
 from easeoff.study.plot.transmission_error import two_cycles, unloaded_curves
 
 Array = NDArray[Any]
@@ -481,17 +492,79 @@ def test_small_print_names_flanks_and_misalignment(tree: xr.DataTree) -> None:
     assert "misalignment none" in " ".join(small_print({"flank": "coast"}))
 
 
+# --- contour lines and their numbers
+
+
 def test_contour_lines_get_one_number_each_apart_and_inside() -> None:
     axes = Figure().subplots()
     axes.set(xlim=(0.0, 40.0), ylim=(0.0, 10.0))
     x, y = np.meshgrid(np.linspace(0, 40, 81), np.linspace(0, 10, 41))
     lines = axes.contour(x, y, y + 0.02 * x, levels=np.arange(1.0, 10.0))
     outline = Outline([[2, 1], [38, 1], [38, 6], [2, 6], [2, 1]])
-    places = np.array(label_places(lines, outline, axes))
+    places = np.array(label_places(axes, lines, outlined(outline), 7.0))
     assert 4 <= len(places) <= 9
     assert np.all(outline.contains_points(places))
     levels = places[:, 1] + 0.02 * places[:, 0]
     np.testing.assert_allclose(levels, np.round(levels), atol=1e-9)
     assert np.unique(np.round(levels)).size == len(places)
-    gaps = np.abs(places[:, None] - places) / [40.0, 10.0] > APART
-    assert np.all(np.any(gaps, axis=2) | np.eye(len(places), dtype=bool))
+    gaps = np.abs(places[:, None] - places) * points_per_unit(axes)
+    assert np.all(np.any(gaps > 5.2, axis=2) | np.eye(len(places), dtype=bool))  # as high as a number
+
+
+def test_crowded_contour_lines_get_no_numbers() -> None:
+    axes = Figure().subplots()
+    axes.set(xlim=(0.0, 40.0), ylim=(0.0, 10.0))
+    x, y = np.meshgrid(np.linspace(0, 40, 81), np.linspace(0, 10, 401))
+    outline = Outline([[0, 0], [40, 0], [40, 10], [0, 10], [0, 0]])
+    crowded = axes.contour(x, y, y, levels=np.arange(0.5, 10.0, 0.1))  # 3 points apart
+    assert label_places(axes, crowded, outlined(outline), 7.0) == []
+    assert len(label_places(axes, axes.contour(x, y, y, levels=[5.0]), outlined(outline), 7.0)) == 1
+    narrow = Outline([[0, 4.9], [40, 4.9], [40, 5.1], [0, 5.1], [0, 4.9]])
+    assert label_places(axes, axes.contour(x, y, y, levels=[5.0]), outlined(narrow), 7.0) == []
+
+
+def test_lines_are_drawn_away_from_border_and_jumps() -> None:
+    x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, 10, 21), np.linspace(0, 5, 11)))
+    mesh = Triangulation(x, y)
+    inner = without_border(mesh).get_masked_triangles()
+    assert x[inner].min() == 0.5
+    assert y[inner].max() == 4.5
+    jump = without_steep(mesh, np.where(x > 5.0, 10.0, 0.0) + 0.1 * y, 1.0).get_masked_triangles()
+    assert not np.any((x[jump].min(axis=1) < 5.2) & (x[jump].max(axis=1) > 5.2))
+    assert x[jump].min() == 0.0
+    assert x[jump].max() == 10.0
+    region = triangulated(mesh)
+    np.testing.assert_array_equal(region.holds(np.array([[5.0, 2.0], [5.0, 6.0]])), [True, False])
+    at_side = np.isclose(region.border[:, 0] % 10.0, 0.0) | np.isclose(region.border[:, 1] % 5.0, 0.0)
+    assert np.all(at_side)
+
+
+def test_short_contour_lines_are_dropped() -> None:
+    axes = Figure().subplots()
+    x, y = np.meshgrid(np.linspace(-4, 4, 161), np.linspace(-4, 4, 161))
+    lines = axes.contour(x, y, np.minimum(np.hypot(x + 2, y) - 1.0, np.hypot(x - 3, y) - 0.1), levels=[0.0])
+    assert len(lines.allsegs[0]) == 2
+    drop_short(lines, 3.0)
+    (left,) = lines.allsegs[0]
+    assert np.hypot(*np.diff(left, axis=0).T).sum() == pytest.approx(2.0 * np.pi, rel=1e-2)
+
+
+def test_pictures_say_how_many_torques_they_name(drive: xr.DataTree, lubricated: xr.DataTree) -> None:
+    figure = draw_transmission_error(changed(drive, "loaded", lambda ds: ds.isel(torque=[1] * 12)))
+    legends = [axes.get_legend() for axes in figure.axes]
+    headings = [legend.get_title().get_text() for legend in legends if legend is not None]
+    assert headings == ["", "8 of 12 torques, the others pale", "8 of 12 torques, the others pale"]
+    many = changed(lubricated, "friction", lambda _: friction(drive, Operation(list(np.arange(1.0, 8.0) * 300.0))))
+    texts = [axes.get_legend() for axes in draw_efficiency(many).axes if axes.get_visible()]
+    assert "5 of 7 speeds" in [legend.get_title().get_text() for legend in texts if legend is not None]
+
+
+def test_two_roughnesses_are_both_named(drive: xr.DataTree, lubricated: xr.DataTree) -> None:
+    """Also where exchanging the flanks leaves the mean as it is."""
+    found = friction(drive, Operation(1500.0, [60.0, 90.0], [(0.8, 0.4), 0.5, (0.4, 0.8)]))
+    assert [roughness_name(found, index) for index in range(3)] == ["0.8/0.4 µm", "0.5 µm", "0.4/0.8 µm"]
+    *_, over_temperature, over_roughness = draw_efficiency(changed(lubricated, "friction", lambda _: found)).axes
+    legend = over_temperature.get_legend()
+    assert legend is not None
+    assert {text.get_text() for text in legend.get_texts()} == {"0.8/0.4 µm", "0.5 µm", "0.4/0.8 µm"}
+    assert [label.get_text() for label in over_roughness.get_xticklabels()] == ["0.5", "0.8/0.4, 0.4/0.8"]

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, PercentFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, PercentFormatter
+from numpy.typing import NDArray
 
 from ..plot.page import (
     BODY_SIZE,
@@ -32,7 +34,10 @@ COLOURS = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#5
 DASHES = ((), (5, 1.5), (1.5, 1.2))
 
 PANEL_HEIGHT = 2.9  # [in]
+FEW, APART = 8, 0.05  # sizes that are ticked themselves, and their least distance as a part of the axis
+ROUND = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0))  # ticks of a decade, and of less
 
+Array = NDArray[Any]
 Method = tuple[str, str, str]
 
 
@@ -72,7 +77,7 @@ def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
         axes.set_xlim(1.0, right)
         axes.set_ylim(-0.02, 1.03)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-        _factor_ticks(axes)
+        _plain_ticks(axes.xaxis)
         _finish(axes, settings, f"{len(compared)} problems", "share solved")
         axes.set_xlabel("run time over that of the fastest", fontsize=SMALL_SIZE + 1, color=INK)
     return figure
@@ -103,10 +108,8 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
         axes.set_xlim(problems["size"].min() / 1.2, problems["size"].max() * 1.2)
         if not axes.dataLim.height > 0.0:  # nothing is certified, or one time alone
             axes.set_ylim(0.1, 100.0)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        _plain_ticks(axes.xaxis, np.unique(problems["size"].to_numpy(dtype=float)))
+        _plain_ticks(axes.yaxis)
         _finish(axes, settings, "", "run time [ms]")
     grid[-1].set_xlabel("number of segments n", fontsize=SMALL_SIZE + 1, color=INK)
     return figure
@@ -149,10 +152,17 @@ def _finish(axes: Axes, settings: str, right: str, label: str) -> None:
     )
 
 
-def _factor_ticks(axes: Axes) -> None:
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+def _plain_ticks(axis: Axis, values: Array | None = None) -> None:
+    """Plain numbers on a logarithmic axis: at the values themselves if they are few, otherwise round ones."""
+    low, high = axis.get_view_interval()
+    few = values is not None and values.size <= FEW and np.all(np.diff(np.log(values)) > APART * np.log(high / low))
+    for subs in ROUND:
+        places = np.outer(10.0 ** np.arange(-9.0, 10.0), subs)
+        if np.count_nonzero((places >= low) & (places <= high)) > 1:
+            break
+    axis.set_major_locator(FixedLocator(values.tolist()) if few and values is not None else LogLocator(subs=subs))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _style(method: Method, problems: Any) -> dict[str, Any]:

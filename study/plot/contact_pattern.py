@@ -22,6 +22,7 @@ from .tooth_view import ToothView, draw_flank
 Array = NDArray[Any]
 
 POINTS = 17  # points along a drawn contact line
+BEYOND: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1, 1.5))}  # the path before and after
 FARTHEST = 0.25  # how far beyond the common flank a path of contact is brought back from, as a fraction
 
 
@@ -187,6 +188,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     draw_pattern(axes, view, pattern)
     entries = [
         Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
+        path_beyond("path of contact, before and after"),
         Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the pattern"),
         Line2D([], [], color=BLUE, linewidth=0.8, alpha=0.75, label="contact lines, carrying pair"),
         Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
@@ -207,7 +209,7 @@ def draw_pattern(
         chosen = pattern.lines[(pattern.carrying == carrying) & np.isfinite(pattern.lines[:, 0, 0])]
         drawn = [view.place(line).T for line in chosen]
         axes.add_collection(LineCollection(drawn, colors=colour, linewidths=width, alpha=alpha, zorder=2))
-    axes.plot(*view.place(pattern.path.T), color=GREY, linewidth=0.9, linestyle=(0, (1, 1.5)), zorder=3)
+    axes.plot(*view.place(pattern.path.T), zorder=3, **BEYOND)
     for span in pattern.ranges:
         axes.fill(*view.place(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
         axes.plot(*view.place(span.outline), color=BLUE, linewidth=1.4, zorder=4)
@@ -225,6 +227,11 @@ def draw_path(axes: Axes, view: ToothView, pattern: Pattern) -> None:
             *path[:, [0, -1]], linestyle="none", marker="o", markersize=4.5, markerfacecolor="white",
             markeredgecolor=VERMILION, markeredgewidth=1.2, zorder=8,
         )  # fmt: skip
+
+
+def path_beyond(label: str) -> Line2D:
+    """The legend's entry for the path of contact outside the carrying range."""
+    return Line2D([], [], label=label, **BEYOND)
 
 
 def legend_below(axes: Axes, entries: list[Line2D], columns: int) -> None:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from ...contact.curves import boundary_distance
 from .contact_pattern import contact_pattern, draw_path, legend_below
-from .page import GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
+from .contours import number_lines, outlined
+from .page import GREY, INK, VERMILION, WIDTH, page
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
@@ -80,5 +81,5 @@ def draw_map(
     shading.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))
     inner = np.where(inside, gap, np.nan)
     lines = axes.contour(x, y, inner, levels=levels, colors=INK, linewidths=0.7, zorder=2)
-    axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE, inline_spacing=2)
+    number_lines(axes, lines, outlined(view.outline(view.common)))
     return shading

@@ -13,7 +13,6 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
-from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from ...contact.curves import boundary_distance
 from ...friction import FrictionModel
 from ...friction.kinematics import action_fields, axes_of, surface_velocities
 from ...friction.operating import named_models
+from .contours import drop_short, number_lines, outlined, points_per_unit, triangulated, without_border, without_steep
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
 from .tooth_view import ToothView, draw_flank, fine_grid
 
@@ -50,9 +50,8 @@ GRID = (121, 61)
 LEVELS = 7
 DARKEST = 0.62  # of a colour map
 BRIDGE = 5.0  # times the usual length of a triangle's side
-EDGE = 0.05  # of the panel's height, that numbers stay off the edge
-SHORTEST = 0.08  # of the panel, below which a contour line gets no number
-APART = np.array([0.09, 0.12])  # of the panel, between numbers
+NEAREST = 2.0  # [pt], nearer to one another contour lines are not drawn
+SHORTEST = 0.15  # of the panel's width, below which a contour line is not drawn
 ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
 
 
@@ -136,6 +135,7 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         shading.set_clip_path(PathPatch(outline, transform=axes.transData))
         lines = axes.contour(*plane, levels=levels, colors=INK, linewidths=0.5, zorder=2)
         lines.set_clip_path(PathPatch(outline, transform=axes.transData))
+        region = outlined(outline)
     else:
         mesh = Triangulation(x[finite], y[finite])
         # Triangles that bridge a bay of the loaded region show what is not there.
@@ -143,40 +143,18 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
         mesh.set_mask(longest > BRIDGE * np.median(longest))
         axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
-        lines = axes.tricontour(mesh, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
-    places = label_places(lines, outline, axes)
-    if places:
-        manual: Any = places
-        axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=SMALL_SIZE - 0.5, inline_spacing=1, manual=manual)
+        # The load ends within a segment: at the border values jump from one line of contact to the next.
+        steepest = float(levels[1] - levels[0]) / (NEAREST / float(points_per_unit(axes)[0]))
+        lined = without_steep(without_border(mesh), values[finite], steepest)
+        lines = axes.tricontour(lined, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
+        drop_short(lines, SHORTEST * float(np.ptp(axes.get_xlim())))
+        region = triangulated(mesh)
+    number_lines(axes, lines, region, SMALL_SIZE - 0.5)
 
 
 def pale(name: str) -> Colormap:
     """The lighter part of a colour map, on which dark numbers can be read."""
     return LinearSegmentedColormap.from_list(f"pale {name}", colormaps[name](np.linspace(0.0, DARKEST, 64)))
-
-
-def label_places(lines: ContourSet, outline: Path, axes: Axes) -> list[tuple[float, float]]:
-    """Where contour lines get their numbers: one a level, on its longest piece, off the edges and off one another."""
-    left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
-    size = np.array([right - left, top - bottom])
-    places: list[Array] = []
-    for level in lines.allsegs:
-        pieces = [np.asarray(piece) / size for piece in level if len(piece) > 2]
-        if not pieces:
-            continue
-        longest = max(pieces, key=lambda piece: np.hypot(*np.diff(piece, axis=0).T).sum())
-        # Off the edges: which sign of the radius shrinks the outline depends on its sense.
-        off = [outline.contains_points(longest * size, radius=sign * EDGE * size[1]) for sign in (1.0, -1.0)]
-        within = longest[np.all(off, axis=0)]
-        if len(within) < 3 or np.max(np.ptp(within, axis=0)) < SHORTEST:
-            continue
-        for share in (0.5, 0.35, 0.65, 0.2, 0.8):
-            place = within[int(share * (len(within) - 1))]
-            if all(np.any(np.abs(place - other) > APART) for other in places):
-                places.append(place)
-                break
-    return [(float(x), float(y)) for x, y in np.array(places).reshape(-1, 2) * size]
 
 
 def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
@@ -199,6 +177,20 @@ def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
     return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
 
 
+def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
+    """A root mean square roughness [um] as it is written in pictures: both flanks' if they differ, the pinion's first.
+
+    Parameters
+    ----------
+    friction
+        The group ``friction`` or one of its variables.
+    index
+        Which of its roughnesses.
+    """
+    pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
+    return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
+
+
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     """Draw the picture of a result with friction, at the middle one of its conditions."""
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
@@ -216,9 +208,10 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         if name in here:
             maps[name] = loaded_map(touching, here[name])
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""
+    rough = roughness_name(friction, index["roughness"])
     conditions = (
         f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
-        f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {at['roughness']:.3g} µm"
+        f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
     rows = -(-len(maps) // 2)
     height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)

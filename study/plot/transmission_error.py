@@ -82,16 +82,18 @@ def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
         label = f"{torque_name(torques[index])}, {text}" if index in named else None
         times, values = two_cycles(error[index] - level if about_mean else error[index])
         axes.plot(times, values, color=colour, label=label, **(CLEAR if index in named else FADED))
-    _finish(axes, "under load, about its mean [µrad]" if about_mean else "under load [µrad]")
+    heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
+    _finish(axes, "under load, about its mean [µrad]" if about_mean else "under load [µrad]", heading)
 
 
-def _finish(axes: Axes, label: str) -> None:
+def _finish(axes: Axes, label: str, heading: str = "") -> None:
     plain_axes(axes)
     axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(
+        legend = axes.legend(
             fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
-            handlelength=1.6, borderaxespad=0.6,
+            handlelength=1.6, borderaxespad=0.6, title=heading or None, title_fontsize=SMALL_SIZE, alignment="left",
         )  # fmt: skip
+        legend.get_title().set_color(GREY)
     else:
         axes.text(0.5, 0.5, "no certified solution", transform=axes.transAxes, ha="center", color=GREY)
