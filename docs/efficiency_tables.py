@@ -174,7 +174,7 @@ def claims_on_efficiency(direction: Direction = "across") -> list[tuple[str, str
     for letter, efficiency in zip("AB", both, strict=True):
         fallen = [dip(efficiency.sel(torque=torque) / 100.0) for torque in TORQUES]
         text = "; ".join(
-            f"{torque:g} N m: −{fall:.2f} % from {start:.0f} to {end:.0f} / min"
+            f"{torque:g} N m: −{fall:.2f} % from {start:.0f} to {end:.0f} / min" if fall else f"{torque:g} N m: no fall"
             for torque, (start, end, fall) in zip(TORQUES, fallen, strict=True)
         )
         rises = bool(np.all(efficiency.sel(speed=3000.0) - efficiency.sel(speed=1500.0) > 0.0))
