@@ -54,10 +54,8 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
 
 def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
     """Say on an axis of roughnesses what both flanks have, if they differ."""
-    every = quantity["roughness"].values
-    values = np.unique(every)
-    all_names = np.array([roughness_name(quantity, index).removesuffix(" µm") for index in range(every.size)])
-    names = [", ".join(dict.fromkeys(all_names[every == value])) for value in values]
+    values, indices = np.unique(quantity["roughness"].values, return_index=True)
+    names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
     if not any("/" in name for name in names):
         return
     label = "quadratic mean of both flanks' RMS roughnesses [µm]"
