@@ -10,6 +10,8 @@ from tabulate import tabulate
 
 from ..contact.loaded_cases import CERTIFICATE
 from ..contact.solvers import Status
+from .departures import deviations, modification
+from .plausibility import plausibility
 
 
 def _certificate(loaded: xr.Dataset) -> Any:
@@ -72,17 +74,10 @@ def uncertified(tree: xr.DataTree) -> list[str]:
     return lines
 
 
-def summary(tree: xr.DataTree) -> str:
-    """Report of an analysis, as text.
-
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-    """
-    attrs = tree.attrs
-    ease_off, unloaded = tree["ease_off"].to_dataset(), tree["unloaded"].to_dataset()
-    loaded = tree["loaded"].to_dataset()
+def _head(tree: xr.DataTree) -> str:
+    """What was analysed, and the unloaded contact."""
+    attrs, unloaded = tree.attrs, tree["unloaded"].to_dataset()
+    ease_off = tree["ease_off"].to_dataset()
     inside = ease_off["inside"].values == 1
     gap = ease_off["ease_off"].values[inside]
     harmonics = np.atleast_1d(unloaded.attrs["harmonics"])
@@ -93,6 +88,7 @@ def summary(tree: xr.DataTree) -> str:
         ("G", attrs["misalignment_gear_axial_mm"], "mm"),
         ("Sigma", sigma, "deg"),
     ]
+    departures = [("deviating flanks", deviations(attrs)), ("modified ease-off", modification(attrs))]
     head = [
         (
             "pair",
@@ -100,6 +96,7 @@ def summary(tree: xr.DataTree) -> str:
             f"{attrs['flank']} flanks",
         ),
         ("misalignment", ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"),
+        *((name, words) for name, words in departures if words),
         ("common flank", f"{100 * inside.mean():.0f} % of the gear flank"),
         ("ease-off", f"up to {gap.max():.1f} um on the common flank"),
         (
@@ -108,6 +105,11 @@ def summary(tree: xr.DataTree) -> str:
             + " / ".join(f"{a:.2f}" for a in harmonics),
         ),
     ]
+    return str(tabulate(head, tablefmt="plain"))
+
+
+def _loaded_table(loaded: xr.Dataset) -> str:
+    """One row a torque."""
     # Roundoff-sized residuals are all the same to a reader.
     worst = _certificate(loaded)
     # Edges are a column where they may touch; older results know nothing of them.
@@ -137,35 +139,57 @@ def summary(tree: xr.DataTree) -> str:
         "worst\nresidual",
         "certified\npositions",
     ]
+    return str(tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)))
+
+
+def _root_stresses(stresses: xr.Dataset) -> str:
+    """One row a torque."""
+    greatest = stresses["max_root_stress"]
+    rows = [(f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values]
+    headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
+    return str(tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * 3))
+
+
+def _notes(tree: xr.DataTree) -> list[str]:
+    """What a reader should know before using the numbers."""
+    notes = [*uncertified(tree), *plausibility(tree)]
+    # Older results do not say.
+    searched = int(tree["loaded"].attrs.get("searched_segments", 0))
+    if searched:
+        loaded = tree["loaded"].to_dataset().isel(torque=0)
+        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum())
+        notes.append(
+            f"Note: at {searched} of {lines} segments the flanks bend over so short a way that their closest approach "
+            "was searched for; forces and pressures there are rough."
+        )
+    if tree.attrs["opposite_flanks"] != "given":
+        notes.append(
+            "Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
+            "same settings, which matters for the teeth's thickness alone."
+        )
+    return notes
+
+
+def summary(tree: xr.DataTree) -> str:
+    """Report of an analysis, as text.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    """
+    attrs = tree.attrs
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
-    parts = [
-        title,
-        "=" * len(title),
-        "",
-        tabulate(head, tablefmt="plain"),
-        "",
-        f"Loaded contact, solver {solver}",
-        "",
-        tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)),
-    ]
+    parts = [title, "=" * len(title), "", _head(tree), "", f"Loaded contact, solver {solver}", ""]
+    parts.append(_loaded_table(tree["loaded"].to_dataset()))
     if "root_stress" in tree.children:
-        greatest = tree["root_stress"].to_dataset()["max_root_stress"]
-        table = [
-            (f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values
-        ]
-        headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
-        parts += ["", "Greatest root stress, finite elements", ""]
-        parts += [tabulate(table, headers=headers, disable_numparse=True, colalign=("right",) * 3)]
+        stresses = _root_stresses(tree["root_stress"].to_dataset())
+        parts += ["", "Greatest root stress, finite elements", "", stresses]
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
         name = f"Friction{fed_back}: oil {friction.attrs['oil']}, coefficient {friction.attrs['friction_coefficient']}"
         parts += ["", name, "", efficiencies(friction)]
-    notes = uncertified(tree)
-    if attrs["opposite_flanks"] != "given":
-        notes.append(
-            "Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
-            "same settings, which matters for the teeth's thickness alone."
-        )
+    notes = _notes(tree)
     return "\n".join([*parts, *(["", *notes] if notes else [])])
