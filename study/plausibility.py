@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-#: [um] Ease-off on the common flank. Designed pairs have up to some 0.2 mm; a lost sign in a setting gives many mm.
+#: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
 MOST_EASE_OFF = 1000.0
-#: [MPa] Greatest pressure. Case-hardened steel yields below the surface at 3 to 4 GPa: an elastic contact ends before this.
+#: [MPa] Greatest pressure. Case-hardened steel yields below the surface at 3 to 4 GPa: no contact is elastic beyond.
 MOST_PRESSURE = 5000.0
-#: Common flank over the gear flank. Teeth that belong together share most of it, 0.8 and more in the shipped cases.
+#: Common flank over the gear flank. Teeth that belong together share most of it, 0.75 and more in the shipped cases.
 LEAST_COMMON = 0.3
 
 
@@ -24,7 +24,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     ease_off = tree["ease_off"].to_dataset()
     inside = ease_off["inside"].values == 1
     widest = float(np.max(np.abs(ease_off["ease_off"].values[inside]), initial=0.0))
-    greatest = float(np.nan_to_num(tree["loaded"]["max_pressure"].values).max(initial=0.0))
+    greatest = float(np.nan_to_num(tree["loaded"].to_dataset()["max_pressure"].values).max(initial=0.0))
     common = float(inside.mean())
     notes = []
     if widest > MOST_EASE_OFF:

@@ -121,7 +121,7 @@ def test_the_loaded_contact_stays_as_it_is_next_to_such_a_place() -> None:
     for deviations in ({}, {"gear": dent(9.0)}):
         for way in ("ease_off", "surface"):
             tree = easeoff.analyze(small_case(), torques=[200.0], deviations=deviations, deviated=way)  # type: ignore[arg-type]
-            loaded = tree["loaded"]
+            loaded = tree["loaded"].to_dataset()
             assert (int(loaded.attrs["searched_segments"]) > 0) == bool(deviations)
             assert float(loaded["separation"].min()) > -1e-4  # mm
             swings.append(float(loaded["peak_to_peak"][0]))

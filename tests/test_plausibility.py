@@ -117,5 +117,5 @@ def test_show_says_that_a_closest_approach_was_searched_for() -> None:
     assert note not in summary(plain())
     found = summary(changed("loaded", lambda loaded: loaded.assign_attrs(searched_segments=3)))
     assert note in found
-    segments = int(np.isfinite(plain()["loaded"]["length"].values[0]).sum())
+    segments = int(np.isfinite(plain()["loaded"].to_dataset()["length"].values[0]).sum())
     assert f"at 3 of {segments} segments" in found

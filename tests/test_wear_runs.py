@@ -15,6 +15,7 @@ from test_wear import small_case
 
 import easeoff
 from easeoff.contact.curves import arc_length, contact_fields
+from easeoff.contact.loaded import loaded_contact
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.geometry.deviation import deviation_from_formula
@@ -170,18 +171,16 @@ def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
 
 
 def test_wear_whose_contact_is_not_solved_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    from easeoff.study import wear as module
-
-    real, calls = module.loaded_contact, []
+    calls: list[int] = []
 
     def failing(*arguments: Any, **options: Any) -> Any:
-        loaded, cases = real(*arguments, **options)
+        loaded, cases = loaded_contact(*arguments, **options)
         calls.append(1)
         if len(calls) == 3:
             loaded["status"][0, 2:4] = 1
         return loaded, cases
 
-    monkeypatch.setattr(module, "loaded_contact", failing)
+    monkeypatch.setattr("easeoff.study.wear.loaded_contact", failing)
     history = wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, 1.0), torque=200.0)
     assert history.attrs["stop"] == "contact not solved: 2 of 8 mesh positions of the worn flanks"
     assert history.attrs["completed"] == 0
