@@ -14,6 +14,11 @@ from .fields import FlankFields
 Array = NDArray[Any]
 
 PARTING = ("separation_bend", "separation_bend_slope")  # the fields behind separation curvature and skew
+FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
+STILL_OPENS = 0.2  # least part of its curvature that a gap must keep over the way for its expansion to be of use
+KEPT = 0.5  # least part of what a step promises to close of the gap that it must close; designed pairs: 0.99 to 1.03
+SLIGHT = 1e-6  # [rad]; a promise broken by less is of no account, as where a step ends at the border of the flank
+ROUNDS, SAMPLES = 3, 31  # of a search; every round looks between the neighbours of the best place, to 1e-4 of the flank
 
 
 def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array) -> Array:
@@ -27,6 +32,19 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
         Zero in conjugate contact, negative before it.
     """
     return np.asarray(ease_off_angle + 0.5 * curvature * left**2 + skew * left**3 / 6.0)
+
+
+def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
+    """Whether the expansion of the gap at places holds over the rotation that is left to their conjugate contact.
+
+    Where it does the gap lies nowhere below the ease-off.
+
+    Parameters
+    ----------
+    curvature, skew, left
+        As in ``gap_beside``.
+    """
+    return np.asarray(curvature + np.minimum(skew * left, 0.0) > STILL_OPENS * curvature)
 
 
 @dataclass(frozen=True)
@@ -73,6 +91,10 @@ class AcrossLine:
         """Slope of that gap across the curve, towards growing roll angle (...) [rad/mm]."""
         by_roll = self.ease_off_slope - self.separation_curvature * left - 0.5 * self.separation_skew * left**2
         return np.asarray(by_roll * self.slope)
+
+    def still_opens(self, left: Array) -> NDArray[np.bool_]:
+        """Where that expansion holds over the rotation left (...) [rad] to their conjugate contact."""
+        return still_opens(self.separation_curvature, self.separation_skew, left)
 
     def length_along(self, way: Array) -> Array:
         """Length (...) [mm] along the curve of a short way, given as fractions (2, ...)."""
@@ -159,20 +181,50 @@ class ClosestApproach:
         Arm of the normal force about the gear axis (...) [mm].
     curvature
         Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
+    expanded
+        Whether the expansion of the gap about the point leads there (...); elsewhere the place was searched for.
     """
 
     separation_angle: Array
     shift: Array
     lever_arm: Array
     curvature: Array
+    expanded: NDArray[np.bool_]
 
 
 def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     """Gap, place and curvature of the closest approach next to points of a contact curve.
 
+    By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
+    way, the least gap across the curve is searched for, at most ``FARTHEST`` away on the flank; the curvature is that
+    of the place found.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    points
+        Points of contact curves (2, ...).
+    """
+    step = one_step(fields, points)
+    if np.all(step.expanded):
+        return step
+    lost = ~step.expanded
+    gap, shift, curvature = step.separation_angle.copy(), step.shift.copy(), step.curvature.copy()
+    gap[lost], shift[:, lost] = _searched(fields, points[:, lost])
+    curvature[lost] = across_line(fields, points[:, lost] + shift[:, lost]).curvature
+    return ClosestApproach(gap, shift, step.lever_arm, curvature, step.expanded)
+
+
+def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
+    """The closest approach by the expansion of the gap, wherever that leads.
+
     Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
     the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
-    or where the way to it leaves the flank, the gap is evaluated.
+    or where the way to it leaves the flank, the gap is evaluated. That closes the gap by a'^2 / (2 (c + a'')).
+
+    As c + a'' goes to zero the step goes to any length. ``expanded`` is true where the gap opens to both sides, the
+    place is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
 
     Parameters
     ----------
@@ -183,10 +235,39 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
     """
     here = across_line(fields, points)
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
+    opens = here.stiffness > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        step = np.where(here.stiffness > 0.0, -here.ease_off_slope / here.stiffness, 0.0)
-    closest = np.clip(points + here.direction * step / here.slope, 0.0, 1.0)
-    there = fields.evaluate(["roll_angle", "ease_off_angle", *PARTING], closest)
-    parting = curvature_and_skew(*(there[name] for name in PARTING))
-    gap = gap_beside(there["ease_off_angle"], *parting, here.roll_angle - there["roll_angle"])
-    return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature)
+        step = np.where(opens, -here.ease_off_slope / here.stiffness, 0.0)
+    wanted = points + here.direction * step / here.slope
+    closest = np.clip(wanted, 0.0, 1.0)
+    gap, holds = _gap_at(fields, closest, here.roll_angle)
+    promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
+    near = np.max(np.abs(closest - points), axis=0) <= FARTHEST
+    kept = here.ease_off_angle - gap > KEPT * promised - SLIGHT
+    return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
+
+
+def _gap_at(fields: FlankFields, places: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Gap (...) [rad] at places (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
+    there = fields.evaluate(["roll_angle", "ease_off_angle", *PARTING], places)
+    curvature, skew = curvature_and_skew(*(there[name] for name in PARTING))
+    left = rotation - there["roll_angle"]
+    return gap_beside(there["ease_off_angle"], curvature, skew, left), still_opens(curvature, skew, left)
+
+
+def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
+    """Least gap (n) [rad] on the straight ways across the curve through points (2, n), and the ways there (2, n)."""
+    here = across_line(fields, points)
+    unit = here.direction / np.max(np.abs(here.direction), axis=0)
+    columns = np.arange(points.shape[1])
+    best, reach = np.zeros(columns.size), FARTHEST
+    for _ in range(ROUNDS):
+        # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
+        way = best + reach * np.linspace(-1.0, 1.0, SAMPLES)[:, None]
+        places = points[:, None] + unit[:, None] * way
+        gap, holds = _gap_at(fields, np.clip(places, 0.0, 1.0), here.roll_angle)
+        usable = holds & np.all((places >= 0.0) & (places <= 1.0), axis=0) & ~fields.in_hole(np.clip(places, 0.0, 1.0))
+        usable |= way == 0.0
+        least = np.argmin(np.where(usable, gap, np.inf), axis=0)
+        best, reach = way[least, columns], 2.0 * reach / (SAMPLES - 1)
+    return gap[least, columns], unit * best

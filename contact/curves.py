@@ -111,7 +111,8 @@ def _resample(points: Array, measure: Array, count: int) -> Array:
 def arc_length(fields: FlankFields, points: Array) -> Array:
     """Length (m, k) [mm] along curves (2, m, k) on the gear flank, from their first point.
 
-    Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order.
+    Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order. Where
+    points nearly coincide, as a short curve's do in a corner of the flank, there is no bend to speak of: chords alone.
     """
     position = fields("position", points)
     chord = np.linalg.norm(np.diff(position, axis=-1), axis=0)
@@ -119,7 +120,9 @@ def arc_length(fields: FlankFields, points: Array) -> Array:
     second[..., 1:-1] = position[..., 2:] - 2.0 * position[..., 1:-1] + position[..., :-2]
     second[..., 0], second[..., -1] = second[..., 1], second[..., -2]
     bend = np.sum(second**2, axis=0)
-    step = chord * (1.0 + 0.5 * (bend[..., 1:] + bend[..., :-1]) / (24.0 * chord**2))
+    both = 0.5 * (bend[..., 1:] + bend[..., :-1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        step = chord * (1.0 + np.where(both < chord**2, both / (24.0 * chord**2), 0.0))
     return np.concatenate([np.zeros((*chord.shape[:-1], 1)), np.cumsum(step, axis=-1)], axis=-1)
 
 

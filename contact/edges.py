@@ -24,7 +24,6 @@ Array = NDArray[Any]
 ELEMENTS = 160  # of an edge
 EDGES = ((0, 0.0), (0, 1.0), (1, 1.0))  # which fraction is held, and where: toe, heel, tip
 NEAR = 1.5  # times the widest gap: what an estimate of the gap may be for an element to be looked at
-STILL_OPENS = 0.2  # least part of its curvature that a gap must keep over the way for its expansion to be of use
 
 
 @dataclass(frozen=True)
@@ -198,7 +197,7 @@ def _touching(fields: FlankFields, edge: _Edge, rotations: Array, widest: Array)
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
     length = (high - low) * here.length_along(last - first)
-    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & _opens(here, left) & ~fields.in_hole(places)
+    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~fields.in_hole(places)
     found = EdgeElements(row, places, gap, here.lever_arm, length, curvature, overhang)
     return EdgeElements(*(getattr(found, field.name)[..., kept] for field in dataclass_fields(EdgeElements)))
 
@@ -210,7 +209,7 @@ def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Ar
     """
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
-        gap = np.where(_opens(edge.here, left), edge.here.gap(left), np.inf)
+        gap = np.where(edge.here.still_opens(left), edge.here.gap(left), np.inf)
         falls = -edge.here.gap_slope(left) * edge.leaving * edge.outward
         away = rotations[:, None] - edge.here.roll_angle
         moved = edge.places[:, None] + edge.moving[:, None] * away
@@ -227,9 +226,3 @@ def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Ar
         high = np.minimum(high, np.where(last > 0.0, 1.0, np.where(first > 0.0, zero, 0.0)))
     kept = high > low
     return row[kept], element[kept], low[kept], high[kept]
-
-
-def _opens(here: AcrossLine, left: Array) -> NDArray[np.bool_]:
-    """Where the expansion of the gap about the places holds over the rotation left to their conjugate contact."""
-    over_the_way = here.separation_curvature + np.minimum(here.separation_skew * left, 0.0)
-    return np.asarray(over_the_way > STILL_OPENS * here.separation_curvature)

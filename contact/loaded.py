@@ -90,8 +90,8 @@ def _by_position(rows: dict[str, Array], model: ElasticModel, positions: int) ->
             model.foot_correction,
             overhang=here["overhang"],
         )
-        place, angle, arm = (here[name] for name in ("place", "separation_angle", "lever_arm"))
-        result.append(Segments(pairs, place, angle, arm, bending, contact))
+        place, angle, arm, searched = (here[name] for name in ("place", "separation_angle", "lever_arm", "searched"))
+        result.append(Segments(pairs, place, angle, arm, bending, contact, searched))
     return result
 
 
@@ -114,6 +114,7 @@ def _on_lines(
         "position": np.repeat(mesh.position, count),
         "pair": np.repeat(mesh.pair, count),
         "place": np.reshape(points, (2, *shape)) @ weights,
+        "searched": np.any(~np.reshape(closest.expanded, shape), axis=-1),
         "length": np.repeat(lines.length / count, count),
         "overhang": np.full(lines.level.size * count, np.nan),
         "load": whitened,
@@ -129,6 +130,7 @@ def _on_edges(fields: FlankFields, elastic: tuple[ElasticTooth, ElasticTooth], e
         "position": edges.position,
         "pair": edges.pair,
         "place": found.points,
+        "searched": np.zeros(edges.pair.size, dtype=bool),
         "load": whitened_loads(elastic, fields, found.points[..., None], np.ones(1)),
     }
 

@@ -42,6 +42,8 @@ class Segments:
         Compliance of teeth and roots in modes, a block for every tooth pair.
     line_contact
         Local compliance.
+    searched
+        Where flanks bend over so short a way that their closest approach was searched for, see ``closest_approach``.
     """
 
     pair: NDArray[np.int64]
@@ -50,6 +52,7 @@ class Segments:
     lever_arm: Array
     bending: ModalBasis
     line_contact: WeberLineContact
+    searched: NDArray[np.bool_]
 
     @property
     def separation(self) -> Array:
@@ -167,4 +170,8 @@ def loaded_dataset(
         "pair": pairs,
     }
     line_contact = next(s.line_contact for s in segments if s is not None)
-    return labelled(xr.Dataset(data, coords=coords, attrs={"contact_modulus_MPa": 2.0 / line_contact.flexibility}))
+    attributes = {
+        "contact_modulus_MPa": 2.0 / line_contact.flexibility,
+        "searched_segments": sum(int(np.count_nonzero(s.searched)) for s in segments if s is not None),
+    }
+    return labelled(xr.Dataset(data, coords=coords, attrs=attributes))

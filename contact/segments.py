@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import GeometryError
-from .closest_approach import closest_approach
+from .closest_approach import FARTHEST, one_step
 from .curves import ContactLines, trace
 from .fields import FlankFields
 
 Array = NDArray[Any]
 
 GAUSS_POINTS = 3
-FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
 
 
 def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
@@ -96,7 +95,7 @@ def lost_contact(fields: FlankFields, mesh: MeshLines) -> float:
     mesh
         Contact lines from ``lines_in_mesh``.
     """
-    closest = closest_approach(fields, mesh.lines.points)
+    closest = one_step(fields, mesh.lines.points)
     far = np.max(np.abs(closest.shift), axis=0) > FARTHEST
     return float(np.mean(far | ~(closest.curvature > 0.0)))
 

@@ -11,6 +11,8 @@ from tabulate import tabulate
 from ..contact.loaded_cases import CERTIFICATE
 from ..contact.solvers import Status
 from ..friction.operating import named_models
+from .departures import deviations, modification
+from .plausibility import plausibility
 
 
 def _certificate(loaded: xr.Dataset) -> Any:
@@ -59,40 +61,31 @@ def efficiencies(friction: xr.Dataset) -> str:
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:
-    """One line for each torque whose mesh cycle is not certified throughout."""
+    """One line for each torque whose mesh cycle is not certified throughout, and one for friction fed back."""
     loaded = tree["loaded"].to_dataset()
-    lines = []
-    for torque, status in zip(loaded["torque"].values, loaded["status"].values, strict=True):
-        bad = status != Status.CERTIFIED
-        if np.any(bad):
-            reasons = sorted({Status(int(s)).name.lower() for s in status[bad]})
-            lines.append(
-                f"{torque:g} N m: {bad.sum()} of {status.size} mesh positions have no certified solution "
-                f"({', '.join(reasons)}); their values are NaN"
-            )
+    lines = [
+        f"{torque:g} N m: {some} of {status.size} mesh positions have no certified solution {reasons}"
+        for torque, status in zip(loaded["torque"].values, loaded["status"].values, strict=True)
+        for some, reasons in _failures(status)
+    ]
     if "friction" in tree.children and "status" in tree["friction"]:
         status = tree["friction"].to_dataset()["status"].values
-        bad = status != Status.CERTIFIED
-        if np.any(bad):
-            reasons = sorted({Status(int(s)).name.lower() for s in status[bad]})
-            lines.append(
-                f"friction fed back: {bad.sum()} of {status.size} mesh positions and conditions have no load "
-                f"distribution ({', '.join(reasons)}); their values are NaN"
-            )
+        what = "mesh positions and conditions have no load distribution"
+        lines += [f"friction fed back: {some} of {status.size} {what} {reasons}" for some, reasons in _failures(status)]
     return lines
 
 
-def summary(tree: xr.DataTree) -> str:
-    """Report of an analysis, as text.
+def _failures(status: Any) -> list[tuple[int, str]]:
+    """How many of the values of ``Status`` are no success, and which they are; nothing if all are."""
+    bad = status[status != Status.CERTIFIED]
+    names = sorted({Status(int(value)).name.lower() for value in bad})
+    return [(bad.size, f"({', '.join(names)}); their values are NaN")] if bad.size else []
 
-    Parameters
-    ----------
-    tree
-        A result of ``analyze`` or ``read_result``.
-    """
-    attrs = tree.attrs
-    ease_off, unloaded = tree["ease_off"].to_dataset(), tree["unloaded"].to_dataset()
-    loaded = tree["loaded"].to_dataset()
+
+def _head(tree: xr.DataTree) -> str:
+    """What was analysed, and the unloaded contact."""
+    attrs, unloaded = tree.attrs, tree["unloaded"].to_dataset()
+    ease_off = tree["ease_off"].to_dataset()
     inside = ease_off["inside"].values == 1
     gap = ease_off["ease_off"].values[inside]
     harmonics = np.atleast_1d(unloaded.attrs["harmonics"])
@@ -103,6 +96,7 @@ def summary(tree: xr.DataTree) -> str:
         ("G", attrs["misalignment_gear_axial_mm"], "mm"),
         ("Sigma", sigma, "deg"),
     ]
+    departures = [("deviating flanks", deviations(attrs)), ("modified ease-off", modification(attrs))]
     head = [
         (
             "pair",
@@ -110,6 +104,7 @@ def summary(tree: xr.DataTree) -> str:
             f"{attrs['flank']} flanks",
         ),
         ("misalignment", ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"),
+        *((name, words) for name, words in departures if words),
         ("common flank", f"{100 * inside.mean():.0f} % of the gear flank"),
         ("ease-off", f"up to {gap.max():.1f} um on the common flank"),
         (
@@ -118,6 +113,11 @@ def summary(tree: xr.DataTree) -> str:
             + " / ".join(f"{a:.2f}" for a in harmonics),
         ),
     ]
+    return str(tabulate(head, tablefmt="plain"))
+
+
+def _loaded_table(loaded: xr.Dataset) -> str:
+    """One row a torque."""
     # Roundoff-sized residuals are all the same to a reader.
     worst = _certificate(loaded)
     # Edges are a column where they may touch; older results know nothing of them.
@@ -147,35 +147,57 @@ def summary(tree: xr.DataTree) -> str:
         "worst\nresidual",
         "certified\npositions",
     ]
+    return str(tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)))
+
+
+def _root_stresses(stresses: xr.Dataset) -> str:
+    """One row a torque."""
+    greatest = stresses["max_root_stress"]
+    rows = [(f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values]
+    headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
+    return str(tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * 3))
+
+
+def _notes(tree: xr.DataTree) -> list[str]:
+    """What a reader should know before using the numbers."""
+    notes = [*uncertified(tree), *plausibility(tree)]
+    # Older results do not say.
+    searched = int(tree["loaded"].attrs.get("searched_segments", 0))
+    if searched:
+        loaded = tree["loaded"].to_dataset().isel(torque=0)
+        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum())
+        notes.append(
+            f"Note: at {searched} of {lines} segments the flanks bend over so short a way that their closest approach "
+            "was searched for; forces and pressures there are rough."
+        )
+    if tree.attrs["opposite_flanks"] != "given":
+        notes.append(
+            "Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
+            "same settings, which matters for the teeth's thickness alone."
+        )
+    return notes
+
+
+def summary(tree: xr.DataTree) -> str:
+    """Report of an analysis, as text.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    """
+    attrs = tree.attrs
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
-    parts = [
-        title,
-        "=" * len(title),
-        "",
-        tabulate(head, tablefmt="plain"),
-        "",
-        f"Loaded contact, solver {solver}",
-        "",
-        tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)),
-    ]
+    parts = [title, "=" * len(title), "", _head(tree), "", f"Loaded contact, solver {solver}", ""]
+    parts.append(_loaded_table(tree["loaded"].to_dataset()))
     if "root_stress" in tree.children:
-        greatest = tree["root_stress"].to_dataset()["max_root_stress"]
-        table = [
-            (f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values
-        ]
-        headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
-        parts += ["", "Greatest root stress, finite elements", ""]
-        parts += [tabulate(table, headers=headers, disable_numparse=True, colalign=("right",) * 3)]
+        stresses = _root_stresses(tree["root_stress"].to_dataset())
+        parts += ["", "Greatest root stress, finite elements", "", stresses]
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
         parts += ["", name, "", efficiencies(friction)]
-    notes = uncertified(tree)
-    if attrs["opposite_flanks"] != "given":
-        notes.append(
-            "Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
-            "same settings, which matters for the teeth's thickness alone."
-        )
+    notes = _notes(tree)
     return "\n".join([*parts, *(["", *notes] if notes else [])])

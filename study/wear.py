@@ -19,6 +19,7 @@ from ..cases.model import Case
 from ..cases.reading import read_case
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.segments import lines_in_mesh, lost_contact
+from ..contact.solvers import Status
 from ..contact.wear import MEMBERS, engagement, integral, on_flank, rolling_fields, touched
 from ..core.attributes import labelled
 from ..core.errors import GeometryError
@@ -30,13 +31,14 @@ from ..geometry.pair import FlankName, GearPair, PairGeometry, grid, pair_geomet
 from ..geometry.rolling import rolling
 from ..geometry.tooth_flanks import MemberName, named_member
 from .analysis import prepared_pair
-from .deviations import Source, flank_deviations, require_line_contact
+from .deviations import MOST_LOST, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
 __all__ = ["WearLaw", "wear"]
 
 Array = NDArray[Any]
 WEAR_NODES = (49, 33)  # of either flank
+CONTACT_LOST, NOT_SOLVED = "contact lost", "contact not solved"  # how the reason of a stop before its time begins
 
 
 def wear(
@@ -72,8 +74,10 @@ def wear(
         ``wear_depth`` and the flank's whole ``deviation`` (step, member, lengthwise, profile) on either member's own
         flank, the latter continued where nothing touches, to go on from. Over ``step``, 0 at the start: revolutions,
         largest depths, removed volume by Archard's law and by integral of the depth, peak to peak and greatest pressure
-        of the loaded contact at every torque. Attribute ``stop`` says why it ended; if the worn flanks could not be
-        solved any more, the history ends before that. ``position`` (member, lengthwise, profile, xyz) [mm] is the
+        of the loaded contact at every torque. Attribute ``stop`` says why it ended, and ``completed`` is 1 if as
+        ``law`` has it. If the worn flanks have no line contact any more, or their contact could not be solved, it is 0,
+        ``stop`` begins with "contact lost" or "contact not solved", and the history ends before that.
+        ``position`` (member, lengthwise, profile, xyz) [mm] is the
         designed flank: what ``flank_deviations`` knows a file of it by.
 
     Raises
@@ -86,12 +90,12 @@ def wear(
     checked = case if isinstance(case, Case) else read_case(case)
     pair = prepared_pair(checked, flank, misalignment)
     run = _Run(checked, pair, law, duty_cycle(torque), solver, flank_deviations(pair, deviations or {}, interpolation))
-    history = [run.state()]
+    history, completed = [run.state()], True
     while run.stop is None:
         try:
             run.step()
         except GeometryError as error:
-            run.stop = str(error)
+            run.stop, completed = str(error), False
             break
         history.append(run.state())
         if progress is not None:
@@ -102,7 +106,14 @@ def wear(
     result["position"] = (own, np.stack([run.positions[name] for name in MEMBERS]))
     result = result.assign_coords(xyz=list("xyz"))
     of_pair = {"pinion_teeth": pair.assembly.pinion_teeth, "gear_teeth": pair.assembly.gear_teeth}
-    result.attrs = {"stop": run.stop, "title": checked.title, "flank": flank, **of_pair, **_attributes(law)}
+    result.attrs = {
+        "stop": run.stop,
+        "completed": int(completed),
+        "title": checked.title,
+        "flank": flank,
+        **of_pair,
+        **_attributes(law),
+    }
     return labelled(result)
 
 
@@ -157,7 +168,14 @@ class _Run:
         fields = loaded_fields(designed.flanks, ease_off, designed.teeth)
         pitch = self.pair.assembly.pinion_pitch
         mesh = lines_in_mesh(fields, pitch, settings.mesh_positions)
-        require_line_contact(lost_contact(fields, mesh), now)
+        lost = lost_contact(fields, mesh)
+        if self.revolutions == 0.0:  # what was measured or left from elsewhere, not worn here
+            require_line_contact(lost, now)
+        elif lost > MOST_LOST:
+            raise GeometryError(
+                f"{CONTACT_LOST}: at {100 * lost:.1f} % of the points of the contact lines the worn flanks bend over "
+                "too short a way for a line contact"
+            )
         self.loaded, _ = loaded_contact(
             fields,
             designed.teeth,
@@ -168,6 +186,11 @@ class _Run:
             segments_per_line=settings.segments_per_line,
             solver=self.solver,
         )
+        bad = int(np.count_nonzero(self.loaded["status"].values != Status.CERTIFIED))
+        if bad and self.revolutions > 0.0:
+            raise GeometryError(
+                f"{NOT_SOLVED}: {bad} of {self.loaded['status'].size} mesh positions of the worn flanks"
+            )
         count = settings.segments_per_line
         parts = [(s, engagement(self.loaded, self.motion, pitch, count, i)) for i, s in enumerate(self.shares.values())]
         if not self.touched:

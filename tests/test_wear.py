@@ -118,6 +118,7 @@ def test_halving_the_step_halves_the_error() -> None:
         assert history["revolutions"].values[-1] == pytest.approx(3e7, rel=1e-12)
         assert np.max(np.diff(history["wear_depth"].values, axis=0)) <= step * (1.0 + 1e-9)
         assert history.attrs["stop"] == "all revolutions done"
+        assert history.attrs["completed"] == 1
 
 
 def test_wear_begins_in_proportion_to_the_coefficient() -> None:

@@ -14,8 +14,10 @@ from click.testing import CliRunner
 from test_wear import small_case
 
 import easeoff
+from easeoff.contact.curves import arc_length, contact_fields
+from easeoff.contact.loaded import loaded_contact
 from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry import Misalignment
+from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.geometry.deviation import deviation_from_formula
 from easeoff.study.analysis import prepared_pair
 from easeoff.study.cli import main
@@ -142,3 +144,57 @@ def test_mistakes_on_the_command_line_are_named(options: list[str], message: str
     assert wrong.exit_code == 2
     assert message in " ".join(wrong.output.replace("│", " ").split())
     assert not list(tmp_path.iterdir())
+
+
+def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The step that lost it is not kept, the reason speaks of wear, not of measuring, and the exit code is 1."""
+    solved: list[float] = []
+
+    def lost_in_the_end(*arguments: Any) -> float:
+        solved.append(0.0)
+        return 0.0 if len(solved) < 4 else 0.03
+
+    monkeypatch.setattr("easeoff.study.wear.lost_contact", lost_in_the_end)
+    out = tmp_path / "worn.nc"
+    arguments = ["wear", "fm-11x41", "--torque", "200", "--revolutions", "1e8", "--largest-step", "1", "-o", str(out)]
+    ended = CliRunner().invoke(main, arguments)
+    assert ended.exit_code == 1
+    for part in ("contact lost: at 3.0 % of the points", "stopped before its time", "% of the revolutions"):
+        assert part in ended.output
+    assert "easure" not in ended.output
+    with xr.open_dataset(out, engine="netcdf4") as stored:
+        assert stored.sizes["step"] == 3
+        assert stored.attrs["completed"] == 0
+        assert float(stored["largest_depth"].max()) <= 2.0 + 1e-9
+
+
+def test_wear_whose_contact_is_not_solved_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[int] = []
+
+    def failing(*arguments: Any, **options: Any) -> Any:
+        loaded, cases = loaded_contact(*arguments, **options)
+        calls.append(1)
+        if len(calls) == 3:
+            loaded["status"][0, 2:4] = 1
+        return loaded, cases
+
+    monkeypatch.setattr("easeoff.study.wear.loaded_contact", failing)
+    history = wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, 1.0), torque=200.0)
+    assert history.attrs["stop"] == "contact not solved: 2 of 8 mesh positions of the worn flanks"
+    assert history.attrs["completed"] == 0
+    assert history.sizes["step"] == 2
+
+
+def test_a_corner_where_points_coincide_has_no_length() -> None:
+    """One such curve once counted as 27 m, and all others as too short beside it."""
+    pair = prepared_pair(small_case(), "drive", None)
+    geometry = pair_geometry(pair, (21, 15))
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    along = np.array([0.2, 0.2, 0.2 + 1e-9, 0.2 + 1e-9, 0.21, 0.22])
+    curve = np.stack([along, np.full(along.size, 0.5)])[:, None]
+    length = arc_length(fields, curve)[0]
+    chords = np.linalg.norm(np.diff(fields("position", curve)[:, 0], axis=-1), axis=0).sum()
+    assert np.all(np.isfinite(length))
+    assert length[-1] == pytest.approx(chords, rel=0.05)

@@ -65,6 +65,7 @@ def run(
     from ...cases import read_case
     from ...core.files import check_folder, check_writable
     from ..analysis import operation_of
+    from ..plausibility import plausibility
     from ..result import write_result
     from ..show import uncertified
 
@@ -91,6 +92,8 @@ def run(
 
         for picture in write_pictures(analysis.tree, plots):
             click.echo(f"wrote {picture}")
+    for note in plausibility(analysis.tree):
+        click.echo(note, err=True)
     failures = uncertified(analysis.tree)
     if failures:
         click.echo("\n".join(failures), err=True)

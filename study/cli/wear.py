@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
 from .analysing import pair_options, with_defaults
+from .exit_codes import EXIT_UNCERTIFIED
 from .options import coefficients, duty_cycle
 
 
@@ -75,6 +77,13 @@ def wear(
         both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
         click.echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
     click.echo(f"wrote {output}")
+    if not history.attrs["completed"]:
+        click.echo(
+            f"the wear stopped before its time, after {100 * float(last['revolutions']) / revolutions:.3g} % of the "
+            "revolutions; the file holds what was solved. A smaller --largest-step may lead further",
+            err=True,
+        )
+        sys.exit(EXIT_UNCERTIFIED)
 
 
 def _moved(bar: Any, done: float) -> None:

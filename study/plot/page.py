@@ -19,6 +19,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from ...core.files import whole_file
+from ..departures import deviations, modification
 
 DPI = 160
 WIDTH = 8.6  # [in]
@@ -73,7 +74,7 @@ def sheet(height: float) -> Figure:
 
 
 def small_print(attributes: Mapping[Any, Any]) -> list[str]:
-    """Flanks, misalignment and program of a result, from its attributes."""
+    """Flanks, misalignment, departures from the design and program of a result, from its attributes."""
     flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
     errors = [
         ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
@@ -85,7 +86,9 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     teeth = f"{attributes['pinion_teeth']} x {attributes['gear_teeth']}" if "pinion_teeth" in attributes else ""
     name = str(attributes.get("flank", ""))
     version = attributes.get("easeoff_version", "")
-    return [teeth, flanks.get(name, name), f"misalignment {given or 'none'}", f"easeoff {version}".strip()]
+    departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
+    departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
+    return [teeth, flanks.get(name, name), f"misalignment {given or 'none'}", *departed, f"easeoff {version}".strip()]
 
 
 def plain_axes(axes: Axes) -> None:

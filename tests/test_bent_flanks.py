@@ -1,0 +1,132 @@
+"""Flanks that bend over a short way: no gap is wild where one step does not lead to the closest approach."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import easeoff
+from easeoff.cases import Case
+from easeoff.contact.closest_approach import ClosestApproach, closest_approach, one_step
+from easeoff.contact.segments import gauss_points, lines_in_mesh, lost_contact
+from easeoff.contact.surface_cells import FlanksInMesh, flanks_in_mesh
+from easeoff.geometry.deviated_surface import deviated_pair
+from easeoff.geometry.deviation import Deviation, deviation_from_formula
+from easeoff.geometry.flank_gap import flank_gap
+from easeoff.geometry.flank_surface import solve_flank
+from easeoff.study.analysis import prepared_pair
+
+Array = NDArray[np.float64]
+CORNER = (0.95, 0.20)  # of the gear flank; most gaps there are open
+DEEP = {"slight": 9.0, "deep": 10.0}  # um
+
+
+@cache
+def small_case() -> Case:
+    case = easeoff.read_case("fm-11x41")
+    contact = case.contact.model_copy(update={"mesh_positions": 8, "segments_per_line": 15})
+    return case.model_copy(update={"contact": contact})
+
+
+@cache
+def dent(depth: float) -> Deviation:
+    """A smooth dent of the gear, in which c + a'' comes near to zero."""
+    section = prepared_pair(small_case(), "drive", None).gear.section
+    return deviation_from_formula(
+        section, lambda t, h: -depth * np.exp(-(((t - CORNER[0]) / 0.12) ** 2) - ((h - CORNER[1]) / 0.08) ** 2)
+    )
+
+
+@cache
+def flanks(depth: float) -> FlanksInMesh:
+    return flanks_in_mesh(deviated_pair(prepared_pair(small_case(), "drive", None), gear=dent(depth)))
+
+
+@cache
+def points(depth: float) -> Array:
+    here = flanks(depth)
+    return gauss_points(lines_in_mesh(here.fields, here.pair.assembly.pinion_pitch, 8).lines, 15)[0].reshape(2, -1)
+
+
+@cache
+def found(depth: float) -> ClosestApproach:
+    return closest_approach(flanks(depth).fields, points(depth))
+
+
+def least_gap(depth: float, chosen: Array) -> Array:
+    """Least gap [rad] between the surfaces across the contact curve through points (2, n), by rays along the normal."""
+    here = flanks(depth)
+    rotation = here.fields("roll_angle", chosen)
+    slope = np.stack([here.fields("roll_angle", chosen, d) for d in ((1, 0), (0, 1))])
+    position = [here.fields("position", chosen, d) for d in ((1, 0), (0, 1))]
+    e, f, g = (np.sum(position[i] * position[j], axis=0) for i, j in ((0, 0), (0, 1), (1, 1)))
+    across = np.stack([g * slope[0] - f * slope[1], e * slope[1] - f * slope[0]])
+    across /= np.max(np.abs(across), axis=0)
+    gaps = []
+    for n in range(chosen.shape[1]):
+        way = np.linspace(-0.1, 0.1, 201)
+        place = chosen[:, n, None] + across[:, n, None] * way
+        place = place[:, np.all((place >= 0.0) & (place <= 1.0), axis=0)]
+        gear = here.pair.gear
+        surface = solve_flank(gear.loaded, gear.section, *gear.section.points(place[0], place[1]))
+        start = here.fields("pinion_parameters", place)
+        turned = rotation[n] + here.motion.center
+        gap = flank_gap(here.motion, surface.position, surface.normal, turned, here.first_contact, start)
+        arm = np.abs(surface.position[0] * surface.normal[1] - surface.position[1] * surface.normal[0])
+        gaps.append(np.nanmin(gap.gap / arm))
+    return np.array(gaps)
+
+
+@pytest.mark.parametrize("depth", DEEP.values(), ids=DEEP)
+def test_one_step_goes_wild_and_is_not_taken(depth: float) -> None:
+    """The step alone is wrong by hundreds of microradians or even far below zero; the search is between bounds."""
+    step = one_step(flanks(depth).fields, points(depth))
+    lost = ~step.expanded
+    assert 2 <= np.count_nonzero(lost) <= 20
+    assert 1e6 * np.abs(step.separation_angle - found(depth).separation_angle).max() > 100.0
+    on_curve = flanks(depth).fields("ease_off_angle", points(depth))
+    corner = np.linspace(0.0, 1.0, 201)
+    least = flanks(depth).fields("ease_off_angle", np.stack(np.meshgrid(corner, corner, indexing="ij"))).min()
+    assert np.all(found(depth).separation_angle[lost] <= on_curve[lost])
+    assert np.all(found(depth).separation_angle > least - 1e-6)
+
+
+@pytest.mark.parametrize("depth", DEEP.values(), ids=DEEP)
+def test_the_gap_found_is_that_between_the_surfaces(depth: float) -> None:
+    """Rays from flank to flank, which know nothing of ease-off and roll angle, find the same gap; the step does not."""
+    step = one_step(flanks(depth).fields, points(depth))
+    lost = ~step.expanded
+    exact = least_gap(depth, points(depth)[:, lost])
+    np.testing.assert_allclose(found(depth).separation_angle[lost], exact, rtol=0.01)
+    assert 1e6 * np.abs(step.separation_angle[lost] - exact).max() > 100.0
+
+
+def test_elsewhere_the_step_is_kept_to_the_last_digit() -> None:
+    for name in ("separation_angle", "shift", "curvature"):
+        step, whole = (getattr(one, name) for one in (one_step(flanks(9.0).fields, points(9.0)), found(9.0)))
+        kept = found(9.0).expanded
+        np.testing.assert_array_equal(whole[..., kept], step[..., kept])
+    designed = flanks_in_mesh(prepared_pair(small_case(), "drive", None))
+    mesh = lines_in_mesh(designed.fields, designed.pair.assembly.pinion_pitch, 8)
+    assert np.all(closest_approach(designed.fields, mesh.lines.points).expanded)
+    assert lost_contact(designed.fields, mesh) == 0.0
+
+
+def test_the_loaded_contact_stays_as_it_is_next_to_such_a_place() -> None:
+    """A corner that hardly carries: update and surfaces agree, and the result says how many segments were searched."""
+    swings, levels = [], []
+    for deviations in ({}, {"gear": dent(9.0)}):
+        for way in ("ease_off", "surface"):
+            tree = easeoff.analyze(small_case(), torques=[200.0], deviations=deviations, deviated=way)  # type: ignore[arg-type]
+            loaded = tree["loaded"].to_dataset()
+            assert (int(loaded.attrs["searched_segments"]) > 0) == bool(deviations)
+            assert float(loaded["separation"].min()) > -1e-4  # mm
+            swings.append(float(loaded["peak_to_peak"][0]))
+            levels.append(float(loaded["mean_level"][0]))
+    assert swings[0] == swings[1]
+    assert swings[3] == pytest.approx(swings[2], abs=0.5)
+    assert levels[3] == pytest.approx(levels[2], rel=0.01)
+    assert abs(levels[2] - levels[0]) < 10.0

@@ -1,0 +1,121 @@
+"""A result says how its flanks depart from the design, and where it is unlike any gear; never of ordinary ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import easeoff
+from easeoff.cases import Case, write_case
+from easeoff.cases.reading import shipped_cases
+from easeoff.geometry import Modification
+from easeoff.study.cli import main
+from easeoff.study.plausibility import LEAST_COMMON, MOST_EASE_OFF, MOST_PRESSURE, plausibility
+from easeoff.study.plot.page import small_print
+from easeoff.study.show import summary
+
+COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
+
+
+def coarse(name: str) -> Case:
+    case = easeoff.read_case(name)
+    return case.model_copy(update={"contact": case.contact.model_copy(update=COARSE), "friction": None})
+
+
+@cache
+def plain() -> xr.DataTree:
+    return easeoff.analyze(coarse("fm-11x41"))
+
+
+def changed(group: str, change: Callable[[xr.Dataset], xr.Dataset]) -> xr.DataTree:
+    groups = dict(plain().to_dict())
+    groups[f"/{group}"] = change(plain()[group].to_dataset().copy(deep=True))
+    return xr.DataTree.from_dict(groups)
+
+
+def wide(by: float) -> xr.DataTree:
+    """The greatest ease-off on the common flank as many times the limit."""
+
+    def change(ease_off: xr.Dataset) -> xr.Dataset:
+        gap = ease_off["ease_off"].where(ease_off["inside"] == 1)
+        return ease_off.assign(ease_off=ease_off["ease_off"] * float(by * MOST_EASE_OFF / gap.max()))
+
+    return changed("ease_off", change)
+
+
+def pressed(by: float) -> xr.DataTree:
+    return changed("loaded", lambda loaded: loaded.assign(max_pressure=("torque", [by * MOST_PRESSURE])))
+
+
+def shared(by: float) -> xr.DataTree:
+    """As many first nodes on the common flank as make that part of it."""
+
+    def change(ease_off: xr.Dataset) -> xr.Dataset:
+        inside = np.zeros(ease_off["inside"].size, dtype=np.int8)
+        inside[: round(by * LEAST_COMMON * inside.size)] = 1
+        return ease_off.assign(inside=(ease_off["inside"].dims, inside.reshape(ease_off["inside"].shape)))
+
+    return changed("ease_off", change)
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+def test_shipped_cases_are_plausible(name: str, flank: str) -> None:
+    assert plausibility(easeoff.analyze(coarse(name), flank=flank)) == []  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("made", "beyond", "within", "words"),
+    [
+        (wide, 1.1, 0.9, "ease-off reaches 1.1 mm on the common flank"),
+        (pressed, 1.1, 0.9, "greatest pressure is 5.5 GPa"),
+        (shared, 0.9, 1.1, "flanks share 27 % of the gear flank"),
+    ],
+)
+def test_each_limit_has_its_note(
+    made: Callable[[float], xr.DataTree], beyond: float, within: float, words: str
+) -> None:
+    (note,) = plausibility(made(beyond))
+    assert words in note
+    assert note in summary(made(beyond))
+    assert plausibility(made(within)) == []
+
+
+def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path: Path) -> None:
+    """The work offset of the pinion with the other sign still cuts a tooth, and every position is certified."""
+    data = coarse("fm-11x41").model_dump()
+    data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
+    write_case(Case.model_validate(data), tmp_path / "slip.toml")
+    out = tmp_path / "slip.nc"
+    done = CliRunner().invoke(main, ["run", str(tmp_path / "slip.toml"), "-o", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "Note: the ease-off reaches" in done.output
+    assert "Note: the ease-off reaches" in CliRunner().invoke(main, ["show", str(out)]).output
+
+
+def test_departures_from_the_design_are_in_report_and_small_print() -> None:
+    nothing = summary(plain()) + " ".join(small_print(plain().attrs))
+    assert "deviating" not in nothing
+    assert "modified" not in nothing
+    deviations = {m: f"fm-11x41-worn-{m}" for m in ("pinion", "gear")}
+    modified = Modification({"lengthwise_crowning": 5.0, "bias": -2.0})
+    tree = easeoff.analyze(coarse("fm-11x41"), deviations=deviations, modification=modified)  # type: ignore[arg-type]
+    pinion = f"pinion up to {tree.attrs['largest_deviation_pinion_um']:.3g} um, gear up to"
+    for words in (pinion, "ease-off updated", "lengthwise crowning +5 um, bias -2 um"):
+        assert words in summary(tree)
+        assert words.replace(" um", " µm").replace(" -", " −") in " ".join(small_print(tree.attrs))
+
+
+def test_show_says_that_a_closest_approach_was_searched_for() -> None:
+    note = "flanks bend over so short a way that their closest approach was searched for"
+    assert note not in summary(plain())
+    found = summary(changed("loaded", lambda loaded: loaded.assign_attrs(searched_segments=3)))
+    assert note in found
+    segments = int(np.isfinite(plain()["loaded"].to_dataset()["length"].values[0]).sum())
+    assert f"at 3 of {segments} segments" in found
