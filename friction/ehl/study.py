@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from ...core.attributes import labelled
-from ...core.errors import InputError, MissingPackageError
+from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.files import check_writable, whole_file
 from . import checks
 from .cases import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
@@ -147,7 +147,8 @@ def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadlin
     try:
         engine: Any = importlib.import_module("dask")
     except ImportError as error:
-        raise MissingPackageError("dask is not installed: pip install 'easeoff[dask]', or run without it") from error
+        message = f"dask is not installed: {how_to_install('easeoff[dask]')}; or run without it"
+        raise MissingPackageError(message) from error
     batch = 8 * (os.cpu_count() or 1)
     todo = list(conditions)
     # With a distributed client its scheduler is the default; without one, processes: the work holds the interpreter.
