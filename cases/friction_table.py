@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
+from .mistakes import written
 from .table import Number, Table, number
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def _roughnesses(value: Any) -> Any:
         pair = entry if isinstance(entry, tuple) else (entry, entry)
         if len(pair) != 2 or not all(_is_number(height) for height in pair):
             raise ValueError(
-                f"{list(entry) if isinstance(entry, tuple) else _written(entry)}: give a number in um or a "
+                f"{list(entry) if isinstance(entry, tuple) else written(entry)}: give a number in um or a "
                 "list of such, in which [0.8, 0.4] as an entry is pinion and gear"
             )
     return entries
@@ -44,11 +45,7 @@ def _coefficient(value: Any) -> Any:
         return value
     from ..friction import COEFFICIENTS
 
-    raise ValueError(f"{_written(value)}: must be one of {', '.join(COEFFICIENTS)}, or a number of zero or more")
-
-
-def _written(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+    raise ValueError(f"{written(value)}: must be one of {', '.join(COEFFICIENTS)}, or a number of zero or more")
 
 
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]

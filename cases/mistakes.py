@@ -60,8 +60,12 @@ def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:
 def _value(item: Any) -> str:
     if item["type"] in ("missing", "value_error") or isinstance(item["input"], dict):
         return ""
-    value = item["input"]
-    return f" = {str(value).lower() if isinstance(value, bool) else repr(value)}"
+    return f" = {written(item['input'])}"
+
+
+def written(value: Any) -> str:
+    """A value as the file has it."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _allowed(model: type[BaseModel], item: Any) -> str:

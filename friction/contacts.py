@@ -86,38 +86,33 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
     return loaded.transpose(*order, ...)
 
 
-def segment_places(tree: xr.DataTree) -> tuple[Array, NDArray[np.bool_]]:
-    """Fractions (2, n) of all potential segments of a result that exist, and which do (mesh position, segment)."""
-    loaded = loaded_segments(tree)
-    # The lines do not move under load: a segment's place is the same at every torque.
-    places = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
-    exists = np.isfinite(places[0])
-    return places[:, exists], exists
+@dataclass(frozen=True)
+class PotentialSegments:
+    """What is the same at every torque, as the contact lines do not move under load.
 
-
-def segment_velocities(tree: xr.DataTree) -> tuple[SurfaceVelocities, NDArray[np.bool_]]:
-    """Velocities at all potential segments of a result, those that exist, and which do (mesh position, segment).
-
-    Raises
-    ------
-    InputError
-        If the result is of an older version without points of action.
+    Parameters
+    ----------
+    exists
+        Which segments there are (mesh position, segment).
+    velocities
+        At those (n), per angular velocity of the pinion.
+    radius_along
+        `radii_along_line` (n) [m], if that is taken for the equivalent radius.
     """
-    ease_off = tree["ease_off"].to_dataset()
-    places, exists = segment_places(tree)
-    return surface_velocities(axes_of(ease_off), action_fields(ease_off), places), exists
+
+    exists: NDArray[np.bool_]
+    velocities: SurfaceVelocities
+    radius_along: Array | None
+
+    def spread(self, values: Array) -> Array:
+        """Values (n, ...) at the segments as a field (mesh position, segment, ...), NaN where there is none."""
+        field = np.full((*self.exists.shape, *values.shape[1:]), np.nan)
+        field[self.exists] = values
+        return field
 
 
-def segment_radii_along(tree: xr.DataTree) -> Array:
-    """``radii_along_line`` at all potential segments (mesh position, segment) [m], NaN where there is none."""
-    places, exists = segment_places(tree)
-    radii = np.full(exists.shape, np.nan)
-    radii[exists] = radii_along_line(tree, places)
-    return radii
-
-
-def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "across") -> LoadedContacts:
-    """Gather the segments that carry force.
+def potential_segments(tree: xr.DataTree, radius_direction: RadiusDirection = "across") -> PotentialSegments:
+    """Velocities at all segments of a result, whether they carry force or not.
 
     Parameters
     ----------
@@ -129,9 +124,34 @@ def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "acro
     Raises
     ------
     InputError
+        If the result is of an older version without points of action, or lacks a dimension or its flanks.
+    """
+    loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
+    places = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
+    exists = np.isfinite(places[0])
+    points = places[:, exists]
+    velocities = surface_velocities(axes_of(ease_off), action_fields(ease_off), points)
+    return PotentialSegments(
+        exists, velocities, radii_along_line(tree, points) if radius_direction == "along" else None
+    )
+
+
+def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None) -> LoadedContacts:
+    """Gather the segments that carry force.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    segments
+        Its ``potential_segments``, if they are known.
+
+    Raises
+    ------
+    InputError
         If the result is of an older version.
     """
-    velocities, exists = segment_velocities(tree)
+    segments = segments or potential_segments(tree)
     loaded = loaded_segments(tree)
     if "contact_modulus_MPa" not in loaded.attrs:
         raise InputError("this result has no contact modulus: it was written by an older version; make it anew")
@@ -140,10 +160,10 @@ def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "acro
     length, radius = (1e-3 * loaded[name].values[touching] for name in ("length", "equivalent_radius"))
     modulus = 1e6 * float(loaded.attrs["contact_modulus_MPa"])
     index = np.stack(np.nonzero(touching))
-    if radius_direction == "along":
-        radius = segment_radii_along(tree)[index[1], index[2]]
-    number = np.cumsum(exists.ravel()).reshape(exists.shape) - 1
+    number = np.cumsum(segments.exists.ravel()).reshape(segments.exists.shape) - 1
     chosen = number[index[1], index[2]]
+    if segments.radius_along is not None:
+        radius = segments.radius_along[chosen]
     return LoadedContacts(
         index=index,
         torque=loaded["torque"].values,
@@ -152,7 +172,7 @@ def loaded_contacts(tree: xr.DataTree, radius_direction: RadiusDirection = "acro
         # Of the whole strip also where an edge cuts it: there the pressure has no limit.
         hertz_pressure=np.sqrt(force[touching] / length * modulus / (2.0 * np.pi * radius)),
         equivalent_radius=radius,
-        velocities=velocities.chosen(chosen),
+        velocities=segments.velocities.chosen(chosen),
         solved=loaded["status"].values == 0,
         contact_modulus=modulus,
     )

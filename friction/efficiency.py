@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
-from .contacts import LoadedContacts, loaded_contacts, segment_radii_along, segment_velocities
+from .contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .formula import FLAGS, formula_flags
-from .kinematics import SurfaceVelocities
 from .losses import losses
 from .operating import FrictionModel, Operation, checked_model
 
@@ -57,16 +56,17 @@ def friction(
         out of the oil's range.
     """
     model = checked_model(operation, model)
-    contacts = loaded_contacts(tree, model.radius_direction)
+    potential = potential_segments(tree, model.radius_direction)
+    contacts = loaded_contacts(tree, potential)
     loaded = tree["loaded"].to_dataset()
     segments = loaded.sizes["segment"]
     size = contacts.solved.size * segments * int(np.prod(operation.shape))
     keep = size <= MOST_VALUES if segment_fields is None else segment_fields
     result = losses_dataset(contacts, operation, model, segments if keep else 0)
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
-    result = result.assign_coords(coords).merge(velocities_dataset(*segment_velocities(tree), operation, model))
-    if model.radius_direction == "along":
-        result["radius_along_line"] = (("mesh_position", "segment"), 1e3 * segment_radii_along(tree))
+    result = result.assign_coords(coords).merge(velocities_dataset(potential, operation, model))
+    if potential.radius_along is not None:
+        result["radius_along_line"] = (("mesh_position", "segment"), 1e3 * potential.spread(potential.radius_along))
     return labelled(result.assign_attrs(_provenance(operation, model)))
 
 
@@ -143,22 +143,19 @@ def losses_dataset(
     return xr.Dataset(data, coords=_coordinates(operation, model))
 
 
-def velocities_dataset(
-    velocities: SurfaceVelocities, exists: NDArray[np.bool_], operation: Operation, model: FrictionModel
-) -> xr.Dataset:
+def velocities_dataset(potential: PotentialSegments, operation: Operation, model: FrictionModel) -> xr.Dataset:
     """Sliding and rolling at all potential segments over (mesh_position, segment, speed), NaN where there is none."""
-    ratio = np.full(exists.shape, np.nan)
-    ratio[exists] = model.slide_to_roll(velocities)
+    velocities = potential.velocities
     per_radian = {
         "sliding_velocity": velocities.sliding_speed,
         "sliding_along": velocities.sliding_along,
         "sliding_across": velocities.sliding_across,
         "rolling_velocity": np.abs(model.rolling(velocities)),
     }
+    ratio = potential.spread(model.slide_to_roll(velocities))
     data: dict[str, Any] = {"slide_to_roll": (("mesh_position", "segment"), ratio)}
     for name, values in per_radian.items():
-        field = np.full((*exists.shape, operation.speeds.size), np.nan)
-        field[exists] = values[:, None] * operation.angular_velocity
+        field = potential.spread(values[:, None] * operation.angular_velocity)
         data[name] = (("mesh_position", "segment", "speed"), field)
     return xr.Dataset(data, coords={"speed": operation.speeds})
 

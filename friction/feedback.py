@@ -26,7 +26,7 @@ from ..contact.loaded_cases import LoadedCase
 from ..contact.solvers import Status, require_solver
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
-from .contacts import LoadedContacts, loaded_contacts, loaded_segments
+from .contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .efficiency import OPERATION, friction
 from .losses import losses
 from .operating import FrictionModel, Operation, checked_model
@@ -97,7 +97,8 @@ def _one_operation(
     """Friction with feedback at one speed, temperature and roughness."""
     loaded = loaded_segments(tree)
     ratio = float(tree["ease_off"].attrs["ratio"])
-    contacts = loaded_contacts(tree, model.radius_direction)
+    potential = potential_segments(tree, model.radius_direction)
+    contacts = loaded_contacts(tree, potential)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
     effective, current = given, tree
     for count in range(ITERATIONS + 1):
@@ -114,7 +115,7 @@ def _one_operation(
         loaded["force"].values[failed] = np.nan
         effective = np.where(moving, wanted, effective)
         current = tree.assign({"loaded": xr.DataTree(loaded)})
-        contacts = loaded_contacts(current, model.radius_direction)
+        contacts = loaded_contacts(current, potential)
     taken, passed = friction_torques(contacts, operation, model)
     # What the normal forces carry over, from the forces themselves.
     carried = 1e-3 * (loaded["force"] * loaded["lever_arm"]).sum("segment").values / ratio

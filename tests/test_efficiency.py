@@ -17,7 +17,7 @@ from easeoff.cases.model import ContactTable
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
-from easeoff.friction.contacts import RadiusDirection, loaded_contacts
+from easeoff.friction.contacts import RadiusDirection, loaded_contacts, potential_segments
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.kinematics import action_fields, axes_of, surface_velocities
 from easeoff.friction.line_radius import radii_along_line
@@ -113,7 +113,7 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
 @pytest.mark.parametrize("direction", ["across", "along"])
 def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, direction: RadiusDirection) -> None:
     """The line load that film and traction take from the pressure is force over length, whatever the radius."""
-    contacts = loaded_contacts(tree, direction)
+    contacts = loaded_contacts(tree, potential_segments(tree, direction))
     conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
     np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
 
