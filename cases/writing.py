@@ -8,7 +8,7 @@ from pathlib import Path
 
 import tomli_w
 
-from ..core.files import whole_file
+from ..core.files import check_writable, whole_file
 from .model import Case
 
 
@@ -48,9 +48,10 @@ def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> N
     Raises
     ------
     InputError
-        If the file cannot be written.
+        If the file cannot be written, or is the case's own file of an oil.
     """
     if case.friction is not None:
+        check_writable(path, case.friction.oil_file)
         case = case.model_copy(update={"friction": case.friction.seen_from(Path(path).parent)})
     with whole_file(path) as temporary:
         temporary.write_text(case_toml(case, comment), encoding="utf-8", newline="\n")
