@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .cases import Case, read_case
     from .study.analysis import analyze
-    from .study.optimize import optimize
+    from .study.optimization import optimize
     from .study.result import read_result, write_result
 
 __all__ = ["Case", "analyze", "optimize", "read_case", "read_result", "write_result"]
 
 _HOMES = {
     "Case": ".cases",
-    "optimize": ".study.optimize",
+    "optimize": ".study.optimization",
     "read_case": ".cases",
     "analyze": ".study.analysis",
     "read_result": ".study.result",

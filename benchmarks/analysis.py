@@ -25,7 +25,7 @@ from easeoff.cases.conversion import elastic_model
 from easeoff.contact import lines_in_mesh, loaded_fields, unloaded_contact
 from easeoff.contact.loaded import all_segments, solve_all
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.flank_surface import mean_parameters, seed_lattice
+from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from tabulate import tabulate
 
 THESIS_SECONDS_PER_TORQUE = 45.0  # Kolivand 2009, section 3.4, on a 3.0 GHz PC

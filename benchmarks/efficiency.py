@@ -18,7 +18,7 @@ import time
 import easeoff
 import numpy as np
 from easeoff.friction import FrictionModel, Operation, friction
-from easeoff.friction.contacts import loaded_contacts
+from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.study.analysis import analyze_in_full
 from tabulate import tabulate
 

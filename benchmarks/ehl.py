@@ -21,13 +21,13 @@ from easeoff.friction.ehl import (
     LineContact,
     Oil,
     generated_profile,
-    hierarchical,
+    hierarchical_matrix as hierarchical,
     mixed_film,
     rough_passage,
     smooth_film,
 )
-from easeoff.friction.ehl.deflection import Deflection, logarithm_of_hats
-from easeoff.friction.ehl.reynolds import balance
+from easeoff.friction.ehl.elastic_deflection import Deflection, logarithm_of_hats
+from easeoff.friction.ehl.reynolds_equation import balance
 from scipy.linalg import lu_factor, lu_solve, toeplitz
 from tabulate import tabulate
 

@@ -11,20 +11,20 @@ from tabulate import tabulate
 
 from easeoff.cases import read_case
 from easeoff.cases.conversion import elastic_model
-from easeoff.contact.bending import STEEL
+from easeoff.contact.compliance.elastic_pair import STEEL
 from easeoff.contact.compliance import ElasticFoundation
-from easeoff.contact.compliance.finite_elements.body import elastic_body, functionals
-from easeoff.contact.compliance.finite_elements.condensed import (
+from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.flank_compliance import (
     FlankCompliance,
     flank_loads,
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.members import solid_shell_tooth, usual_size
+from easeoff.contact.compliance.finite_elements.elastic_members import solid_shell_tooth, usual_size
 from easeoff.contact.loaded import loaded_contact, loaded_fields
-from easeoff.contact.segments import lines_in_mesh
+from easeoff.contact.lines.mesh_lines import lines_in_mesh
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry
-from easeoff.geometry.tooth_lattice import tooth_lattice
+from easeoff.geometry.tooth.tooth_lattice import tooth_lattice
 
 
 def split() -> None:

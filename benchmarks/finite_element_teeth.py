@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.bending import STEEL, ElasticModel, shells
-from easeoff.contact.compliance.finite_elements.body import ElasticBody, elastic_body, functionals
-from easeoff.contact.compliance.finite_elements.condensed import (
+from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel, shells
+from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.flank_compliance import (
     flank_loads,
     flank_shares,
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.members import solid_shell_size, usual_size
+from easeoff.contact.compliance.finite_elements.elastic_members import solid_shell_size, usual_size
 from easeoff.contact.compliance.finite_elements.solid_shell import SolidShell, solid_shell
 from easeoff.geometry import GearPair, pair_geometry
-from easeoff.geometry.flank_surface import solve_flank
-from easeoff.geometry.pair import bodies
-from easeoff.geometry.tooth_flanks import MemberName, named_member
-from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry.pair.gear_pair import bodies
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
+from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 
 Array = NDArray[Any]
 CASES = ("fm-11x41", "fh-12x41-45")

@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 from tabulate import tabulate
 
-from easeoff.contact.bending import ElasticModel, shells
+from easeoff.contact.compliance.elastic_pair import ElasticModel, shells
 from easeoff.contact.compliance import ElasticFoundation
-from easeoff.contact.compliance.finite_elements.members import usual_size
+from easeoff.contact.compliance.finite_elements.elastic_members import usual_size
 from easeoff.core.files import whole_file
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.tooth_flanks import named_member
-from easeoff.geometry.tooth_lattice import LatticeSize, usual_depth
+from easeoff.geometry.tooth.tooth_flanks import named_member
+from easeoff.geometry.tooth.tooth_lattice import LatticeSize, usual_depth
 
 from finite_element_split import split
 from finite_element_teeth import (

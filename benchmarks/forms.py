@@ -16,7 +16,7 @@ import time
 
 import numpy as np
 from easeoff.contact import ContactProblem, available_solvers, solve
-from easeoff.contact.modal_basis import modal_basis
+from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.solvers import SOLVERS
 from tabulate import tabulate
 

@@ -10,11 +10,11 @@ import numpy as np
 from finite_element_teeth import FORCE, PATCH, Array, shell_of, solid_tooth, tooth
 from tabulate import tabulate
 
-from easeoff.contact.bending import STEEL, ElasticModel
+from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel
 from easeoff.contact.compliance import ElasticFoundation, Shell, ToothDimensions
-from easeoff.contact.compliance.finite_elements.body import elastic_body, functionals
-from easeoff.contact.compliance.finite_elements.condensed import flank_shares
-from easeoff.geometry.tooth_flanks import MemberName
+from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.flank_compliance import flank_shares
+from easeoff.geometry.tooth.tooth_flanks import MemberName
 
 IMAGE = Path(__file__).parents[1] / "docs" / "images" / "free_edge.png"
 # Of about the height and thickness that the deflections of figure 3.4 call for; length and radius are the thesis's.

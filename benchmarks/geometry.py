@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import GearPair, Misalignment, pair_geometry
-from easeoff.geometry.curvature import principal_curvatures
-from easeoff.geometry.ease_off_surface import compute
-from easeoff.geometry.flank_surface import mean_parameters, seed_lattice
-from easeoff.geometry.pair import bodies, grid
+from easeoff.geometry.flanks.curvature import principal_curvatures
+from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
+from easeoff.geometry.pair.gear_pair import bodies, grid
 from tabulate import tabulate
 
 NODES = (51, 31)

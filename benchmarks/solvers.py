@@ -20,13 +20,13 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from easeoff.contact.modal_basis import modal_basis
-from easeoff.contact.problem import ContactProblem
-from easeoff.contact.scaling import ScaledProblem
+from easeoff.contact.problem.modal_basis import modal_basis
+from easeoff.contact.problem.contact_problem import ContactProblem
+from easeoff.contact.problem.scaling import ScaledProblem
 from easeoff.contact.solvers import available_solvers, solve, solve_many
-from easeoff.contact.solvers import many
+from easeoff.contact.solvers import problem_batch as many
 from easeoff.contact.solvers import modal_newton as modal
-from easeoff.contact.solvers.answer import ScaledAnswer
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
 from numpy.polynomial.legendre import legvander

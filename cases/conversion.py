@@ -5,23 +5,27 @@ from __future__ import annotations
 import math
 from typing import Any, Literal
 
-from ..contact.bending import ElasticModel
 from ..contact.compliance import ElasticFoundation, Material
-from ..contact.compliance.finite_elements.members import FiniteElementTooth, finite_element_tooth, solid_shell_tooth
+from ..contact.compliance.elastic_pair import ElasticModel
+from ..contact.compliance.finite_elements.elastic_members import (
+    FiniteElementTooth,
+    finite_element_tooth,
+    solid_shell_tooth,
+)
 from ..core.errors import GeometryError, InputError
-from ..geometry.assembly import Assembly, Misalignment
-from ..geometry.basic_settings import blank_section
-from ..geometry.blade import Blade
-from ..geometry.blade_sections import Relief
-from ..geometry.blank import BlankDesign, BlankDimensions, blank_dimensions
-from ..geometry.generating_surface import GeneratingSurface, Hand
-from ..geometry.machine import MachineSettings
-from ..geometry.pair import FlankName, GearPair, Member
-from ..geometry.section import BlankSection
-from ..geometry.synthesis import EaseOffTarget
-from .blank_design_table import BlankDesignTable
-from .cutting_table import FlankSettings, Machine, Motions
-from .model import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
+from ..geometry.cutting.blade import Blade
+from ..geometry.cutting.blade_sections import Relief
+from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
+from ..geometry.cutting.machine import MachineSettings
+from ..geometry.design.basic_settings import blank_section
+from ..geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
+from ..geometry.design.synthesis import EaseOffTarget
+from ..geometry.flanks.blank_section import BlankSection
+from ..geometry.pair.assembly import Assembly, Misalignment
+from ..geometry.pair.gear_pair import FlankName, GearPair, Member
+from .schema.blank_design_table import BlankDesignTable
+from .schema.case_schema import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
+from .schema.cutting_table import FlankSettings, Machine, Motions
 
 Side = Literal["concave", "convex"]
 

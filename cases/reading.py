@@ -13,11 +13,11 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ..core.errors import EaseoffError, InputError
-from ..geometry.free_settings import scale_of
+from ..geometry.cutting.named_settings import scale_of
 from .conversion import designed_blanks
-from .design_model import Design
 from .mistakes import count, mistakes
-from .model import Case
+from .schema.case_schema import Case
+from .schema.design_schema import Design
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -9,13 +9,13 @@ import math
 from typing import Any
 
 from ..core.errors import InputError
-from ..geometry.blade import Blade
-from ..geometry.generating_surface import GeneratingSurface
-from ..geometry.iso23509.dimensions import MemberBlank
-from ..geometry.machine import MachineSettings
+from ..geometry.cutting.blade import Blade
+from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.cutting.machine import MachineSettings
+from ..geometry.design.iso23509.blank_dimensions import MemberBlank
 from .conversion import designed_blanks
-from .cutting_table import Cutter, FlankSettings, Machine, Motions
-from .model import Blank, Case
+from .schema.case_schema import Blank, Case
+from .schema.cutting_table import Cutter, FlankSettings, Machine, Motions
 
 ANGLES = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
 ROLL = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")

@@ -9,7 +9,7 @@ from pathlib import Path
 import tomli_w
 
 from ..core.files import check_writable, whole_file
-from .model import Case
+from .schema.case_schema import Case
 
 
 def case_toml(case: Case, comment: str = "") -> str:

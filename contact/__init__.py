@@ -3,17 +3,17 @@
 The contact problem stands on its own: ``ContactProblem``, ``solve`` and ``certify`` need no gear.
 """
 
-from .bending import ElasticModel
-from .certificate import Certificate, certify
-from .complementarity_form import LCP, lcp
-from .dual_form import DualQP, dual_qp
-from .exchange import read_labels, read_problems, write_problems
-from .lifted_form import LiftedQP, lifted_qp
-from .line_contact_solution import solve_line_contact
+from .compliance.elastic_pair import ElasticModel
+from .line_contact.line_contact_solution import solve_line_contact
+from .lines.mesh_lines import lines_in_mesh
 from .loaded import loaded_contact, loaded_fields
-from .problem import ContactProblem
-from .programme_file import read_npz, write_npz
-from .segments import lines_in_mesh
+from .problem.certificate import Certificate, certify
+from .problem.complementarity_form import LCP, lcp
+from .problem.contact_problem import ContactProblem
+from .problem.dual_form import DualQP, dual_qp
+from .problem.lifted_form import LiftedQP, lifted_qp
+from .problem.problem_file import read_labels, read_problems, write_problems
+from .problem.programme_file import read_npz, write_npz
 from .solvers import ContactSolution, Status, available_solvers, solve, solve_many
 from .unloaded import unloaded_contact
 

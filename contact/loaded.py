@@ -10,18 +10,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.errors import InputError
-from .bending import MEMBERS, ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
-from .closest_approach import closest_approach
 from .compliance import WeberLineContact
-from .curves import contact_fields
-from .edges import MeshEdges, edges_in_mesh
-from .fields import FlankFields
-from .line_contact_batch import LineContacts, solve_line_contacts
-from .line_contact_solution import solve_on_bending
+from .compliance.elastic_pair import MEMBERS, ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
+from .line_contact.line_contact_law import LineContacts, solve_line_contacts
+from .line_contact.line_contact_solution import solve_on_bending
+from .lines.closest_approach import closest_approach
+from .lines.contact_lines import contact_fields
+from .lines.edges import MeshEdges, edges_in_mesh
+from .lines.flank_splines import FlankFields
+from .lines.mesh_lines import MeshLines, gauss_points
+from .lines.opposite_points import PASSING
 from .loaded_cases import LoadedCase, Segments, loaded_dataset
-from .modal_basis import basis_of_blocks
-from .opposite import PASSING
-from .segments import MeshLines, gauss_points
+from .problem.modal_basis import basis_of_blocks
 from .solvers import Status, require_solver
 
 Array = NDArray[Any]

@@ -12,11 +12,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
-from .certificate import Certificate
 from .compliance import WeberLineContact
 from .harmonics import harmonics, peak_to_peak, rms
-from .modal_basis import ModalBasis
-from .problem import ContactProblem
+from .problem.certificate import Certificate
+from .problem.contact_problem import ContactProblem
+from .problem.modal_basis import ModalBasis
 from .solvers import ContactSolution, Status
 
 Array = NDArray[Any]

@@ -11,10 +11,10 @@ from scipy.sparse import csc_array
 
 from ..core.attributes import labelled
 from ..core.errors import InputError
-from .bending import MEMBERS, member_points
-from .compliance.finite_elements.condensed import flank_shares
-from .compliance.finite_elements.members import FiniteElementTooth
-from .fields import FlankFields
+from .compliance.elastic_pair import MEMBERS, member_points
+from .compliance.finite_elements.elastic_members import FiniteElementTooth
+from .compliance.finite_elements.flank_compliance import flank_shares
+from .lines.flank_splines import FlankFields
 from .loaded_cases import LoadedCase
 from .solvers import Status
 

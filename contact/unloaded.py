@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from ..core.attributes import labelled
-from .closest_approach import ClosestApproach, closest_approach
-from .curves import ContactLines
-from .fields import FlankFields
 from .harmonics import harmonics, peak_to_peak, rms
-from .segments import MeshLines
+from .lines.closest_approach import ClosestApproach, closest_approach
+from .lines.contact_lines import ContactLines
+from .lines.flank_splines import FlankFields
+from .lines.mesh_lines import MeshLines
 
 Array = NDArray[Any]
 FINER = 16  # rotations between two mesh positions at which the envelope is taken

@@ -27,8 +27,7 @@ from easeoff.study.plot.contact_pattern import (
     legend_below,
     path_beyond,
 )
-from easeoff.study.plot.ease_off import contour_levels, draw_map, ease_off_map
-from easeoff.study.plot.mesh_cycle import Passage, passage
+from easeoff.study.plot.ease_off_map import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.page import (
     BLUE,
     BODY_SIZE,
@@ -43,10 +42,11 @@ from easeoff.study.plot.page import (
     plain_bar,
     sheet,
 )
-from easeoff.study.plot.pressure import draw_surface, pressure_levels
+from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import pressure_map
+from easeoff.study.plot.tooth_passage import Passage, passage
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
-from easeoff.study.plot.transmission_error import two_cycles
+from easeoff.study.plot.transmission_error_chart import two_cycles
 
 Array = NDArray[Any]
 

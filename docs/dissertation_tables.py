@@ -12,8 +12,8 @@ from dissertation_figures import error_of_a_pair, transfer
 from tabulate import tabulate
 
 import easeoff
-from easeoff.contact.closest_approach import closest_approach
-from easeoff.contact.curves import boundary_distance
+from easeoff.contact.lines.closest_approach import closest_approach
+from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.geometry import Misalignment
 from easeoff.study.plot.contact_pattern import Pattern, contact_pattern
 from easeoff.study.plot.page import torque_name

@@ -12,7 +12,7 @@ import easeoff
 from easeoff.cases import Case, read_design
 from easeoff.friction import Operation, friction
 from easeoff.study.analysis import analyze_in_full
-from easeoff.study.design import design_case
+from easeoff.study.case_design import design_case
 
 # Choices the dissertation leaves open, and another value of each.
 CHOICES: dict[str, dict[str, Any]] = {

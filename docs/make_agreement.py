@@ -19,8 +19,8 @@ from easeoff.contact import ContactProblem, available_solvers, solve
 from easeoff.contact.solvers import SOLVERS
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.contact.solvers.polish import recover_answer
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
 from easeoff.study.analysis import analyze_in_full
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 PAGE = Path(__file__).parent / "contact_problems.md"
 HEADING = "### Agreement"
@@ -59,7 +59,7 @@ class Agreement:
 
 def agreement(name: str, chosen: Iterable[ContactProblem], form: str = "auto") -> Agreement:
     """Compare a solver's own multipliers with the answer of the native solver."""
-    adapter = importlib.import_module(f"easeoff.contact.solvers.{name}")
+    adapter = importlib.import_module(f"easeoff.contact.solvers.adapters.{name}")
     entry = SOLVERS[name]
     number, errors = 0, []
     for problem in chosen:

@@ -39,7 +39,7 @@ from dissertation_tables import (
 
 import easeoff
 from easeoff.cases import shipped_cases
-from easeoff.study.plot.ease_off import ease_off_map
+from easeoff.study.plot.ease_off_map import ease_off_map
 from easeoff.study.plot.page import torque_name
 from easeoff.study.plot.tooth_view import tooth_view
 

@@ -25,7 +25,7 @@ from matplotlib.ticker import MaxNLocator
 
 from easeoff.study.plot.friction_maps import NAMES, SHADES, draw_values
 from easeoff.study.plot.page import INK, SMALL_SIZE, WIDTH, plain_axes, plain_bar, torque_colours
-from easeoff.study.plot.pressure import draw_surface, pressure_levels
+from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import pressure_map
 from easeoff.study.plot.tooth_view import draw_flank
 

@@ -19,10 +19,10 @@ from tqdm import tqdm
 
 from easeoff.core.files import whole_file
 from easeoff.friction import friction_coefficient
-from easeoff.friction.ehl.design import REFINED, Design
-from easeoff.friction.ehl.formula import SHIPPED_FORMULA, lambda_ratio, logarithms_of, write_formula
-from easeoff.friction.ehl.regression import REGIMES, SHIPPED, fit_friction, shipped_studies, study_inputs
-from easeoff.friction.ehl.study import run_study
+from easeoff.friction.ehl.study.formula_regression import REGIMES, SHIPPED, fit_friction, shipped_studies, study_inputs
+from easeoff.friction.ehl.study.friction_formula import SHIPPED_FORMULA, lambda_ratio, logarithms_of, write_formula
+from easeoff.friction.ehl.study.parameter_study import run_study
+from easeoff.friction.ehl.study.study_design import REFINED, Design
 
 STUDIES = ((Design(), None), (REFINED, 3000))
 INPUTS = 7  # the first variables, which are exact

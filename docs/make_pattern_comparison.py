@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 import easeoff
 from easeoff.geometry import Misalignment
 from easeoff.study.plot.page import WIDTH, plain_bar, sheet, torque_name
-from easeoff.study.plot.pressure import draw_surface, pressure_levels
+from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import PressureMap, pressure_map
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 

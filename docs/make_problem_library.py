@@ -13,10 +13,10 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-import easeoff.study.library.answers as answers_module
+import easeoff.study.library.reference_answers as answers_module
 from easeoff.study.library import KINDS, PARTS, Answer, Entry, entries, generate, proved_answer, reference_answers
-from easeoff.study.library.answers import TABLE, write_answers
-from easeoff.study.library.changes import CHANGES
+from easeoff.study.library.problem_changes import CHANGES
+from easeoff.study.library.reference_answers import TABLE, write_answers
 
 PAGE = Path(__file__).with_name("problem_library.md")
 

@@ -13,10 +13,10 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import gear_pair
-from easeoff.cases.model import ComplianceTable, ContactTable
+from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
 from easeoff.friction import FrictionModel
-from easeoff.geometry.deviation import deviation_from_formula
-from easeoff.geometry.flank_errors import FlankErrors
+from easeoff.geometry.deviation.deviation import deviation_from_formula
+from easeoff.geometry.deviation.global_errors import FlankErrors
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)

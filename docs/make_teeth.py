@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from easeoff.cases import gear_pair, parse_case
 from easeoff.cases.reading import case_text
 from easeoff.geometry import GearPair
-from easeoff.geometry.conventional import path_of_contact
-from easeoff.geometry.ease_off_surface import compute
+from easeoff.geometry.flanks.blank_section import BlankSection
 from easeoff.geometry.formats.patches import oriented, rotations
-from easeoff.geometry.pair import grid
-from easeoff.geometry.section import BlankSection
-from easeoff.geometry.tooth_flanks import MemberName, named_member
-from easeoff.geometry.tooth_surface import tooth_patches
+from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.gear_pair import grid
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
+from easeoff.geometry.tooth.tooth_surface import tooth_patches
 from easeoff.geometry.vectors import rotate, rotate_z
+from easeoff.verification.point_contact import path_of_contact
 
 Array = NDArray[Any]
 

@@ -12,10 +12,10 @@ from tabulate import tabulate
 import easeoff
 from easeoff.cases import gear_pair, shipped_cases
 from easeoff.contact import available_solvers
-from easeoff.contact.conventional_check import both_methods, line_differences, point_differences
 from easeoff.geometry import Misalignment
-from easeoff.geometry.pair import FlankName
+from easeoff.geometry.pair.gear_pair import FlankName
 from easeoff.study.plot import write_pictures
+from easeoff.verification.conventional_analysis import both_methods, line_differences, point_differences
 
 HERE = Path(__file__).parent
 TORQUES = [50.0, 200.0, 250.0, 500.0]

@@ -12,9 +12,9 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import GearPair, pair_geometry
-from easeoff.geometry.deviated_ease_off import Form, deviated_ease_off
-from easeoff.geometry.deviation import Deviation
-from easeoff.study.deviations import deviated_geometry, flank_deviations
+from easeoff.geometry.deviation.deviation import Deviation
+from easeoff.geometry.deviation.ease_off_update import Form, deviated_ease_off
+from easeoff.study.flank_deviations import deviated_geometry, flank_deviations
 from easeoff.study.wear import WearLaw, wear
 
 DUTY = {100.0: 0.4, 200.0: 0.3, 300.0: 0.2, 400.0: 0.1}

@@ -4,11 +4,11 @@ from .coefficient import COEFFICIENTS, coefficient_model, contact_conditions, fr
 from .conditions import ContactConditions
 from .efficiency import friction
 from .feedback import friction_feedback
-from .film import FILMS
-from .formula import formula_flags
+from .film_thickness import FILMS
+from .kolivand_formula import formula_flags
 from .lubricant import Lubricant, OilState, available_lubricants, lubricant
-from .operating import FrictionModel, Operation
-from .rolling import THERMAL_FACTORS, rolling_traction
+from .operation import FrictionModel, Operation
+from .rolling_traction import THERMAL_FACTORS, rolling_traction
 
 __all__ = [
     "COEFFICIENTS",

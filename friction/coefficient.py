@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
-from .formula import formula_coefficient
+from .kolivand_formula import formula_coefficient
 from .lubricant import Lubricant, OutOfRange, lubricant
 
 Array = NDArray[Any]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .film import film
+from .film_thickness import film
 from .lubricant import THERMAL_CONDUCTIVITY
 
 Array = NDArray[Any]

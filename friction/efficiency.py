@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
-from .contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
-from .formula import FLAGS, formula_flags
+from .kolivand_formula import FLAGS, formula_flags
+from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
-from .operating import FrictionModel, Operation, checked_model
+from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
 MOST_VALUES = 3_000_000  # of a field over segments that is kept without being asked for

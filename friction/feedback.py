@@ -20,16 +20,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..contact.line_contact_batch import LineContacts, solve_line_contacts
-from ..contact.line_contact_solution import solve_on_bending
+from ..contact.line_contact.line_contact_law import LineContacts, solve_line_contacts
+from ..contact.line_contact.line_contact_solution import solve_on_bending
 from ..contact.loaded_cases import LoadedCase
 from ..contact.solvers import Status, require_solver
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
-from .contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .efficiency import OPERATION, friction
+from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .losses import losses
-from .operating import FrictionModel, Operation, checked_model
+from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
 ITERATIONS = 30

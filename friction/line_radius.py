@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..contact.fields import fit
+from ..contact.lines.flank_splines import fit
 from ..core.errors import InputError
 from ..geometry.vectors import dot
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from .coefficient import coefficient_model
 from .conditions import ContactConditions
-from .contacts import LoadedContacts
-from .operating import FrictionModel, Operation
-from .rolling import rolling_traction
+from .loaded_contacts import LoadedContacts
+from .operation import FrictionModel, Operation
+from .rolling_traction import rolling_traction
 
 Array = NDArray[Any]
 BLOCK = 200_000  # values: intermediate arrays stay in the processor's cache

@@ -1,22 +1,22 @@
 """Tooth flanks, blanks, ease-off and surface of roll angle: geometry alone, no loads."""
 
-from .assembly import Assembly, Misalignment
-from .basic_settings import blank_section, formate_gear, generated_gear
-from .blade import Blade
-from .blank import BlankDesign, BlankDimensions, blank_dimensions
-from .conjugate_pinion import conjugate_pinion
-from .corrective_settings import Correction, corrective_settings
-from .deviated_ease_off import deviated_ease_off
-from .deviated_surface import deviated_pair
-from .deviation import Deviation, deviation_from_dataset, deviation_from_formula
-from .flank_errors import FlankErrors, fit_flank_errors
-from .flank_surface import NodeStatus
-from .generating_surface import GeneratingSurface
-from .machine import MachineSettings
-from .modification import Modification, modified_ease_off
-from .pair import GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
-from .section import BlankSection
-from .synthesis import EaseOffTarget, Synthesis, fit_pinion
+from .cutting.blade import Blade
+from .cutting.generating_surface import GeneratingSurface
+from .cutting.machine import MachineSettings
+from .design.basic_settings import blank_section, formate_gear, generated_gear
+from .design.blank import BlankDesign, BlankDimensions, blank_dimensions
+from .design.conjugate_pinion import conjugate_pinion
+from .design.synthesis import EaseOffTarget, Synthesis, fit_pinion
+from .deviation.corrective_settings import Correction, corrective_settings
+from .deviation.deviated_flank import deviated_pair
+from .deviation.deviation import Deviation, deviation_from_dataset, deviation_from_formula
+from .deviation.ease_off_update import deviated_ease_off
+from .deviation.global_errors import FlankErrors, fit_flank_errors
+from .flanks.blank_section import BlankSection
+from .flanks.flank import NodeStatus
+from .pair.assembly import Assembly, Misalignment
+from .pair.gear_pair import GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
+from .pair.modification import Modification, modified_ease_off
 
 __all__ = [
     "Assembly",

@@ -11,21 +11,21 @@ import numpy as np
 import xarray as xr
 
 from ..cases.conversion import edges_touch, elastic_model, finite_elements, gear_pair
-from ..cases.model import Case
 from ..cases.reading import read_case
+from ..cases.schema.case_schema import Case
+from ..contact.lines.mesh_lines import lines_in_mesh, lost_contact
 from ..contact.loaded import loaded_contact, loaded_fields
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
-from ..contact.segments import lines_in_mesh, lost_contact
 from ..contact.solvers import require_solver
 from ..contact.unloaded import unloaded_contact
 from ..core.errors import InputError
-from ..geometry.assembly import Misalignment
-from ..geometry.deviation import Method
-from ..geometry.modification import Modification, modified_ease_off
-from ..geometry.pair import FlankName, GearPair
-from ..geometry.tooth_flanks import MemberName
-from .deviations import (
+from ..geometry.deviation.deviation import Method
+from ..geometry.pair.assembly import Misalignment
+from ..geometry.pair.gear_pair import FlankName, GearPair
+from ..geometry.pair.modification import Modification, modified_ease_off
+from ..geometry.tooth.tooth_flanks import MemberName
+from .flank_deviations import (
     Deviated,
     Source,
     deviated_geometry,
@@ -36,9 +36,9 @@ from .deviations import (
 from .provenance import provenance
 
 if TYPE_CHECKING:
-    from ..cases.friction_table import FrictionTable
+    from ..cases.schema.friction_table import FrictionTable
     from ..friction import FrictionModel, Lubricant, Operation
-    from ..friction.operating import Array, Numbers, Roughness
+    from ..friction.operation import Array, Numbers, Roughness
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..cases.conversion import gear_pair
-from ..cases.model import Case
 from ..cases.recording import flank_settings
-from ..geometry.ease_off_surface import compute
-from ..geometry.flank_surface import solve_flank
-from ..geometry.modification import Modification
-from ..geometry.pair import FlankName, GearPair
-from ..geometry.synthesis import Synthesis, fit_pinion
+from ..cases.schema.case_schema import Case
+from ..geometry.design.synthesis import Synthesis, fit_pinion
+from ..geometry.flanks.flank import solve_flank
+from ..geometry.pair.ease_off import compute
+from ..geometry.pair.gear_pair import FlankName, GearPair
+from ..geometry.pair.modification import Modification
 
 Array = NDArray[Any]
 

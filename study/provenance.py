@@ -7,9 +7,9 @@ import json
 from importlib.metadata import version
 from typing import Any
 
-from ..cases.model import Case
-from ..geometry.modification import Modification
-from ..geometry.pair import GearPair
+from ..cases.schema.case_schema import Case
+from ..geometry.pair.gear_pair import GearPair
+from ..geometry.pair.modification import Modification
 
 SCHEMA_VERSION = 1
 

@@ -15,23 +15,23 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..cases.conversion import elastic_model, finite_elements
-from ..cases.model import Case
 from ..cases.reading import read_case
+from ..cases.schema.case_schema import Case
+from ..contact.archard_wear import MEMBERS, engagement, integral, on_flank, rolling_fields, touched
+from ..contact.lines.mesh_lines import lines_in_mesh, lost_contact
 from ..contact.loaded import loaded_contact, loaded_fields
-from ..contact.segments import lines_in_mesh, lost_contact
 from ..contact.solvers import Status
-from ..contact.wear import MEMBERS, engagement, integral, on_flank, rolling_fields, touched
 from ..core.attributes import labelled
 from ..core.errors import GeometryError
-from ..geometry.assembly import Misalignment
-from ..geometry.deviated_ease_off import deviated_ease_off
-from ..geometry.deviation import Deviation, Method
-from ..geometry.ease_off_surface import compute
-from ..geometry.pair import FlankName, GearPair, PairGeometry, grid, pair_geometry
-from ..geometry.rolling import rolling
-from ..geometry.tooth_flanks import MemberName, named_member
+from ..geometry.deviation.deviation import Deviation, Method
+from ..geometry.deviation.ease_off_update import deviated_ease_off
+from ..geometry.pair.assembly import Misalignment
+from ..geometry.pair.ease_off import compute
+from ..geometry.pair.gear_pair import FlankName, GearPair, PairGeometry, grid, pair_geometry
+from ..geometry.pair.rolling import rolling
+from ..geometry.tooth.tooth_flanks import MemberName, named_member
 from .analysis import prepared_pair
-from .deviations import MOST_LOST, Source, flank_deviations, require_line_contact
+from .flank_deviations import MOST_LOST, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
 __all__ = ["WearLaw", "wear"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from easeoff.geometry.flank_errors import FlankErrors
+from easeoff.geometry.deviation.global_errors import FlankErrors
 
 Array = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from easeoff.contact.scaling import ScaledProblem
+from easeoff.contact.problem.scaling import ScaledProblem
 from easeoff.contact.solvers import Status
-from easeoff.contact.solvers.answer import ScaledAnswer
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 
 
 def leave(problem: ScaledProblem, settings: Mapping[str, Any]) -> NoReturn:

@@ -9,7 +9,7 @@ from functools import cache
 
 from easeoff.cases import Case, read_design
 from easeoff.cases.conversion import ease_off_target
-from easeoff.study.design import DesignReport, design_case
+from easeoff.study.case_design import DesignReport, design_case
 
 DESIGN = read_design("fm-11x41")
 DRIVE = ease_off_target(DESIGN.target.drive)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from easeoff.contact import ContactProblem, Status, solve
-from easeoff.contact.load_response import LinearLoads, held_in_contact, linear_loads, stacked
-from easeoff.contact.optimal_modification import Goal, Objective, figures, worst_assembly
+from easeoff.contact.modification.convex_programme import Goal, Objective, figures, worst_assembly
+from easeoff.contact.modification.load_response import LinearLoads, held_in_contact, linear_loads, stacked
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from easeoff.geometry import (
     Member,
     conjugate_pinion,
 )
-from easeoff.geometry.generating_surface import Hand
+from easeoff.geometry.cutting.generating_surface import Hand
 
 # A face-milled 11 x 41 hypoid pair with offset 20 and a Formate gear: rounded ISO 23509 Method 1 blanks.
 PINION_BLANK = BlankSection(

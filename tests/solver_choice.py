@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.solvers import SOLVERS, available_solvers
-from easeoff.contact.solvers.answer import ScaledAnswer
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ def installed(name: str) -> str:
 
 
 def adapter(name: str) -> Any:
-    return importlib.import_module(f"easeoff.contact.solvers.{name}")
+    return importlib.import_module(f"easeoff.contact.solvers.adapters.{name}")
 
 
 def answer_of(name: str, problem: ContactProblem, **settings: Any) -> ScaledAnswer:

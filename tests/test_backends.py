@@ -20,9 +20,9 @@ from solver_choice import (
 )
 
 from easeoff.contact import solve
-from easeoff.contact.certificate import EXACT_TOLERANCE
+from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers import SOLVERS, Status
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 DOCS = Path(__file__).parents[1] / "docs"
 

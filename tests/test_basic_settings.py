@@ -10,12 +10,12 @@ import pytest
 
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions, blank_section, formate_gear, generated_gear
-from easeoff.geometry.basic_settings import hobbing_blade
-from easeoff.geometry.flank_surface import solve_flank
-from easeoff.geometry.generating_surface import GeneratingSurface, Hand
-from easeoff.geometry.mean_point import mean_point_angles
-from easeoff.geometry.pair import Member, _left_by_cutter
-from easeoff.geometry.tooth import tooth_body
+from easeoff.geometry.cutting.generating_surface import GeneratingSurface, Hand
+from easeoff.geometry.design.basic_settings import hobbing_blade
+from easeoff.geometry.design.mean_point import mean_point_angles
+from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry.pair.gear_pair import Member, _left_by_cutter
+from easeoff.geometry.pair.tooth_body import tooth_body
 from easeoff.geometry.vectors import rotate_z
 
 MILLED = BlankDesign(

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff.cases import Case
-from easeoff.contact.closest_approach import ClosestApproach, closest_approach, one_step
-from easeoff.contact.segments import gauss_points, lines_in_mesh, lost_contact
-from easeoff.contact.surface_cells import FlanksInMesh, flanks_in_mesh
-from easeoff.geometry.deviated_surface import deviated_pair
-from easeoff.geometry.deviation import Deviation, deviation_from_formula
-from easeoff.geometry.flank_gap import flank_gap
-from easeoff.geometry.flank_surface import solve_flank
+from easeoff.contact.lines.closest_approach import ClosestApproach, closest_approach, one_step
+from easeoff.contact.lines.mesh_lines import gauss_points, lines_in_mesh, lost_contact
+from easeoff.geometry.deviation.deviated_flank import deviated_pair
+from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study.analysis import prepared_pair
+from easeoff.verification.flank_gap import flank_gap
+from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
 
 Array = NDArray[np.float64]
 CORNER = (0.95, 0.20)  # of the gear flank; most gaps there are open

@@ -18,13 +18,13 @@ from easeoff.cases.conversion import gear_pair
 from easeoff.cases.reading import case_text
 from easeoff.core.errors import InputError
 from easeoff.geometry import Assembly, Blade, GearPair, GeneratingSurface, Member, conjugate_pinion, pair_geometry
-from easeoff.geometry.blade_sections import Relief
-from easeoff.geometry.curvature import principal_curvatures
-from easeoff.geometry.ease_off_surface import compute
-from easeoff.geometry.flank_surface import solve_flank
-from easeoff.geometry.generating_surface import Hand
-from easeoff.geometry.machine import work_rotation
-from easeoff.geometry.pair import grid
+from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.generating_surface import Hand
+from easeoff.geometry.cutting.machine import work_rotation
+from easeoff.geometry.flanks.curvature import principal_curvatures
+from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import rotate_z
 
 WHOLE = Blade(

@@ -8,8 +8,8 @@ import re
 import pytest
 
 from easeoff.cases import gear_pair, parse_case, read_case, shipped_cases
-from easeoff.cases.model import Case
 from easeoff.cases.reading import case_text
+from easeoff.cases.schema.case_schema import Case
 from easeoff.core.errors import EaseoffError, GeometryError, InputError
 from easeoff.geometry import pair_geometry
 

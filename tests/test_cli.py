@@ -311,8 +311,8 @@ def test_uncertified_results_are_reported_with_exit_code_1(
 ) -> None:
     """A solver that fails at one mesh position leaves NaN there, a status, and everything else."""
     import easeoff.contact.loaded as loaded
-    from easeoff.contact.line_contact_batch import solve_line_contacts as honest
-    from easeoff.contact.solvers.status import Status, no_solution
+    from easeoff.contact.line_contact.line_contact_law import solve_line_contacts as honest
+    from easeoff.contact.solvers.solution import Status, no_solution
 
     calls = iter(range(10**6))
 

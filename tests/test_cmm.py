@@ -17,8 +17,8 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import Member
 from easeoff.geometry.formats import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
-from easeoff.geometry.pair import GearPair
-from easeoff.geometry.tooth_flanks import tooth_angle
+from easeoff.geometry.pair.gear_pair import GearPair
+from easeoff.geometry.tooth.tooth_flanks import tooth_angle
 from easeoff.study.cli import main
 
 INCH = 25.4

@@ -20,19 +20,19 @@ from click.testing import CliRunner, Result
 from solver_choice import BACKENDS, installed
 
 from easeoff.contact import ContactProblem, read_problems, write_problems
-from easeoff.contact.certificate import EXACT_TOLERANCE
+from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers import SOLVERS as SOLVER_TABLE
-from easeoff.contact.solvers.problem_classes import problems
-from easeoff.contact.solvers.settings import SOLVERS as SOLVERS_TABLE
+from easeoff.contact.solvers.solver_table import SOLVERS as SOLVERS_TABLE
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
 from easeoff.study.compare.attempt import attempt, load_adapter
-from easeoff.study.compare.figures import draw_growth, draw_profiles
-from easeoff.study.compare.report import report
-from easeoff.study.compare.run import CHECKPOINT
-from easeoff.study.compare.statistics import by_problem, growth, performance_profile, shifted_geometric_mean
-from easeoff.study.compare.table import RESIDUALS
+from easeoff.study.compare.comparison import CHECKPOINT
+from easeoff.study.compare.comparison_figures import draw_growth, draw_profiles
+from easeoff.study.compare.comparison_report import report
+from easeoff.study.compare.comparison_statistics import by_problem, growth, performance_profile, shifted_geometric_mean
+from easeoff.study.compare.comparison_table import RESIDUALS
+from easeoff.verification.problem_classes import problems
 
 FAKES = ["fault", "hang", "fail", "deny"]
 SOLVERS = ["native", *(f"fake_solvers:{name}" for name in FAKES)]

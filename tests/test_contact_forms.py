@@ -25,13 +25,13 @@ from easeoff.contact import (
     solve,
     write_npz,
 )
-from easeoff.contact.modal_basis import modal_basis
-from easeoff.contact.recovered import RecoveredAnswer
+from easeoff.contact.problem.modal_basis import modal_basis
+from easeoff.contact.problem.recovered import RecoveredAnswer
 from easeoff.contact.solvers import SOLVERS, lemke
 from easeoff.contact.solvers.backend import chosen_form
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
 from easeoff.core.errors import InputError
 from easeoff.study.analysis import analyze_in_full
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from solver_choice import (
 )
 
 from easeoff.contact import ContactProblem, solve
-from easeoff.contact.solvers import cvxpy_programme
-from easeoff.contact.solvers.problem_classes import problems
+from easeoff.contact.solvers.adapters import cvxpy_programme
+from easeoff.verification.problem_classes import problems
 
 
 @pytest.fixture

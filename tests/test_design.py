@@ -17,12 +17,12 @@ from easeoff.cases.conversion import ease_off_target
 from easeoff.cases.reading import _text
 from easeoff.core.errors import EaseoffError
 from easeoff.geometry import ease_off
-from easeoff.geometry.mean_point import mean_point_angles
-from easeoff.geometry.pair import bodies
+from easeoff.geometry.design.mean_point import mean_point_angles
+from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.study.analysis import analyze
+from easeoff.study.case_design import DesignReport, design_case
 from easeoff.study.cli import main
-from easeoff.study.design import DesignReport, design_case
-from easeoff.study.design_report import unit_of
+from easeoff.study.report.design_report import unit_of
 
 NAMES = list(shipped_designs())
 FM = _text("design", "fm-11x41")

@@ -16,19 +16,22 @@ import pytest
 from click.testing import CliRunner
 
 import easeoff
-from easeoff.cases import cutting_table, design_model, gear_pair, model, parse_case, parse_design
-from easeoff.cases.blank_design_table import BlankDesignTable
-from easeoff.cases.table import Table
+from easeoff.cases import gear_pair, parse_case, parse_design
+from easeoff.cases.schema import case_schema as model
+from easeoff.cases.schema import cutting_table
+from easeoff.cases.schema import design_schema as design_model
+from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.schema_table import Table
 from easeoff.contact import read_problems, solve
-from easeoff.contact.solvers.settings import SOLVERS
+from easeoff.contact.solvers.solver_table import SOLVERS
 from easeoff.geometry import MachineSettings, ease_off
-from easeoff.geometry.free_settings import BLADE, CURVATURE, MACHINE, MODIFIED_ROLL
-from easeoff.geometry.machine import IncrementSense
-from easeoff.geometry.machine_pose import machine_pose
-from easeoff.geometry.synthesis import FREE
+from easeoff.geometry.cutting.machine import IncrementSense
+from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff.geometry.cutting.named_settings import BLADE, CURVATURE, MACHINE, MODIFIED_ROLL
+from easeoff.geometry.design.synthesis import FREE
 from easeoff.study.cli import main
 from easeoff.study.library import entries, reference_answers
-from easeoff.study.library.files import labels
+from easeoff.study.library.library_files import labels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -242,7 +245,7 @@ def test_example_case_is_a_case() -> None:
 
 def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from easeoff.contact import write_problems
-    from easeoff.contact.solvers.problem_classes import problems
+    from easeoff.verification.problem_classes import problems
 
     labels = {"pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
     write_problems([*problems("plain", 2), *problems("random_dense", 2)], tmp_path / "problems.nc", labels)
@@ -320,7 +323,7 @@ def test_machine_has_the_signs_of_the_conventions_page(number: int, increment: f
 
 
 def test_senses_of_rotation_are_those_of_the_conventions_page() -> None:
-    from easeoff.geometry.ease_off_surface import conjugate_motion
+    from easeoff.geometry.pair.ease_off import conjugate_motion
 
     case = easeoff.read_case("nasa-12x36")
     for hand, flanks, sense, seen in rows(text("conventions"), "## Hands, offset, flanks"):

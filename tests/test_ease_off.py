@@ -12,16 +12,16 @@ from pairs import conjugate_pair
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import Blade, EaseOffTarget, GearPair, GeneratingSurface, MachineSettings, Member, Misalignment
-from easeoff.geometry.conjugate import ConjugateMotion
-from easeoff.geometry.conventional import PointContact, path_of_contact
-from easeoff.geometry.curvature import shape_operator
-from easeoff.geometry.ease_off_surface import EaseOff, compute
-from easeoff.geometry.flank_surface import Flank
-from easeoff.geometry.free_settings import with_settings
-from easeoff.geometry.pair import ease_off, grid
-from easeoff.geometry.section import BlankSection
-from easeoff.geometry.synthesis import fit_pinion
+from easeoff.geometry.cutting.named_settings import with_settings
+from easeoff.geometry.design.synthesis import fit_pinion
+from easeoff.geometry.flanks.blank_section import BlankSection
+from easeoff.geometry.flanks.curvature import shape_operator
+from easeoff.geometry.flanks.flank import Flank
+from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
+from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.gear_pair import ease_off, grid
 from easeoff.geometry.vectors import cross, dot
+from easeoff.verification.point_contact import PointContact, path_of_contact
 
 ARC_SECOND = math.pi / 180 / 3600
 

@@ -12,18 +12,18 @@ import pytest
 from easeoff import read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.cases.conversion import edges_touch
-from easeoff.contact.bending import ElasticModel
-from easeoff.contact.curves import ContactLines
-from easeoff.contact.edges import EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.fields import FlankFields
+from easeoff.contact.compliance.elastic_pair import ElasticModel
+from easeoff.contact.lines.contact_lines import ContactLines
+from easeoff.contact.lines.edges import EdgeElements, edge_elements, edges_in_mesh
+from easeoff.contact.lines.flank_splines import FlankFields
+from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from easeoff.contact.loaded import REACH, loaded_contact, loaded_fields
-from easeoff.contact.segments import MeshLines, lines_in_mesh
-from easeoff.contact.surface_cells import flanks_in_mesh
 from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.geometry.flank_gap import flank_gap
-from easeoff.geometry.flank_surface import solve_flank
-from easeoff.geometry.pair import GearPair, PairGeometry
+from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry.pair.gear_pair import GearPair, PairGeometry
 from easeoff.study.analysis import analyze
+from easeoff.verification.flank_gap import flank_gap
+from easeoff.verification.surface_cells import flanks_in_mesh
 
 PAIRS = {
     "fm-11x41": Misalignment(offset=-0.15, pinion_axial=0.12),
@@ -137,7 +137,7 @@ def test_finer_elements_change_little(monkeypatch: pytest.MonkeyPatch) -> None:
     widest = np.full(rotations.size, WIDEST)
     values = {}
     for count in (40, 80, 640):
-        monkeypatch.setattr("easeoff.contact.edges.ELEMENTS", count)
+        monkeypatch.setattr("easeoff.contact.lines.edges.ELEMENTS", count)
         values[count] = overlap(edge_elements(fields, rotations, widest))
     errors = {count: abs(value / values[640] - 1.0) for count, value in {**values, 160: overlap(elements)}.items()}
     assert errors[160] < 0.015

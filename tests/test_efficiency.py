@@ -13,21 +13,21 @@ from click.testing import CliRunner
 from test_friction_kinematics import shape_operators, spur
 
 import easeoff
-from easeoff.cases.model import ContactTable
+from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
-from easeoff.friction.contacts import RadiusDirection, loaded_contacts, potential_segments
 from easeoff.friction.feedback import friction_torques
-from easeoff.friction.kinematics import action_fields, axes_of, surface_velocities
 from easeoff.friction.line_radius import radii_along_line
+from easeoff.friction.loaded_contacts import RadiusDirection, loaded_contacts, potential_segments
 from easeoff.friction.lubricant import FOLDER
-from easeoff.friction.operating import named_models
+from easeoff.friction.operation import named_models
+from easeoff.friction.surface_velocities import action_fields, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
-from easeoff.study.show import summary, uncertified
+from easeoff.study.report.result_summary import summary, uncertified
 
 POSITIONS = 6
 CONTACT = ContactTable(

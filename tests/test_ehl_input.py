@@ -26,13 +26,13 @@ from easeoff.friction.ehl import (
     traction,
     wave,
 )
-from easeoff.friction.ehl import cases as cases_module
-from easeoff.friction.ehl import study as study_module
-from easeoff.friction.ehl.cases import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
-from easeoff.friction.ehl.design import Condition, Design, numbers, oil_75w90
-from easeoff.friction.ehl.formula import SHIPPED_FORMULA, read_formula, shipped_formula
-from easeoff.friction.ehl.regression import compare, fit_friction, shipped_studies
-from easeoff.friction.ehl.study import run_study
+from easeoff.friction.ehl.study import parameter_study as study_module
+from easeoff.friction.ehl.study import study_case as cases_module
+from easeoff.friction.ehl.study.formula_regression import compare, fit_friction, shipped_studies
+from easeoff.friction.ehl.study.friction_formula import SHIPPED_FORMULA, read_formula, shipped_formula
+from easeoff.friction.ehl.study.parameter_study import run_study
+from easeoff.friction.ehl.study.study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
+from easeoff.friction.ehl.study.study_design import Condition, Design, numbers, oil_75w90
 
 NAN, INF = math.nan, math.inf
 OIL: dict[str, Any] = {"viscosity": 0.02, "pressure_viscosity": 1.1e-8}

@@ -11,8 +11,8 @@ from scipy.integrate import quad
 
 from easeoff.core.errors import InputError
 from easeoff.friction.ehl import Asperities, LineContact, Oil, Status, film_dataset, mixed_film, smooth_film, traction
-from easeoff.friction.ehl.complementarity import evaluate
-from easeoff.friction.ehl.hierarchical import OFFSETS
+from easeoff.friction.ehl.film_complementarity import evaluate
+from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
 from easeoff.friction.ehl.load_sharing import mean_power
 
 OIL = Oil(0.0139, 10.4e-9, law="two_slope")

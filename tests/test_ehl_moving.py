@@ -21,9 +21,9 @@ from easeoff.friction.ehl import (
     smooth_film,
     wave,
 )
-from easeoff.friction.ehl.complementarity import ROUGH
-from easeoff.friction.ehl.moving import FLOODED, TOUCHING_FILM, _March
-from easeoff.friction.ehl.steady import domain, touching_start
+from easeoff.friction.ehl.film_complementarity import ROUGH
+from easeoff.friction.ehl.rough_passage import FLOODED, TOUCHING_FILM, _March
+from easeoff.friction.ehl.steady_film import domain, touching_start
 
 OIL = Oil(0.0139, 10.4e-9)
 GEAR = LineContact(0.7e9, 0.01, 2.2, OIL, slide_to_roll=0.45)
@@ -135,7 +135,7 @@ def test_rough_contact_of_the_dissertation_is_certified_at_every_step() -> None:
 
 
 def test_step_that_cannot_be_solved_is_a_status_and_not_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("easeoff.friction.ehl.moving.ROUGH", (ROUGH[0].__class__(3.0, 0.1, 1),))
+    monkeypatch.setattr("easeoff.friction.ehl.rough_passage.ROUGH", (ROUGH[0].__class__(3.0, 0.1, 1),))
     passage = rough_passage(GEAR, wave(1e-7, 1e-4), steps=5, nodes=129, settle=0)
     assert (passage.status == Status.NOT_CONVERGED).all()
     assert np.isnan(passage.film_friction).all()

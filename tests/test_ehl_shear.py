@@ -10,7 +10,7 @@ import pytest
 
 from easeoff.core.errors import InputError
 from easeoff.friction.ehl import LineContact, Oil, smooth_film, traction
-from easeoff.friction.ehl.shear import film_temperature
+from easeoff.friction.ehl.shear_traction import film_temperature
 
 OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.038, conductivity=0.14)
 CONTACT = LineContact(1e9, 0.02, 10.0, OIL, slide_to_roll=0.25, reduced_modulus=2.273e11)

@@ -15,13 +15,10 @@ import xarray as xr
 from easeoff.core.errors import InputError, MissingPackageError
 from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl import Status
-from easeoff.friction.ehl import cases as cases_module
-from easeoff.friction.ehl import study as study_module
-from easeoff.friction.ehl.cases import NUMBERS, Resolution, Row, run_case
-from easeoff.friction.ehl.conditions import STEEL
-from easeoff.friction.ehl.design import REFINED, Condition, Design, oil_75w90
-from easeoff.friction.ehl.formula import FrictionFormula, read_formula, shipped_formula, write_formula
-from easeoff.friction.ehl.regression import (
+from easeoff.friction.ehl.line_contact_conditions import STEEL
+from easeoff.friction.ehl.study import parameter_study as study_module
+from easeoff.friction.ehl.study import study_case as cases_module
+from easeoff.friction.ehl.study.formula_regression import (
     SHIPPED,
     SHIPPED_RIDGES,
     compare,
@@ -29,8 +26,11 @@ from easeoff.friction.ehl.regression import (
     shipped_studies,
     study_inputs,
 )
-from easeoff.friction.ehl.study import run_study, study_dataset
-from easeoff.friction.film import pan_hamrock
+from easeoff.friction.ehl.study.friction_formula import FrictionFormula, read_formula, shipped_formula, write_formula
+from easeoff.friction.ehl.study.parameter_study import run_study, study_dataset
+from easeoff.friction.ehl.study.study_case import NUMBERS, Resolution, Row, run_case
+from easeoff.friction.ehl.study.study_design import REFINED, Condition, Design, oil_75w90
+from easeoff.friction.film_thickness import pan_hamrock
 
 
 def test_design_has_the_combinations_of_the_dissertation() -> None:

@@ -14,7 +14,6 @@ from easeoff.cases import parse_case, read_case
 from easeoff.cases.conversion import gear_pair
 from easeoff.cases.reading import case_text
 from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields
-from easeoff.contact.conventional_check import both_methods, point_differences
 from easeoff.core.errors import InputError
 from easeoff.geometry import (
     Assembly,
@@ -29,11 +28,12 @@ from easeoff.geometry import (
     fit_pinion,
     pair_geometry,
 )
-from easeoff.geometry.ease_off_surface import compute
-from easeoff.geometry.generating_surface import Hand
-from easeoff.geometry.machine import work_rotation
-from easeoff.geometry.pair import grid
+from easeoff.geometry.cutting.generating_surface import Hand
+from easeoff.geometry.cutting.machine import work_rotation
+from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate_z
+from easeoff.verification.conventional_analysis import both_methods, point_differences
 
 GROUPS = 13
 DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))

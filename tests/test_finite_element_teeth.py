@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff.cases import Case, gear_pair, read_case
-from easeoff.cases.model import ContactTable
-from easeoff.contact.bending import STEEL, ElasticModel, elastic_teeth, shells
-from easeoff.contact.compliance.finite_elements import members, store
-from easeoff.contact.compliance.finite_elements.body import ElasticBody, elastic_body, functionals
+from easeoff.cases.schema.case_schema import ContactTable
+from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel, elastic_teeth, shells
+from easeoff.contact.compliance.finite_elements import array_store as store
+from easeoff.contact.compliance.finite_elements import elastic_members as members
 from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions
-from easeoff.contact.compliance.finite_elements.condensed import (
+from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.flank_compliance import (
     FlankCompliance,
     feet_of_normals,
     flank_loads,
@@ -28,14 +29,14 @@ from easeoff.contact.compliance.finite_elements.condensed import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.root_stress import RootStress, by_station, stress_functionals
+from easeoff.contact.compliance.finite_elements.stress_functionals import RootStress, by_station, stress_functionals
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import GearPair, pair_geometry
-from easeoff.geometry.flank_surface import solve_flank
-from easeoff.geometry.lattice_places import graded
-from easeoff.geometry.pair import bodies
-from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
-from easeoff.study.show import summary
+from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry.pair.gear_pair import bodies
+from easeoff.geometry.tooth.lattice_spacing import graded
+from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.study.report.result_summary import summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)

@@ -14,11 +14,11 @@ from scipy.sparse.linalg import spsolve
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact.compliance import Material
-from easeoff.contact.compliance.finite_elements.body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions, stiffness
-from easeoff.contact.compliance.finite_elements.factor import solver_of
+from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.stiffness_factor import solver_of
 from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry.tooth_lattice import LatticeSize, tooth_lattice
+from easeoff.geometry.tooth.tooth_lattice import LatticeSize, tooth_lattice
 
 Array = NDArray[Any]
 STEEL = Material(206000.0, 0.3)

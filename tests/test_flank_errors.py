@@ -14,15 +14,15 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.core.errors import InputError
 from easeoff.geometry import Member
-from easeoff.geometry.corrective_settings import FREE_FORMATE, corrective_settings
-from easeoff.geometry.deviation import Deviation, deviation_from_formula
-from easeoff.geometry.flank_errors import FlankErrors, angle_errors, fit_flank_errors
+from easeoff.geometry.cutting.generating_surface import GeneratingSurface
+from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
+from easeoff.geometry.design.synthesis import FREE
+from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE, corrective_settings
+from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
+from easeoff.geometry.deviation.global_errors import FlankErrors, angle_errors, fit_flank_errors
+from easeoff.geometry.deviation.measurement import distance_along_normals, zeroed
 from easeoff.geometry.formats import cmm_points
-from easeoff.geometry.free_settings import get_setting, scale_of, with_settings
-from easeoff.geometry.generating_surface import GeneratingSurface
-from easeoff.geometry.measuring import distance_along_normals, zeroed
-from easeoff.geometry.synthesis import FREE
-from easeoff.geometry.tooth_flanks import named_member
+from easeoff.geometry.tooth.tooth_flanks import named_member
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from easeoff.contact.compliance.foundation import ElasticFoundation, FoundationSource
-from easeoff.contact.compliance.kinematics import ShellForm
+from easeoff.contact.compliance.elastic_foundation import ElasticFoundation, FoundationSource
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.shell import Shell
-from easeoff.contact.compliance.tooth import ToothDimensions
+from easeoff.contact.compliance.shell_kinematics import ShellForm
+from easeoff.contact.compliance.tooth_dimensions import ToothDimensions
 from easeoff.core.errors import InputError
 
 FloatArray = NDArray[np.float64]

@@ -9,7 +9,8 @@ import pytest
 from pairs import conjugate_pair
 
 from easeoff.core.errors import InputError
-from easeoff.geometry.free_settings import (
+from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff.geometry.cutting.named_settings import (
     BLADE,
     CURVATURE,
     MACHINE,
@@ -18,8 +19,7 @@ from easeoff.geometry.free_settings import (
     scale_of,
     with_settings,
 )
-from easeoff.geometry.machine_pose import machine_pose
-from easeoff.geometry.synthesis import EaseOffTarget, fit_pinion
+from easeoff.geometry.design.synthesis import EaseOffTarget, fit_pinion
 
 NAMES = [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "sliding_base_motion_1", "cutter_tilt_motion_3"]
 

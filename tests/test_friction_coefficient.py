@@ -18,10 +18,10 @@ from easeoff.friction import (
     friction_coefficient,
     rolling_traction,
 )
-from easeoff.friction import formula as module
+from easeoff.friction import kolivand_formula as module
 from easeoff.friction.coefficient import xu_kahraman
-from easeoff.friction.film import FILMS, dowson_higginson, pan_hamrock
-from easeoff.friction.rolling import isothermal_traction
+from easeoff.friction.film_thickness import FILMS, dowson_higginson, pan_hamrock
+from easeoff.friction.rolling_traction import isothermal_traction
 
 # Pressure GPa, radius mm, rolling m/s, slide-to-roll, degC, roughness um: film um, lambda, coefficient; then, where
 # they are known too, the expressions of the other regimes there. From another implementation of the restored Eq. 5.11.

@@ -12,11 +12,11 @@ from pairs import conjugate_pair
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError
-from easeoff.friction.kinematics import Axes, SurfaceVelocities, action_fields, axes_of, surface_velocities
+from easeoff.friction.surface_velocities import Axes, SurfaceVelocities, action_fields, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
-from easeoff.geometry.datasets import ease_off_dataset
-from easeoff.geometry.ease_off_surface import EaseOff, compute
-from easeoff.geometry.pair import GearPair
+from easeoff.geometry.pair.datasets import ease_off_dataset
+from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.gear_pair import GearPair
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
 Array = NDArray[Any]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from easeoff.contact.bending import STEEL
-from easeoff.contact.compliance.finite_elements.half_space import (
+from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.verification.half_space import (
     even_pressure_integral,
     point_force_displacement,
     point_force_traction,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from easeoff.contact.compliance.hertz import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
 from easeoff.contact.compliance.material import Material
+from easeoff.contact.compliance.weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
 from easeoff.core.errors import InputError
 
 STEEL = Material(206000.0, 0.3)

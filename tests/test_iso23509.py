@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry import blank as blank_module
-from easeoff.geometry.blank import (
+from easeoff.geometry.design import blank as blank_module
+from easeoff.geometry.design.blank import (
     ISO_INPUT_SYMBOLS,
     ISO_SYMBOLS,
     BlankDesign,
@@ -27,8 +27,8 @@ from easeoff.geometry.blank import (
     blank_dimensions,
     dimensions_by_symbol,
 )
-from easeoff.geometry.iso23509.crown import crown_gear
-from easeoff.geometry.iso23509.symbols import is_angle
+from easeoff.geometry.design.iso23509.crown_gear import crown_gear
+from easeoff.geometry.design.iso23509.symbols import is_angle
 
 SAMPLES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "data" / "iso23509_samples.toml").read_text())
 Vector = NDArray[np.float64]

@@ -10,9 +10,9 @@ import pytest
 from easeoff.contact import ContactProblem, lcp, solve
 from easeoff.contact.solvers import Status
 from easeoff.contact.solvers.lemke import lemke
-from easeoff.contact.solvers.problem_classes import problems
-from easeoff.contact.solvers.settings import PIVOTING
+from easeoff.contact.solvers.solver_table import PIVOTING
 from easeoff.core.errors import InputError
+from easeoff.verification.problem_classes import problems
 
 
 def residual(matrix: np.ndarray, vector: np.ndarray, z: np.ndarray) -> float:

@@ -10,13 +10,13 @@ import pytest
 from numpy.typing import NDArray
 from solver_choice import installed
 
-from easeoff.contact.certificate import EXACT_TOLERANCE
-from easeoff.contact.line_contact_newton import LineContact, NewtonIteration
-from easeoff.contact.line_contact_solution import solve_line_contact
-from easeoff.contact.problem import ContactProblem
+from easeoff.contact.line_contact.line_contact_newton import LineContact, NewtonIteration
+from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+from easeoff.contact.problem.certificate import EXACT_TOLERANCE
+from easeoff.contact.problem.contact_problem import ContactProblem
 from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, solve
-from easeoff.contact.solvers.problem_classes import problems
 from easeoff.core.errors import InputError, MissingSolverError
+from easeoff.verification.problem_classes import problems
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ import xarray as xr
 
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import available_solvers
-from easeoff.contact.bending import ElasticModel, shells, tooth_dimensions
+from easeoff.contact.compliance.elastic_pair import ElasticModel, shells, tooth_dimensions
+from easeoff.contact.lines.mesh_lines import lines_in_mesh
 from easeoff.contact.loaded import all_segments, loaded_contact, loaded_fields
-from easeoff.contact.segments import lines_in_mesh
 from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry
 from easeoff.study.analysis import analyze, analyze_in_full

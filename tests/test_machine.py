@@ -11,9 +11,9 @@ import pytest
 
 from easeoff.core.errors import InputError
 from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings
-from easeoff.geometry.conjugate import ConjugateMotion
-from easeoff.geometry.machine import work_rotation
+from easeoff.geometry.cutting.machine import work_rotation
 from easeoff.geometry.newton import complex_steps
+from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.vectors import cross, dot, rotate_z
 
 SETTINGS = MachineSettings(

@@ -16,7 +16,7 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.core.errors import InputError
 from easeoff.geometry import GearPair
-from easeoff.geometry.deviation import deviation_from_formula
+from easeoff.geometry.deviation.deviation import deviation_from_formula
 from easeoff.geometry.formats import (
     cmm_points,
     flank_deviation,
@@ -25,7 +25,7 @@ from easeoff.geometry.formats import (
     write_cmm_points,
     write_measured_grid,
 )
-from easeoff.geometry.tooth_flanks import tooth_angle
+from easeoff.geometry.tooth.tooth_flanks import tooth_angle
 from easeoff.study.cli import main
 
 FORMS = (".csv", ".nc", ".dmi")

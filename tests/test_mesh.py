@@ -16,9 +16,9 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry.formats import write_mesh
 from easeoff.geometry.formats.patches import merged, oriented
-from easeoff.geometry.pair import GearPair
-from easeoff.geometry.tooth_flanks import placed_flanks, tooth_angle
-from easeoff.geometry.tooth_surface import tooth_patches
+from easeoff.geometry.pair.gear_pair import GearPair
+from easeoff.geometry.tooth.tooth_flanks import placed_flanks, tooth_angle
+from easeoff.geometry.tooth.tooth_surface import tooth_patches
 from easeoff.study.cli import main
 
 Array = NDArray[Any]

@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from easeoff.cases import read_case
-from easeoff.contact.modal_basis import factor_blocks, modal_basis
-from easeoff.contact.problem import ContactProblem
+from easeoff.contact.problem.contact_problem import ContactProblem
+from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import ContactSolution, Status, available_solvers, modal_newton, native, solve
 from easeoff.contact.solvers.modal_system import ModalPoint, has_modal_form, modal_system
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
 from easeoff.study.analysis import analyze_in_full
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 #: Classes in which every segment has a compliance of its own that counts.
 MODAL_CLASSES = tuple(

@@ -14,12 +14,12 @@ import easeoff.contact.loaded as loaded_module
 from easeoff.cases import read_case
 from easeoff.contact import ContactProblem, solve, solve_many
 from easeoff.contact.compliance import Material, WeberLineContact
-from easeoff.contact.line_contact_batch import LineContactLaw
-from easeoff.contact.solvers import many
+from easeoff.contact.line_contact.line_contact_law import LineContactLaw
+from easeoff.contact.solvers import problem_batch as many
 from easeoff.contact.solvers.modal_batch import LinearLaw, ModalBatch, newton_batch
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
 from easeoff.core.errors import InputError
 from easeoff.study.analysis import analyze_in_full
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import easeoff
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError
 from easeoff.geometry import EaseOffTarget, ease_off
-from easeoff.geometry.modification import ORDERS, Modification, basis, modified_ease_off, terms
+from easeoff.geometry.pair.modification import ORDERS, Modification, basis, modified_ease_off, terms
 from easeoff.study.fitted_settings import fit_modification
 
 T, H = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 7), indexing="ij")

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff.cases import parse_case, parse_design, read_case, read_design, write_case
-from easeoff.cases.friction_table import FrictionTable
 from easeoff.cases.reading import case_text
+from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.core.errors import InputError
 from easeoff.friction import lubricant
 from easeoff.friction.lubricant import FOLDER

@@ -11,9 +11,7 @@ from modified_bed import Array, Bed, smooth_bed
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from easeoff.contact import solve
-from easeoff.contact.load_response import slopes
-from easeoff.contact.modification_search import Search, optimal_modification, search
-from easeoff.contact.optimal_modification import (
+from easeoff.contact.modification.convex_programme import (
     Goal,
     checked_objective,
     end_loads,
@@ -22,6 +20,8 @@ from easeoff.contact.optimal_modification import (
     peak_to_peaks,
     solve_programme,
 )
+from easeoff.contact.modification.load_response import slopes
+from easeoff.contact.modification.modification_search import Search, optimal_modification, search
 from easeoff.core.errors import InputError
 
 

@@ -15,16 +15,16 @@ from click.testing import CliRunner
 import easeoff
 from easeoff.cases import Case, read_case
 from easeoff.cases.conversion import elastic_model
-from easeoff.contact.modified_contact import ModifiedContact
+from easeoff.contact.modification.modified_contact import ModifiedContact
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.geometry import Misalignment
-from easeoff.geometry.modification import terms
-from easeoff.geometry.pair import pair_geometry
+from easeoff.geometry.pair.gear_pair import pair_geometry
+from easeoff.geometry.pair.modification import terms
 from easeoff.study.analysis import prepared_pair
 from easeoff.study.cli import main
 from easeoff.study.fitted_settings import recorded_modification
-from easeoff.study.optimize import optimize
+from easeoff.study.optimization import optimize
 
 COARSE = {"mesh_positions": 6, "segments_per_line": 11, "lengthwise_nodes": 11, "profile_nodes": 9}
 AWAY = Misalignment(offset=0.05, pinion_axial=-0.05)

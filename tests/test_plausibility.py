@@ -16,9 +16,9 @@ from easeoff.cases import Case, write_case
 from easeoff.cases.reading import shipped_cases
 from easeoff.geometry import Modification
 from easeoff.study.cli import main
-from easeoff.study.plausibility import LEAST_COMMON, MOST_EASE_OFF, MOST_PRESSURE, plausibility
 from easeoff.study.plot.page import small_print
-from easeoff.study.show import summary
+from easeoff.study.report.plausibility import LEAST_COMMON, MOST_EASE_OFF, MOST_PRESSURE, plausibility
+from easeoff.study.report.result_summary import summary
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
 

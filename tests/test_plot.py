@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import analyze, read_case
-from easeoff.contact.curves import boundary_distance
+from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
@@ -34,16 +34,16 @@ from easeoff.study.plot.contours import (
     without_border,
     without_steep,
 )
-from easeoff.study.plot.ease_off import contour_levels, ease_off_map
-from easeoff.study.plot.efficiency import draw as draw_efficiency
+from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
+from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
 from easeoff.study.plot.friction_maps import GRID, loaded_map, roughness_name, velocity_maps
-from easeoff.study.plot.load_sharing import mean_pairs_in_contact, share_passage
-from easeoff.study.plot.mesh_cycle import envelope, pairs_in_view, passage
+from easeoff.study.plot.load_share_chart import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.page import evenly_chosen, small_print
 from easeoff.study.plot.pressure_map import Line, loaded_part, pressure_map, surface
+from easeoff.study.plot.tooth_passage import envelope, pairs_in_view, passage
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
-from easeoff.study.plot.transmission_error import draw as draw_transmission_error
-from easeoff.study.plot.transmission_error import two_cycles, unloaded_curves
+from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
+from easeoff.study.plot.transmission_error_chart import two_cycles, unloaded_curves
 
 Array = NDArray[Any]
 
@@ -216,7 +216,7 @@ def test_a_picture_that_cannot_replace_another_leaves_nothing_behind(drive: xr.D
 
 def test_drawing_is_loaded_late_and_keeps_no_global_state() -> None:
     code = "import sys, easeoff.study.plot; assert 'matplotlib' not in sys.modules; "
-    code += "import easeoff.study.plot.pressure; assert 'matplotlib.pyplot' not in sys.modules"
+    code += "import easeoff.study.plot.pressure_chart; assert 'matplotlib.pyplot' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

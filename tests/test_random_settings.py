@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.core.errors import EaseoffError
 from easeoff.geometry import Blade, GearPair, GeneratingSurface, Member, Misalignment, NodeStatus, pair_geometry
-from easeoff.geometry.blade_sections import Relief
-from easeoff.geometry.ease_off_surface import EaseOff, compute
-from easeoff.geometry.flank_parts import on_parts
-from easeoff.geometry.flank_surface import Flank
-from easeoff.geometry.machine import MOVING
-from easeoff.geometry.pair import FlankName, grid
+from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.machine import MOVING
+from easeoff.geometry.flanks.flank import Flank
+from easeoff.geometry.flanks.flank_parts import on_parts
+from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.gear_pair import FlankName, grid
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
 NODES = (5, 5)

@@ -13,8 +13,7 @@ from pairs import conjugate_pair
 from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
-from easeoff.contact.conventional_check import BothMethods, both_methods, line_differences, point_differences
-from easeoff.contact.curves import curvature_and_skew
+from easeoff.contact.lines.contact_lines import curvature_and_skew
 from easeoff.geometry import (
     Blade,
     EaseOffTarget,
@@ -24,18 +23,19 @@ from easeoff.geometry import (
     Misalignment,
     fit_pinion,
 )
-from easeoff.geometry.conventional import path_of_contact
-from easeoff.geometry.curvature import principal_curvatures
-from easeoff.geometry.curvature_directions import DirectionalCurvatures, ShapeOperator, directional_curvatures
-from easeoff.geometry.ease_off_surface import compute
-from easeoff.geometry.pair import FlankName, grid
-from easeoff.geometry.relative_curvature import (
+from easeoff.geometry.flanks.curvature import principal_curvatures
+from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.gear_pair import FlankName, grid
+from easeoff.geometry.vectors import cross, dot
+from easeoff.verification.conventional_analysis import BothMethods, both_methods, line_differences, point_differences
+from easeoff.verification.directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
+from easeoff.verification.point_contact import path_of_contact
+from easeoff.verification.relative_curvature import (
     relative_curvature,
     relative_shape_operator,
     shape_operators,
     stationary_directions,
 )
-from easeoff.geometry.vectors import cross, dot
 
 ERRORS = Misalignment(0.1, -0.1, 0.05)
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")

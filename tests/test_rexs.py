@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 
 from easeoff.cases import Case, gear_pair, read_case, read_rexs, shipped_cases, write_rexs
 from easeoff.cases.conversion import machine_settings
-from easeoff.cases.cutting_table import FlankSettings
+from easeoff.cases.schema.cutting_table import FlankSettings
 from easeoff.core.errors import InputError
 
 NASA = read_case("nasa-12x36")

@@ -11,8 +11,8 @@ from session_chain import chain, flank_points, straight
 
 from easeoff.cases import Case, gear_pair, read_case, read_session_script
 from easeoff.core.errors import InputError
-from easeoff.geometry.flank_surface import NodeStatus, solve_flank
-from easeoff.geometry.pair import Member
+from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
+from easeoff.geometry.pair.gear_pair import Member
 
 Machine = dict[str, float]
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from easeoff.contact.compliance.foundation import ElasticFoundation
-from easeoff.contact.compliance.kinematics import ShellForm, shell_kinematics
+from easeoff.contact.compliance.elastic_foundation import ElasticFoundation
 from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.polynomials import PolynomialFamily, polynomial_family, rooted_polynomials
 from easeoff.contact.compliance.shell import Shell
-from easeoff.contact.compliance.stiffness import TrialFunctions, stiffness_matrix
-from easeoff.contact.compliance.tooth import ToothDimensions
+from easeoff.contact.compliance.shell_kinematics import ShellForm, shell_kinematics
+from easeoff.contact.compliance.shell_stiffness import TrialFunctions, stiffness_matrix
+from easeoff.contact.compliance.tooth_dimensions import ToothDimensions
+from easeoff.contact.compliance.trial_polynomials import PolynomialFamily, polynomial_family, rooted_polynomials
 from easeoff.core.errors import InputError
 
 FloatArray = NDArray[np.float64]

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 import easeoff
 from easeoff.cases import Case, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
-from easeoff.cases.model import ContactTable
+from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.cases.writing import case_toml
-from easeoff.contact.bending import STEEL
-from easeoff.contact.compliance.finite_elements import members, store
-from easeoff.contact.compliance.finite_elements.body import elastic_body, functionals
+from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.finite_elements import array_store as store
+from easeoff.contact.compliance.finite_elements import elastic_members as members
 from easeoff.contact.compliance.finite_elements.bricks import stiffness
-from easeoff.contact.compliance.finite_elements.condensed import (
+from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
+from easeoff.contact.compliance.finite_elements.flank_compliance import (
     FlankCompliance,
     flank_loads,
     foot_displacements,
@@ -31,10 +32,10 @@ from easeoff.contact.compliance.finite_elements.solid_shell import (
     tooth_shape,
     tooth_stiffness,
 )
-from easeoff.contact.compliance.polynomials import polynomial_family
+from easeoff.contact.compliance.trial_polynomials import polynomial_family
 from easeoff.contact.root_stress import root_stress
 from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 
 Array = NDArray[Any]
 REFERENCE = Path(__file__).parent / "data" / "finite_element_teeth.npz"

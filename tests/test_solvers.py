@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from solver_choice import installed
 
-from easeoff.contact.problem import ContactProblem
-from easeoff.contact.scaling import ScaledProblem
+from easeoff.contact.problem.contact_problem import ContactProblem
+from easeoff.contact.problem.scaling import ScaledProblem
 from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, available_solvers, solve
-from easeoff.contact.solvers import clarabel as clarabel_adapter
-from easeoff.contact.solvers.answer import ScaledAnswer
+from easeoff.contact.solvers.adapters import clarabel as clarabel_adapter
 from easeoff.contact.solvers.interior_point import interior_point
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.core.errors import EaseoffError, InputError, MissingSolverError
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 
 def realistic(count: int = 1, seed: int = 0) -> list[ContactProblem]:

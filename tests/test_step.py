@@ -19,8 +19,8 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError, MissingPackageError
 from easeoff.geometry.formats import write_step
 from easeoff.geometry.formats.step import require_opencascade, spline
-from easeoff.geometry.tooth_flanks import placed_flanks, tooth_angle
-from easeoff.geometry.tooth_surface import tooth_patches
+from easeoff.geometry.tooth.tooth_flanks import placed_flanks, tooth_angle
+from easeoff.geometry.tooth.tooth_surface import tooth_patches
 from easeoff.study.cli import main
 
 Array = NDArray[Any]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from easeoff.contact import ContactProblem, solve
-from easeoff.contact.compliance.hertz import WeberLineContact
 from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.strip import Strip
+from easeoff.contact.compliance.pressed_strip import Strip
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.core.errors import InputError
 
 STEEL = Material(206000.0, 0.3)

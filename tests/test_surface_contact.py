@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from easeoff.contact.bending import STEEL
-from easeoff.contact.compliance.finite_elements.flank_response import FlankResponse, cubic_shares
-from easeoff.contact.compliance.finite_elements.surface import surface_compliance
-from easeoff.contact.surface_cells import Cells
-from easeoff.contact.surface_contact import half_space_compliance, solve_surface_contact, surface_contact_compliance
-from easeoff.geometry.lattice_places import with_middles
+from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.geometry.tooth.lattice_spacing import with_middles
+from easeoff.verification.flank_response import FlankResponse, cubic_shares
+from easeoff.verification.surface_cells import Cells
+from easeoff.verification.surface_compliance import surface_compliance
+from easeoff.verification.surface_contact import (
+    half_space_compliance,
+    solve_surface_contact,
+    surface_contact_compliance,
+)
 
 BOTH = (STEEL, STEEL)
 MODULUS = 0.5 * STEEL.plane_strain_modulus  # of the contact of two steel bodies

@@ -14,12 +14,12 @@ from easeoff.cases import gear_pair, parse_case
 from easeoff.cases.reading import case_text
 from easeoff.core.errors import GeometryError
 from easeoff.geometry import GearPair, GeneratingSurface
-from easeoff.geometry.blade_sections import BladeSection
-from easeoff.geometry.flank_surface import solve_flank
-from easeoff.geometry.machine_pose import machine_pose
-from easeoff.geometry.pair import bodies
-from easeoff.geometry.tooth_dataset import tooth
-from easeoff.geometry.tooth_surface import tooth_patches, tooth_side, tooth_surface
+from easeoff.geometry.cutting.blade_sections import BladeSection
+from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry.pair.gear_pair import bodies
+from easeoff.geometry.tooth.tooth_dataset import tooth
+from easeoff.geometry.tooth.tooth_surface import tooth_patches, tooth_side, tooth_surface
 from easeoff.geometry.vectors import dot, rotate_z
 
 NODES = (7, 9)

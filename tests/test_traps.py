@@ -19,9 +19,9 @@ from solver_choice import (
 
 from easeoff.contact import ContactProblem, available_solvers, certify, solve
 from easeoff.contact.solvers import SOLVERS, Status
-from easeoff.contact.solvers.answer import ScaledAnswer
-from easeoff.contact.solvers.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.study.compare.worker import Request, workers
+from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 
 def in_metres(problem: ContactProblem) -> qpsolvers.Problem:

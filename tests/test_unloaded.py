@@ -11,11 +11,11 @@ from pairs import conjugate_pair
 from test_ease_off import contact_path
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.closest_approach import closest_approach
-from easeoff.contact.curves import arc_length, boundary_distance, contact_fields, trace
-from easeoff.contact.fields import fit
 from easeoff.contact.harmonics import harmonics, peak_to_peak, rms
-from easeoff.contact.segments import gauss_points, lines_in_mesh
+from easeoff.contact.lines.closest_approach import closest_approach
+from easeoff.contact.lines.contact_lines import arc_length, boundary_distance, contact_fields, trace
+from easeoff.contact.lines.flank_splines import fit
+from easeoff.contact.lines.mesh_lines import gauss_points, lines_in_mesh
 from easeoff.contact.unloaded import unloaded_contact
 from easeoff.core.errors import InputError
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry

@@ -11,13 +11,13 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import Case
-from easeoff.contact.fields import FlankFields
-from easeoff.contact.wear import Engagement, engagement, on_flank, rolling_fields, touched
+from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_fields, touched
+from easeoff.contact.lines.flank_splines import FlankFields
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.ease_off_surface import compute
-from easeoff.geometry.pair import grid
-from easeoff.geometry.rolling import rolling
+from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.gear_pair import grid
+from easeoff.geometry.pair.rolling import rolling
 from easeoff.study.analysis import prepared_pair
 from easeoff.study.wear import WearLaw, wear
 

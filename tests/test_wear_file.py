@@ -14,9 +14,9 @@ from test_wear import small_case
 import easeoff
 from easeoff.cases import Case, gear_pair, write_case
 from easeoff.core.errors import InputError
-from easeoff.geometry.pair import FlankName
+from easeoff.geometry.pair.gear_pair import FlankName
 from easeoff.study.cli import main
-from easeoff.study.deviations import flank_deviations
+from easeoff.study.flank_deviations import flank_deviations
 from easeoff.study.wear import WearLaw, wear
 
 MEMBERS: Any = ("pinion", "gear")

@@ -14,11 +14,11 @@ from click.testing import CliRunner
 from test_wear import small_case
 
 import easeoff
-from easeoff.contact.curves import arc_length, contact_fields
+from easeoff.contact.lines.contact_lines import arc_length, contact_fields
 from easeoff.contact.loaded import loaded_contact
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.geometry.deviation import deviation_from_formula
+from easeoff.geometry.deviation.deviation import deviation_from_formula
 from easeoff.study.analysis import prepared_pair
 from easeoff.study.cli import main
 from easeoff.study.wear import WearLaw, wear

@@ -20,12 +20,12 @@ from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf, dtrtri
 
 from ...core.errors import InputError
-from .foundation import ElasticFoundation
-from .kinematics import FloatArray, Kinematics, ShellForm, shell_kinematics
+from .elastic_foundation import ElasticFoundation
 from .material import Material
-from .polynomials import PolynomialFamily
-from .stiffness import TrialFunctions, stiffness_matrix
-from .tooth import ToothDimensions
+from .shell_kinematics import FloatArray, Kinematics, ShellForm, shell_kinematics
+from .shell_stiffness import TrialFunctions, stiffness_matrix
+from .tooth_dimensions import ToothDimensions
+from .trial_polynomials import PolynomialFamily
 
 
 @dataclass(frozen=True)

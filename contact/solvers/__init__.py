@@ -1,9 +1,9 @@
 """Solvers of the contact problem behind one interface, one adapter a file."""
 
-from .many import solve_many
+from .problem_batch import solve_many
 from .registry import available_solvers, require_solver, solve
-from .settings import SOLVERS, SolverSettings
-from .status import ContactSolution, Status
+from .solution import ContactSolution, Status
+from .solver_table import SOLVERS, SolverSettings
 
 __all__ = [
     "SOLVERS",

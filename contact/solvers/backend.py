@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import InputError
-from ..lifted_form import lifted_programme
-from ..scaling import ScaledProblem
-from .answer import ScaledAnswer
-from .settings import SOLVERS
-from .status import Status
+from ..problem.lifted_form import lifted_programme
+from ..problem.scaling import ScaledProblem
+from .scaled_answer import ScaledAnswer
+from .solution import Status
+from .solver_table import SOLVERS
 
 #: Forms in which a backend may get the problem.
 FORMS = ("auto", "dense", "lifted")

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-from ..scaling import ScaledProblem
-from .answer import ScaledAnswer
+from ..problem.scaling import ScaledProblem
+from .scaled_answer import ScaledAnswer
 
 #: Step to the boundary, as a fraction; approaches one with the iteration.
 BOUNDARY_FRACTION = 0.995

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..recovered import RecoveredAnswer
-from .answer import ScaledAnswer
-from .status import ContactSolution, Status, no_solution
+from ..problem.recovered import RecoveredAnswer
+from .scaled_answer import ScaledAnswer
+from .solution import ContactSolution, Status, no_solution
 
 
 def judge(

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..modal_basis import ModalBasis
+from ..problem.modal_basis import ModalBasis
 
 Array = NDArray[np.float64]
 

@@ -28,10 +28,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scaling import ScaledPair, ScaledProblem
-from .active_block import first_contact_index
-from .answer import ScaledAnswer
+from ..problem.scaling import ScaledPair, ScaledProblem
+from .active_set_system import first_contact_index
 from .modal_system import Array, ModalPoint, ModalSystem, has_modal_form, modal_system
+from .scaled_answer import ScaledAnswer
 
 #: Iterations before giving up; two to eight are usual.
 MAX_ITERATIONS = 60

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scaling import ScaledPair, ScaledProblem
+from ..problem.scaling import ScaledPair, ScaledProblem
 
 Array = NDArray[np.float64]
 

@@ -20,13 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from ..scaling import ScaledProblem
-from .answer import ScaledAnswer
+from ..problem.scaling import ScaledProblem
 from .interior_point import interior_point
 from .modal_newton import compiled_kernel, modal_newton
 from .polish import polish
 from .primal_active_set import primal_active_set
 from .primal_dual_active_set import primal_dual_active_set
+from .scaled_answer import ScaledAnswer
 
 #: Methods by name, in the order of the cascade.
 METHODS = ("modal", "primal_dual_active_set", "primal_active_set", "interior_point")

@@ -12,12 +12,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..certificate import EXACT_TOLERANCE
-from ..problem import ContactProblem
-from ..recovered import RecoveredAnswer, recovered
-from ..scaling import ScaledProblem
-from .answer import ScaledAnswer
+from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.contact_problem import ContactProblem
+from ..problem.recovered import RecoveredAnswer, recovered
+from ..problem.scaling import ScaledProblem
 from .primal_dual_active_set import primal_dual_active_set
+from .scaled_answer import ScaledAnswer
 
 #: Linear systems a polish may solve. A poor answer must stay visible as such, not be replaced by a solve from scratch.
 POLISH_LIMIT = 10

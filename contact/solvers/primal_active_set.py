@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scaling import ScaledProblem
-from .active_block import first_contact_index, solve_active_set
-from .answer import ScaledAnswer
+from ..problem.scaling import ScaledProblem
+from .active_set_system import first_contact_index, solve_active_set
+from .scaled_answer import ScaledAnswer
 
 #: A penetration below this, relative to the largest term of the gap, is rounding.
 GAP_TOLERANCE = 1e-13

@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError, MissingSolverError, how_to_install
-from ..certificate import EXACT_TOLERANCE
-from ..problem import ContactProblem
-from ..recovered import recovered, with_certificate
-from ..scaling import ScaledProblem
+from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.contact_problem import ContactProblem
+from ..problem.recovered import recovered, with_certificate
+from ..problem.scaling import ScaledProblem
 from . import native
-from .answer import ScaledAnswer
 from .backend import FORMS, NoAnswerError, chosen_form
 from .judge import judge, judge_scaled
 from .polish import recover_answer
-from .settings import SOLVERS
-from .status import ContactSolution, Status, no_solution
+from .scaled_answer import ScaledAnswer
+from .solution import ContactSolution, Status, no_solution
+from .solver_table import SOLVERS
 
 #: A certificate this good is rounding; the native cascade looks no further.
 ROUNDING_LEVEL = 1e-10
@@ -176,7 +176,7 @@ def _backend_solution(
     options = {**entry.settings, **settings}
     if form == "lifted":
         options["form"] = form
-    adapter = importlib.import_module(f".{name}", __package__)
+    adapter = importlib.import_module(f".adapters.{name}", __package__)
     try:
         answer: ScaledAnswer = adapter.solve_scaled(scaled, options)
     except InputError:

@@ -1,7 +1,7 @@
 """Geometry that leaves and enters the package: points and grids for measuring machines, surfaces for CAD, meshes."""
 
-from .cmm import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
-from .measured import flank_deviation, measured_grid, read_measured_grid, write_measured_grid
+from .measured_grid import flank_deviation, measured_grid, read_measured_grid, write_measured_grid
+from .measuring_points import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
 from .mesh import write_mesh
 from .step import write_step
 

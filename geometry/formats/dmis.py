@@ -20,7 +20,7 @@ from typing import Any
 import xarray as xr
 
 from ...core.errors import InputError
-from . import cmm_csv
+from . import csv_points as cmm_csv
 
 LABEL = re.compile(r"(CONCAVE|CONVEX)\D+(\d+)\D+(\d+)")
 FEATURE = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)

@@ -10,20 +10,20 @@ from typing import Any
 import click
 
 from ...core.errors import EaseoffError
-from .cases import cases
-from .compare import compare
-from .convert import convert
-from .correct import correct
-from .design import design
+from .cases_command import cases
+from .compare_command import compare
+from .convert_command import convert
+from .correct_command import correct
+from .design_command import design
 from .exit_codes import EXIT_MISTAKE
-from .export import export
-from .library import library
-from .optimize import optimize
-from .plot import plot
-from .problems import problems
-from .run import run
-from .show import show
-from .wear import wear
+from .export_command import export
+from .library_command import library
+from .optimize_command import optimize
+from .plot_command import plot
+from .problems_command import problems
+from .run_command import run
+from .show_command import show
+from .wear_command import wear
 
 
 class _Mistake(click.ClickException):

@@ -11,7 +11,7 @@ import click
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ...geometry.assembly import Misalignment
+    from ...geometry.pair.assembly import Misalignment
 
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 
@@ -38,7 +38,7 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
         return None
     import math
 
-    from ...geometry.assembly import Misalignment
+    from ...geometry.pair.assembly import Misalignment
 
     values, given = dict.fromkeys(MISALIGNMENT_KEYS, 0.0), set()
     for part in text.split(","):

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from .run import compare
-from .table import read_table, write_table
+from .comparison import compare
+from .comparison_table import read_table, write_table
 from .test_set import write_test_set
 
 __all__ = ["compare", "read_table", "write_comparison", "write_test_set"]
@@ -35,8 +35,8 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
         A file cannot be written.
     """
     # The drawing library is slow to load, and the processes of the solvers import this package too.
-    from .figures import write_figures
-    from .report import write_report
+    from .comparison_figures import write_figures
+    from .comparison_report import write_report
 
     target = Path(folder)
     tables = write_table(dataset, target)

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...contact.certificate import NO_CERTIFICATE, Certificate, certify
-from ...contact.problem import ContactProblem
-from ...contact.scaling import ScaledProblem
+from ...contact.problem.certificate import NO_CERTIFICATE, Certificate, certify
+from ...contact.problem.contact_problem import ContactProblem
+from ...contact.problem.scaling import ScaledProblem
 from ...contact.solvers import SOLVERS, solve
-from ...contact.solvers.answer import ScaledAnswer
 from ...contact.solvers.backend import NoAnswerError, chosen_form
 from ...contact.solvers.polish import recover_answer
+from ...contact.solvers.scaled_answer import ScaledAnswer
 from ...core.errors import InputError
 
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
@@ -92,7 +92,7 @@ def load_adapter(solver: str) -> Adapter | None:
     if not separator:
         for package in filter(None, (SOLVERS[solver].package, "qpsolvers")):
             importlib.import_module(package)  # slow imports are not to be timed
-        module, function = f"easeoff.contact.solvers.{solver}", "solve_scaled"
+        module, function = f"easeoff.contact.solvers.adapters.{solver}", "solve_scaled"
     try:
         found: Adapter = getattr(importlib.import_module(module), function)
     except Exception as error:  # whatever a module of somebody else's raises

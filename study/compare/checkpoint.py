@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...contact.certificate import Certificate
-from ...contact.problem import ContactProblem
+from ...contact.problem.certificate import Certificate
+from ...contact.problem.contact_problem import ContactProblem
 from ...core.errors import InputError
 from .attempt import Attempt
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...contact.problem import ContactProblem
+from ...contact.problem.contact_problem import ContactProblem
 from ...core.errors import InputError
 from ...core.files import check_folder, check_writable, whole_file
 

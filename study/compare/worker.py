@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...contact.problem import ContactProblem
+from ...contact.problem.contact_problem import ContactProblem
 from ...core.errors import EaseoffError, InputError
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
 

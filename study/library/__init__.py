@@ -4,10 +4,10 @@
 `files` writes it.
 """
 
-from .answers import Answer, proved_answer, reference_answers
-from .description import KINDS, LIBRARY_VERSION, PARTS, Entry, Source, entries
-from .files import Written, write_library
-from .generation import generate
+from .library_entries import KINDS, LIBRARY_VERSION, PARTS, Entry, Source, entries
+from .library_files import Written, write_library
+from .problem_generation import generate
+from .reference_answers import Answer, proved_answer, reference_answers
 
 __all__ = [
     "KINDS",

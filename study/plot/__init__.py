@@ -39,7 +39,12 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
         If the folder cannot be written to.
     """
     # The drawing library is slow to load, and most of what imports this package never draws.
-    from . import contact_pattern, ease_off, efficiency, friction_maps, load_sharing, pressure, transmission_error
+    from . import contact_pattern, friction_maps
+    from . import ease_off_map as ease_off
+    from . import efficiency_chart as efficiency
+    from . import load_share_chart as load_sharing
+    from . import pressure_chart as pressure
+    from . import transmission_error_chart as transmission_error
     from .page import save
     from .tooth_view import tooth_view
 

@@ -17,10 +17,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from ...contact.curves import boundary_distance
+from ...contact.lines.contact_lines import boundary_distance
 from ...friction import FrictionModel
-from ...friction.kinematics import action_fields, axes_of, surface_velocities
-from ...friction.operating import named_models
+from ...friction.operation import named_models
+from ...friction.surface_velocities import action_fields, axes_of, surface_velocities
 from .contours import drop_short, number_lines, outlined, points_per_unit, triangulated, without_border, without_steep
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
 from .tooth_view import ToothView, draw_flank, fine_grid

@@ -19,7 +19,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from ...core.files import whole_file
-from ..departures import deviations, modification
+from ..report.departures import deviations, modification
 
 DPI = 160
 WIDTH = 8.6  # [in]

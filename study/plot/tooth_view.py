@@ -17,8 +17,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
-from ...contact.curves import boundary_distance, contact_fields
-from ...contact.fields import FlankFields
+from ...contact.lines.contact_lines import boundary_distance, contact_fields
+from ...contact.lines.flank_splines import FlankFields
 from .page import GREY, INK, PAPER, SMALL_SIZE
 
 Array = NDArray[Any]

@@ -21,11 +21,11 @@ from scipy.linalg import solve_triangular
 from scipy.sparse import csc_array
 
 from ....core.errors import GeometryError
-from ....geometry.tooth_lattice import ToothLattice
+from ....geometry.tooth.tooth_lattice import ToothLattice
 from ..material import Material
-from ..polynomials import polynomial_family
+from ..trial_polynomials import polynomial_family
 from .bricks import stiffness
-from .factor import Factoriser, solver_of
+from .stiffness_factor import Factoriser, solver_of
 
 Array = NDArray[Any]
 Counts = tuple[int, int, int]

@@ -1,0 +1,1 @@
+"""REXS, the exchange format for gearbox data of the FVA."""

@@ -1,0 +1,160 @@
+"""Writing the bevel part of REXS, the exchange format for gearbox data of the FVA: a case as a bevel stage.
+
+A ``bevel_stage`` joins two ``bevel_gear`` components by the relation ``stage``. Every gear has two ``bevel_gear_flank``
+components (relation ``flank``), and every flank the ``bevel_gear_tool`` and the ``bevel_gear_manufacturing_settings``
+it is cut with (relation ``manufacturing_step``). What REXS leaves open is decided in ``docs/exchange.md``.
+"""
+
+from __future__ import annotations
+
+import datetime
+import math
+import os
+from importlib.metadata import version
+
+from pydantic import BaseModel
+
+from ...core.files import whole_file
+from ..conversion import machine_settings
+from ..recording import with_blanks
+from ..schema.case_schema import Case, MemberTable
+from ..schema.cutting_table import Cutter, FlankSettings
+from .rexs_file import ModelWriter, Value
+from .rexs_vocabulary import (
+    ANGULAR,
+    BLANK,
+    CUTTER,
+    FLANK,
+    HAND,
+    MACHINE,
+    MATERIAL,
+    MEMBER,
+    MISALIGNMENT,
+    MODIFIED_ROLL,
+    MOTIONS,
+    STAGE,
+    VERSION,
+    Hand,
+    Term,
+    opposite,
+    side,
+)
+
+
+def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
+    """Write the geometry of a case as a REXS file (XML, version 2.0.0).
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    path
+        The file; REXS asks for the suffix ``.rexs``.
+
+    Returns
+    -------
+    list of str
+        What REXS has no place for: left out, or written as an attribute that other programs do not know.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    notes: list[str] = []
+    if case.blank_design is not None:
+        notes.append("blank_design: written as the blanks it gives")
+        case = with_blanks(case)
+    file = ModelWriter(
+        {
+            "version": VERSION,
+            "applicationId": "easeoff",
+            "applicationVersion": version("easeoff"),
+            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            "applicationLanguage": "en",
+        }
+    )
+    pair = [*_terms(case.pair, STAGE), *((t, v) for t, v in _terms(case.misalignment, MISALIGNMENT) if v)]
+    stage = file.component("bevel_stage", case.title, pair)
+    hand = case.pinion.hand_of_spiral
+    pinion = _write_member(file, "pinion", case.pinion, hand, notes)
+    gear = _write_member(file, "gear", case.gear, opposite(hand), notes)
+    file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
+
+    plain = Case.model_fields
+    for name in ("description", "contact", "compliance", "friction", "target"):
+        if getattr(case, name) != plain[name].default:
+            notes.append(f"{name}: left out, REXS has no place for it")
+    if case.pinion.number_of_teeth > case.gear.number_of_teeth:
+        notes.append("number_of_teeth: a reader may take the member with fewer teeth for the pinion")
+    with whole_file(path) as temporary:
+        # The specification asks for a byte order mark.
+        temporary.write_text(file.text(), encoding="utf-8-sig", newline="\n")
+    return notes
+
+
+def _terms(table: BaseModel, terms: dict[str, Term]) -> list[tuple[Term, Value]]:
+    """Attributes of the keys of a table that have a value."""
+    return [(term, value) for key, term in terms.items() if (value := getattr(table, key)) is not None]
+
+
+def _noted(where: str, table: BaseModel, terms: dict[str, Term], notes: list[str]) -> list[tuple[Term, Value]]:
+    """The same without the keys that have their default, with a note on those that REXS does not know."""
+    result = []
+    for key, term in terms.items():
+        value, field = getattr(table, key), type(table).model_fields[key]
+        if value is None or (not field.is_required() and value == field.default and term.custom):
+            continue
+        if term.custom:
+            notes.append(f"{where}.{key}: written as {term.attribute}, which other programs do not know")
+        result.append((term, value))
+    return result
+
+
+def _write_member(file: ModelWriter, name: str, table: MemberTable, hand: Hand, notes: list[str]) -> int:
+    assert table.blank is not None  # see ``with_blanks``
+    attributes = [*_terms(table, MEMBER), (HAND, hand), *_noted(f"{name}.blank", table.blank, BLANK, notes)]
+    gear = file.component("bevel_gear", name, attributes)
+    steel = file.component("material", f"material of the {name}", _terms(table.material, MATERIAL))
+    file.relation("reference", origin=gear, referenced=steel)
+    flanks: dict[str, int] = {}
+    for flank in ("concave", "convex"):
+        # A relation has to name both flanks, so that a flank which the case lacks is there without settings.
+        flanks[flank] = file.component("bevel_gear_flank", f"{name} {flank}", [(FLANK, flank)])
+        settings = getattr(table, flank)
+        if settings is not None:
+            _write_flank(file, f"{name}.{flank}", flanks[flank], settings, notes)
+    file.relation("flank", gear=gear, left=flanks[side(hand, "left")], right=flanks[side(hand, "right")])
+    return gear
+
+
+def _write_flank(file: ModelWriter, where: str, flank: int, settings: FlankSettings, notes: list[str]) -> None:
+    machine = settings.machine
+    if machine.horizontal_distance is not None:
+        polar = machine_settings(machine)
+        machine = machine.model_copy(
+            update={"radial_distance": polar.radial_distance, "cradle_angle": math.degrees(polar.cradle_angle)}
+        )
+        notes.append(
+            f"{where}.machine: horizontal_distance and vertical_distance are written as radial_distance and "
+            "center_roll_position"
+        )
+    attributes = [(t, v) for t, v in _terms(machine, MACHINE) if t != MACHINE["ratio_of_roll"]]
+    attributes.append((MACHINE["ratio_of_roll"], machine.ratio_of_roll or 0.0))
+    if any(machine.modified_roll):
+        roll = tuple(value / math.factorial(order) for order, value in enumerate(machine.modified_roll, start=2))
+        attributes.append((MODIFIED_ROLL, roll))
+    for term, value in _noted(f"{where}.machine.motions", machine.motions, MOTIONS, notes):
+        assert isinstance(value, tuple)
+        unit = math.radians(1.0) if term in [MOTIONS[key] for key in ANGULAR] else 1.0
+        if value:
+            attributes.append((term, tuple(unit * d / math.factorial(n) for n, d in enumerate(value, start=1))))
+    tool = file.component("bevel_gear_tool", where, _noted(f"{where}.cutter", settings.cutter, _used(settings), notes))
+    made = file.component("bevel_gear_manufacturing_settings", where, attributes)
+    file.relation("manufacturing_step", order=1, workpiece=flank, tool=tool, manufacturing_settings=made)
+
+
+def _used(settings: FlankSettings) -> dict[str, Term]:
+    """Attributes of the blade that say something: those of a plain blade's zero radii and angles REXS excludes."""
+    plain = {key for key, field in Cutter.model_fields.items() if getattr(settings.cutter, key) == field.default}
+    return {key: term for key, term in CUTTER.items() if key not in plain}

@@ -1,0 +1,1 @@
+"""The schemas of case and design files, table by table."""

@@ -1,0 +1,96 @@
+"""Basic data of the blanks of a pair in a case or design file, as ISO 23509 has them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from .schema_table import Integer, Number, Table, number
+
+
+class BlankDesignTable(Table):
+    """Basic data of both blanks, by ISO 23509:2016, instead of the blanks themselves.
+
+    Which keys go together is checked by ``geometry.blank.BlankDesign``, whose fields these are, in degrees.
+    """
+
+    method: Literal[0, 1, 2, 3] = number(
+        "pitch cones of a spiral bevel pair (0), or of a hypoid pair after Gleason, Oerlikon, Klingelnberg", "1"
+    )
+    process: Literal["face_milled", "face_hobbed"]
+    mean_spiral_angle: Number = number(
+        "mean spiral angle: of the pinion in method 1, of the gear in the others", "deg", ge=0, lt=90
+    )
+    gear_face_width: Number = number("face width of the gear along the pitch cone", "mm", gt=0.5, lt=1000)
+    cutter_radius: Number = number("mean radius of the cutter", "mm", gt=1, lt=2000)
+    nominal_drive_pressure_angle: Number = number(
+        "nominal pressure angle of the drive flank", "deg", default=20.0, ge=0, lt=45
+    )
+    nominal_coast_pressure_angle: Number = number(
+        "nominal pressure angle of the coast flank", "deg", default=20.0, ge=0, lt=45
+    )
+    gear_outer_pitch_diameter: Number | None = number(
+        "outer pitch diameter of the gear; methods 0, 1 and 3", "mm", default=None, gt=1, lt=10000
+    )
+    gear_mean_pitch_diameter: Number | None = number(
+        "mean pitch diameter of the gear; method 2", "mm", default=None, gt=1, lt=10000
+    )
+    number_of_blade_groups: Integer | None = number(
+        "blade groups of a face-hobbing cutter", "1", default=None, ge=1, le=100
+    )
+    limit_pressure_angle_influence: Number = number(
+        "share of the limit pressure angle that shifts the generated pressure angles", "1", default=0.0, ge=0, le=1
+    )
+    profile_shift_coefficient: Number | None = number(
+        "data type I: profile shift of the pinion", "1", default=None, gt=-2, lt=2
+    )
+    basic_addendum_factor: Number | None = number("data type I: addendum over module", "1", default=None, gt=0, lt=3)
+    basic_dedendum_factor: Number | None = number("data type I: dedendum over module", "1", default=None, gt=0, lt=3)
+    thickness_modification_coefficient: Number | None = number(
+        "data type I: thickness modification of the pinion over module", "1", default=None, gt=-1, lt=1
+    )
+    gear_mean_addendum_factor: Number | None = number(
+        "data type II: share of the working depth that is gear addendum", "1", default=None, gt=-1, lt=2
+    )
+    depth_factor: Number | None = number("data type II: working depth over module", "1", default=None, gt=0, lt=5)
+    clearance_factor: Number | None = number(
+        "data type II: clearance over working depth", "1", default=None, ge=0, lt=1
+    )
+    thickness_factor: Number | None = number(
+        "data type II: what the pinion's mean thickness has, and the gear's lacks, beyond half the pitch and the "
+        "profile shift, over module",
+        "1",
+        default=None,
+        gt=-1,
+        lt=1,
+    )
+    gear_mean_slot_width: Number | None = number(
+        "data type II, instead of thickness_factor: width of the gear's slot at its bottom, mid face",
+        "mm",
+        default=None,
+        gt=0,
+        lt=200,
+    )
+    outer_normal_backlash: Number | None = number("backlash at the heel, normal", "mm", default=None, ge=0, lt=10)
+    outer_transverse_backlash: Number | None = number(
+        "backlash at the heel, transverse", "mm", default=None, ge=0, lt=10
+    )
+    mean_normal_backlash: Number | None = number("backlash at mid face, normal", "mm", default=None, ge=0, lt=10)
+    mean_transverse_backlash: Number | None = number(
+        "backlash at mid face, transverse", "mm", default=None, ge=0, lt=10
+    )
+    gear_addendum_angle: Number | None = number(
+        "face angle less pitch angle of the gear; instead of depth_taper", "deg", default=None, gt=-45, lt=45
+    )
+    gear_dedendum_angle: Number | None = number(
+        "pitch angle less root angle of the gear; instead of depth_taper", "deg", default=None, gt=-45, lt=45
+    )
+    depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = None
+
+    @classmethod
+    def angles(cls) -> frozenset[str]:
+        """Keys that hold degrees."""
+        return frozenset(
+            key
+            for key, field in cls.model_fields.items()
+            if field.description is not None and field.description.endswith("[deg]")
+        )

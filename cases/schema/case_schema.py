@@ -1,0 +1,250 @@
+"""The schema of a case file: every key, its unit and its range. Angles in degrees, lengths in mm, torque in N m.
+
+Names follow the REXS standard where it has one. A misspelt key is an error, never ignored.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from .blank_design_table import BlankDesignTable
+from .cutting_table import FlankSettings
+from .friction_table import FrictionTable
+from .schema_table import Integer, Number, Table, number
+
+
+class Blank(Table):
+    """Axial section of a member's blank."""
+
+    pitch_angle: Number = number("pitch angle", "deg", gt=0, lt=90)
+    face_angle: Number = number("face angle", "deg", gt=0, lt=95)
+    root_angle: Number = number("root angle", "deg", gt=-5, lt=90)
+    pitch_apex_beyond_crossing_point: Number = number(
+        "pitch apex beyond the crossing point, positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
+    )
+    face_apex_beyond_crossing_point: Number = number(
+        "face apex beyond the crossing point, positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
+    )
+    root_apex_beyond_crossing_point: Number = number(
+        "root apex beyond the crossing point, positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
+    )
+    outer_cone_distance: Number = number("pitch apex to heel along the pitch cone", "mm", gt=1, lt=5000)
+    face_width: Number = number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
+    clearance: Number = number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
+    front_angle: Number | None = number(
+        "the toe line stands at right angles to a cone of this angle; the pitch angle if left out",
+        "deg",
+        default=None,
+        gt=-90,
+        lt=180,
+    )
+    back_angle: Number | None = number(
+        "the heel line stands at right angles to a cone of this angle; the pitch angle if left out",
+        "deg",
+        default=None,
+        gt=-90,
+        lt=180,
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.face_angle < self.root_angle:
+            raise ValueError(
+                f"face_angle = {self.face_angle}: must not be smaller than root_angle = {self.root_angle} (degrees); "
+                "both are the same for teeth of uniform depth"
+            )
+        if self.face_width >= self.outer_cone_distance:
+            raise ValueError(
+                f"face_width = {self.face_width}: must be smaller than outer_cone_distance = "
+                f"{self.outer_cone_distance} (mm)"
+            )
+        return self
+
+
+class Steel(Table):
+    """Elastic constants of a member."""
+
+    elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=100, lt=1e6)
+    poisson_ratio: Number = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
+
+
+class MemberTable(Table):
+    """A pinion or a gear."""
+
+    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    mean_normal_circular_thickness: Number | None = number(
+        "normal circular thickness of the tooth in the middle of the flank; from the cutter, or from the mate's slot, "
+        "if left out",
+        "mm",
+        default=None,
+        gt=0,
+        lt=200,
+    )
+    blank: Blank | None = None
+    concave: FlankSettings | None = None
+    convex: FlankSettings | None = None
+    material: Steel = Steel()
+
+
+class PinionTable(MemberTable):
+    """The pinion; its hand decides that of the gear."""
+
+    hand_of_spiral: Literal["left", "right"]
+
+
+class PairTable(Table):
+    """How the members stand to each other."""
+
+    shaft_angle: Number = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
+    hypoid_offset: Number = number("offset; zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
+
+
+class MisalignmentTable(Table):
+    """Assembly errors."""
+
+    offset: Number = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
+    pinion_axial: Number = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
+    gear_axial: Number = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
+    shaft_angle: Number = number("increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
+
+
+class ContactTable(Table):
+    """What to analyse, and how finely."""
+
+    torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = (50.0, 250.0, 500.0)
+    mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
+    segments_per_line: Integer = number("segments of a contact line", "1", default=31, ge=3, le=2000)
+    edge_contact: bool | None = None
+    lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
+    profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
+    separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, gt=0, lt=1000)
+
+    @model_validator(mode="after")
+    def _positive_torques(self) -> Self:
+        for value in self.torques:
+            if not 0.0 < value < 1e7:
+                raise ValueError(f"torques contains {value}: every torque must be greater than 0 and below 1e7 N m")
+            if self.torques.count(value) > 1:
+                raise ValueError(f"torques contains {value} twice: give every torque once")
+        return self
+
+
+def _of_both_members(value: Any) -> Any:
+    return (value, value) if isinstance(value, int | float) else value
+
+
+Depth = Annotated[Number, Field(gt=0, lt=1000)]
+Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field(strict=False)]
+
+
+class ComplianceTable(Table):
+    """Models of the elastic tooth."""
+
+    model: Literal["shell", "solid_shell", "fe"] = "shell"
+    shell_form: Literal["five_field", "thesis"] = "five_field"
+    plate: Literal["even", "fitted"] = "even"
+    profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
+    lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
+    shear_factor: Number = number("shear correction factor", "1", default=1.0, gt=0, le=1)
+    root: Literal["weber", "odonnell", "clamped"] = "weber"
+    root_factor: Number = number("multiplies the flexibility of the root", "1", default=1.0, gt=0, le=10)
+    rim_depth: Depths | None = number(
+        "with `fe` and `solid_shell`: depth of the elastic body below the root, of both members or of pinion and gear; "
+        "1.2 times the tooth's height if left out",
+        "mm",
+        default=None,
+    )
+    fineness: Number = number(
+        "with `fe` and `solid_shell`: multiplies the number of bricks and functions in every direction",
+        "1",
+        default=1.0,
+        ge=0.2,
+        le=4,
+    )
+
+    @model_validator(mode="after")
+    def _plate_of_the_form(self) -> Self:
+        if self.plate == "fitted" and self.shell_form == "thesis":
+            raise ValueError('plate = "fitted": the shell_form "thesis" stands for an even plate; use "five_field"')
+        return self
+
+
+class TargetTable(Table):
+    """Ease-off that the pinion's settings were fitted to, in the case's own misalignment; all at the flank's edges.
+
+    A record: the analysis uses the settings.
+    """
+
+    lengthwise_crowning: Number = number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
+    profile_crowning: Number = number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
+    bias: Number = number(
+        "twist: what toe-tip and heel-root have more than toe-root and heel-tip, over four",
+        "um",
+        default=0.0,
+        gt=-1e4,
+        lt=1e4,
+    )
+    spiral_angle_error: Number = number(
+        "half the ease-off at the heel beyond that at the toe", "um", default=0.0, gt=-1e4, lt=1e4
+    )
+    pressure_angle_error: Number = number(
+        "half the ease-off at the tip beyond that at the root", "um", default=0.0, gt=-1e4, lt=1e4
+    )
+
+
+class TargetsTable(Table):
+    """Targets of the two sides."""
+
+    drive: TargetTable | None = None
+    coast: TargetTable | None = None
+
+
+class Case(Table):
+    """A whole case file."""
+
+    easeoff_case: Literal[1]
+    title: Annotated[str, Field(min_length=1, max_length=200)]
+    description: str = ""
+    pair: PairTable
+    blank_design: BlankDesignTable | None = None
+    pinion: PinionTable
+    gear: MemberTable
+    misalignment: MisalignmentTable = MisalignmentTable()
+    contact: ContactTable = ContactTable()
+    compliance: ComplianceTable = ComplianceTable()
+    friction: FrictionTable | None = None
+    target: TargetsTable = TargetsTable()
+    _text: str = PrivateAttr(default="")
+
+    @property
+    def text(self) -> str:
+        """The case file as it was read; empty for a case built in Python."""
+        return self._text
+
+    @model_validator(mode="after")
+    def _has_blanks_once(self) -> Self:
+        for name, member in (("pinion", self.pinion), ("gear", self.gear)):
+            if self.blank_design is None and member.blank is None:
+                raise ValueError(
+                    f"[{name}.blank] is missing: give [pinion.blank] and [gear.blank], or the basic data of both in "
+                    "[blank_design]"
+                )
+            if self.blank_design is not None and member.blank is not None:
+                raise ValueError(
+                    f"[blank_design] and [{name}.blank] are both given: basic data stand for the blanks of both "
+                    "members, so leave out either [blank_design] or [pinion.blank] and [gear.blank]"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _has_a_pair_of_flanks(self) -> Self:
+        drive = self.pinion.concave is not None and self.gear.convex is not None
+        coast = self.pinion.convex is not None and self.gear.concave is not None
+        if not (drive or coast):
+            raise ValueError(
+                "no flanks to mesh: give [pinion.concave] and [gear.convex] for the drive side, or [pinion.convex] and "
+                "[gear.concave] for the coast side"
+            )
+        return self

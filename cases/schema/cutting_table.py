@@ -1,0 +1,193 @@
+"""Tables of a case file that say how a flank is cut: blade, machine and motions."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from .schema_table import Integer, Number, Table, number
+
+
+class Cutter(Table):
+    """The blade of a cutter: its profile, its reliefs and its edge radius."""
+
+    blade_point_radius: Number = number("radius of the blade tip", "mm", gt=1, lt=2000)
+    blade_pressure_angle: Number = number("angle between blade edge and cutter axis", "deg", gt=-45, lt=60)
+    number_of_blade_groups: Integer = number(
+        "face hobbing: blade groups of the cutter; zero for face milling", "1", default=0, ge=0, le=100
+    )
+    blade_offset_angle: Number = number(
+        "face hobbing: how far the blade tip stands off the radial direction", "deg", default=0.0, gt=-60, lt=60
+    )
+    blade_rake_angle: Number = number(
+        "face hobbing: turn of the edge about the cutter axis", "deg", default=0.0, gt=-60, lt=60
+    )
+    blade_hook_angle: Number = number(
+        "face hobbing: turn of the edge about the radial direction", "deg", default=0.0, gt=-60, lt=60
+    )
+    blade_spheric_radius: Number | None = number(
+        "radius of a circular profile, positive for a hollow edge, whose pressure angle grows towards the shank; "
+        "straight if left out",
+        "mm",
+        default=None,
+        gt=-1e7,
+        lt=1e7,
+    )
+    blade_reference_height: Number = number(
+        "height above the tip plane at which a circular profile has the pressure angle",
+        "mm",
+        default=0.0,
+        gt=-50,
+        lt=100,
+    )
+    tool_edge_radius: Number = number("radius between profile and tip land", "mm", default=0.0, ge=0, lt=20)
+    toprem_depth: Number | None = number(
+        "toprem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=50
+    )
+    toprem_angle: Number = number("toprem: by how much its pressure angle is smaller", "deg", default=0.0, ge=0, lt=30)
+    toprem_radius: Number | None = number(
+        "toprem: radius of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7
+    )
+    flankrem_depth: Number | None = number(
+        "flankrem: height above the tip plane where it begins; none if left out", "mm", default=None, gt=0, lt=100
+    )
+    flankrem_angle: Number = number(
+        "flankrem: by how much its pressure angle is larger", "deg", default=0.0, ge=0, lt=30
+    )
+    flankrem_radius: Number | None = number(
+        "flankrem: radius of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7
+    )
+
+    @model_validator(mode="after")
+    def _hobbing_has_groups(self) -> Self:
+        turned = (self.blade_offset_angle, self.blade_rake_angle, self.blade_hook_angle)
+        if self.number_of_blade_groups == 0 and any(turned):
+            raise ValueError(
+                "blade_offset_angle, blade_rake_angle and blade_hook_angle belong to face hobbing: give "
+                "number_of_blade_groups"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _reliefs_begin_somewhere(self) -> Self:
+        for name in ("toprem", "flankrem"):
+            if getattr(self, f"{name}_depth") is None and (
+                getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
+            ):
+                raise ValueError(f"{name}_angle and {name}_radius need {name}_depth: where the {name} begins")
+            if getattr(self, f"{name}_depth") is not None and not (
+                getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
+            ):
+                raise ValueError(f"{name}_depth needs {name}_angle or {name}_radius: it changes nothing without")
+        if self.blade_spheric_radius is not None and not abs(self.blade_spheric_radius) > 1.0:
+            raise ValueError(f"blade_spheric_radius = {self.blade_spheric_radius}: must be longer than 1 mm either way")
+        if self.blade_spheric_radius is None and self.blade_reference_height:
+            raise ValueError("blade_reference_height belongs to a circular profile: give blade_spheric_radius")
+        return self
+
+
+Derivatives = Annotated[tuple[Number, ...], Field(strict=False, max_length=6)]
+
+
+class Motions(Table):
+    """Higher-order motions of a generated member: derivatives of settings by the cradle increment, first to sixth.
+
+    A setting is then its basic value plus the sum of derivative times increment^n / n!.
+    """
+
+    radial_distance: Derivatives = number("radial motion", "mm/rad^n", default=())
+    work_offset: Derivatives = number("vertical motion", "mm/rad^n", default=())
+    sliding_base: Derivatives = number("helical motion", "mm/rad^n", default=())
+    machine_center_to_crossing_point: Derivatives = number("axial motion", "mm/rad^n", default=())
+    machine_root_angle: Derivatives = number("angular motion", "deg/rad^n", default=())
+    cutter_tilt: Derivatives = number("tilt motion", "deg/rad^n", default=())
+    cutter_swivel: Derivatives = number("swivel motion", "deg/rad^n", default=())
+
+
+class Machine(Table):
+    """Basic settings of the cradle machine, standard Gleason meaning."""
+
+    radial_distance: Number | None = number("cutter centre to cradle axis", "mm", default=None, ge=0, lt=5000)
+    cradle_angle: Number | None = number(
+        "basic cradle angle, positive for both hands", "deg", default=None, ge=-180, le=180
+    )
+    horizontal_distance: Number | None = number(
+        "Formate only, instead of radial_distance and cradle_angle: cutter centre along the root line",
+        "mm",
+        default=None,
+        gt=-5000,
+        lt=5000,
+    )
+    vertical_distance: Number | None = number(
+        "Formate only, instead of radial_distance and cradle_angle: cutter centre across the root line",
+        "mm",
+        default=None,
+        gt=-5000,
+        lt=5000,
+    )
+    machine_root_angle: Number = number("machine root angle", "deg", ge=-45, le=120)
+    work_offset: Number = number("work (blank) offset", "mm", default=0.0, gt=-500, lt=500)
+    sliding_base: Number = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
+    machine_center_to_crossing_point: Number = number(
+        "machine centre to crossing point (machine centre to back), along the work axis",
+        "mm",
+        default=0.0,
+        gt=-1000,
+        lt=1000,
+    )
+    cutter_tilt: Number = number("tilt of the cutter axis", "deg", default=0.0, ge=-90, le=90)
+    cutter_swivel: Number = number("swivel: direction of the tilt", "deg", default=0.0, ge=-360, le=360)
+    ratio_of_roll: Number | None = number(
+        "work rotation over cradle rotation; left out for a Formate member", "1", default=None, gt=0, lt=100
+    )
+    modified_roll_2c: Number = number("second-order modified roll, 2C", "1", default=0.0, gt=-10, lt=10)
+    modified_roll_6d: Number = number("third-order modified roll, 6D", "1", default=0.0, gt=-100, lt=100)
+    modified_roll_24e: Number = number("fourth-order modified roll, 24E", "1", default=0.0, gt=-1000, lt=1000)
+    modified_roll_120f: Number = number("fifth-order modified roll, 120F", "1", default=0.0, gt=-1e4, lt=1e4)
+    modified_roll_720g: Number = number("sixth-order modified roll, 720G", "1", default=0.0, gt=-1e5, lt=1e5)
+    motions: Motions = Motions()
+
+    @model_validator(mode="after")
+    def _one_way_to_say_it(self) -> Self:
+        polar = (self.radial_distance, self.cradle_angle)
+        straight = (self.horizontal_distance, self.vertical_distance)
+        if any(v is not None for v in straight):
+            if any(v is not None for v in polar) or None in straight:
+                raise ValueError(
+                    "the cutter centre is given either by radial_distance and cradle_angle, or (Formate) by "
+                    "horizontal_distance and vertical_distance"
+                )
+            if self.ratio_of_roll is not None:
+                raise ValueError(
+                    "horizontal_distance and vertical_distance belong to a Formate member, which has no "
+                    "ratio_of_roll: give radial_distance and cradle_angle instead"
+                )
+        elif None in polar:
+            raise ValueError(
+                "the cutter centre is missing: give radial_distance and cradle_angle, or (Formate) "
+                "horizontal_distance and vertical_distance"
+            )
+        if self.ratio_of_roll is None and any(self.modified_roll):
+            raise ValueError("modified roll is given without ratio_of_roll: a Formate member does not roll")
+        if self.ratio_of_roll is None and any(self.motions.model_dump().values()):
+            raise ValueError("motions are given without ratio_of_roll: nothing moves while a Formate member is cut")
+        return self
+
+    @property
+    def modified_roll(self) -> tuple[float, ...]:
+        """The derivatives 2C, 6D, 24E, ... as given."""
+        return (
+            self.modified_roll_2c,
+            self.modified_roll_6d,
+            self.modified_roll_24e,
+            self.modified_roll_120f,
+            self.modified_roll_720g,
+        )
+
+
+class FlankSettings(Table):
+    """How one flank is cut."""
+
+    machine: Machine
+    cutter: Cutter

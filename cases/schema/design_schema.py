@@ -1,0 +1,57 @@
+"""The schema of a design file: basic data and wanted ease-offs, from which a case file is made."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from .blank_design_table import BlankDesignTable
+from .case_schema import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
+from .friction_table import FrictionTable
+from .schema_table import Integer, Number, Table, number
+
+
+class DesignedGear(Table):
+    """The gear, cut by one spread-blade cutter or hobbed."""
+
+    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    generation: Literal["formate", "generated"] = "formate"
+    basic_settings: Literal["mean_point", "root_line"] = "mean_point"
+    tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
+    material: Steel = Steel()
+
+
+class DesignedPinion(Table):
+    """The generated pinion."""
+
+    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    hand_of_spiral: Literal["left", "right"]
+    tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
+    follow_root: bool = False
+    free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
+    material: Steel = Steel()
+
+
+class DesignTargets(Table):
+    """Wanted ease-off of both sides, in the misalignment of the design."""
+
+    drive: TargetTable
+    coast: TargetTable
+
+
+class Design(Table):
+    """A whole design file."""
+
+    easeoff_design: Literal[1]
+    title: Annotated[str, Field(min_length=1, max_length=200)]
+    description: str = ""
+    pair: PairTable
+    blank_design: BlankDesignTable
+    pinion: DesignedPinion
+    gear: DesignedGear
+    misalignment: MisalignmentTable = MisalignmentTable()
+    contact: ContactTable = ContactTable()
+    compliance: ComplianceTable = ComplianceTable()
+    friction: FrictionTable | None = None
+    target: DesignTargets

@@ -1,0 +1,146 @@
+"""Operating conditions and friction models in a case or design file."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
+
+from ..mistakes import written
+from .schema_table import Number, Table, number
+
+if TYPE_CHECKING:
+    from ...friction import FrictionModel, Operation
+
+
+def _listed(value: Any) -> Any:
+    """One number counts as a list of one."""
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is a finite number; true and false are none, though Python counts them among the whole numbers."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _roughnesses(value: Any) -> Any:
+    """The entries of a list of roughnesses, each a number or a pair; one number counts as a list of one."""
+    entries = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in _listed(value))
+    for entry in entries:
+        pair = entry if isinstance(entry, tuple) else (entry, entry)
+        if len(pair) != 2 or not all(_is_number(height) for height in pair):
+            raise ValueError(
+                f"{list(entry) if isinstance(entry, tuple) else written(entry)}: give a number in um or a "
+                "list of such, in which [0.8, 0.4] as an entry is pinion and gear"
+            )
+    return entries
+
+
+def _coefficient(value: Any) -> Any:
+    """A name or a number, refused in one message: of a union, pydantic reports each of its kinds."""
+    if isinstance(value, str) or _is_number(value):
+        return value
+    from ...friction import COEFFICIENTS
+
+    raise ValueError(f"{written(value)}: must be one of {', '.join(COEFFICIENTS)}, or a number of zero or more")
+
+
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]
+Roughness = Number | Annotated[tuple[Number, Number], Field(strict=False)]
+Roughnesses = Annotated[
+    tuple[Roughness, ...], BeforeValidator(_roughnesses), Field(strict=False, min_length=1, max_length=1000)
+]
+
+
+class FrictionTable(Table):
+    """How the pair runs, and by which models its friction is computed; with it, an analysis has friction.
+
+    Values and names are checked by ``friction.Operation`` and ``friction.FrictionModel``, whose arguments these are.
+    """
+
+    speed: Numbers = number("speed of the pinion, one or more", "1/min")
+    temperature: Numbers = number("of the oil at the inlet of the contact, one or more", "degC", default=(90.0,))
+    roughness: Roughnesses = number(
+        "RMS roughness of the flanks, one or more; in a list `[0.8, 0.4]` may stand for pinion and gear",
+        "um",
+        default=(0.8,),
+    )
+    oil: str = "75w90"
+    coefficient: Annotated[str | float, BeforeValidator(_coefficient)] = number(
+        "model of the friction coefficient, or a number", "1", default="kolivand"
+    )
+    film: str = "pan_hamrock"
+    thermal_factor: str = "goksem_hargreaves"
+    rolling_frame: Literal["fixed", "contact_line"] = "fixed"
+    sliding_of_ratio: Literal["across", "whole"] = "across"
+    radius_direction: Literal["across", "along"] = "across"
+    out_of_range: Literal["error", "clamp"] = "error"
+    feedback: bool = False
+    _folder: Path | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _possible(self, info: ValidationInfo) -> Self:
+        # The folder of the file is no key of it: the reader hands it over beside the keys. A table that goes from a
+        # design to a case is checked again and has it already.
+        if info.context and info.context["folder"] is not None:
+            self._folder = Path(info.context["folder"]).absolute()
+        self.model().oil_states(self.operation())
+        return self
+
+    def operation(self, **changed: Any) -> Operation:
+        """The operating conditions, some of them changed.
+
+        A relative path of an oil starts from the folder of the case; a changed one from the working folder.
+
+        Raises
+        ------
+        InputError
+            If a value is not possible, or there is no such oil.
+        """
+        from ...friction import Operation
+        from ...friction.lubricant import lubricant
+
+        own: dict[str, Any] = {
+            "speed": self.speed,
+            "temperature": self.temperature,
+            "roughness": list(self.roughness),
+        }
+        if "oil" not in changed:
+            own["oil"] = lubricant(self.oil, self._folder)
+        return Operation(**(own | changed))
+
+    @property
+    def oil_file(self) -> Path:
+        """Where the oil's file is, if it is not shipped."""
+        return Path(self._folder or "", self.oil)
+
+    def seen_from(self, folder: Path) -> Self:
+        """The table as a case in another folder has it: with the relative path of an oil from there."""
+        from ...friction.lubricant import is_shipped
+
+        moved = self.model_copy()
+        if not is_shipped(self.oil) and not Path(self.oil).is_absolute():
+            file = self.oil_file.absolute()
+            try:
+                oil = Path(os.path.relpath(file, folder.absolute()))
+            except ValueError:  # no way leads from one drive of Windows to another
+                oil = file
+            moved = self.model_copy(update={"oil": oil.as_posix()})
+        moved._folder = folder.absolute()
+        return moved
+
+    def model(self, **changed: Any) -> FrictionModel:
+        """The friction models, some of them changed.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown.
+        """
+        from ...friction import FrictionModel
+
+        own = self.model_dump(include=set(FrictionModel.__dataclass_fields__))
+        return FrictionModel(**(own | changed))

@@ -1,0 +1,1 @@
+"""Session scripts of Transmission3D and HypoidFaceMilled."""

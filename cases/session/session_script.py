@@ -1,0 +1,237 @@
+"""The design part of a session script of Transmission3D or HypoidFaceMilled, as a case.
+
+Keywords and signs are those that the public program SpyGO (``haomjc/SpyGO``) writes into such scripts and computes
+with; ``docs/exchange.md`` has the table. A setting has the sign of ours, for both hands, with one exception: the
+vertical motion of a gear.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ...core.errors import InputError
+from ..reading import check_case
+from ..schema.case_schema import Case
+from .session_lines import ORDERS, MemberName, Place, Setting, read_settings
+
+Settings = Mapping[str, Setting]
+
+BLANK = {
+    "PITCHANGLE": "pitch_angle",
+    "FACEANGLE": "face_angle",
+    "OUTERCONEDIST": "outer_cone_distance",
+    "FACEWIDTH": "face_width",
+}
+OPTIONAL_BLANK = {
+    "PITCHAPEX": "pitch_apex_beyond_crossing_point",
+    "FACEAPEX": "face_apex_beyond_crossing_point",
+    "ROOTAPEX": "root_apex_beyond_crossing_point",
+    "FRONTANGLE": "front_angle",
+    "BACKANGLE": "back_angle",
+}
+GENERATED = {
+    "RADIALSETTING": "radial_distance",
+    "CRADLEANGLE": "cradle_angle",
+    "ROOTANGLE": "machine_root_angle",
+    "RATIOROLL": "ratio_of_roll",
+}
+OPTIONAL_GENERATED = {
+    "TILTANGLE": "cutter_tilt",
+    "SWIVELANGLE": "cutter_swivel",
+    "BLANKOFFSET": "work_offset",
+    "SLIDINGBASE": "sliding_base",
+    "MACHCTRBACK": "machine_center_to_crossing_point",
+    "MODROLL_2C": "modified_roll_2c",
+    "MODROLL_6D": "modified_roll_6d",
+    "MODROLL_24E": "modified_roll_24e",
+    "MODROLL_120F": "modified_roll_120f",
+    "MODROLL_720G": "modified_roll_720g",
+}
+FORMATE = {
+    "HORIZONTAL": "horizontal_distance",
+    "VERTICAL": "vertical_distance",
+    "ROOTANGLE": "machine_root_angle",
+}
+OPTIONAL_FORMATE = {"MACHCTRBACK": "machine_center_to_crossing_point"}
+MOTIONS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
+
+
+def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
+    """Read the design part of a session script.
+
+    Parameters
+    ----------
+    path
+        The script.
+
+    Returns
+    -------
+    tuple
+        The case, and a list of what was not understood, was assumed, or is doubtful, with line numbers.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a value is no number or no known word, a setting that a case needs is missing, or a
+        value is out of the range of a case.
+    """
+    settings, unknown = read_settings(path)
+    notes = [
+        "shaft angle 90 deg and offset 0 mm are assumed, since no keyword for them is known: give them in [pair]",
+        "clearance is zero: the flanks begin at the root cones",
+    ]
+    try:
+        hand = _hand(settings, notes)
+        data = {
+            "easeoff_case": 1,
+            "title": f"{Path(path).stem} (session script)"[:200],
+            "pair": {},
+            "pinion": {**_member(settings, "PINION", hand, notes), "hand_of_spiral": hand.lower()},
+            "gear": _member(settings, "GEAR", hand, notes),
+        }
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    return check_case(data, str(path)), notes + [f"not understood: {line}" for line in unknown]
+
+
+def _hand(settings: Mapping[Place, Settings], notes: list[str]) -> str:
+    """Hand of the pinion, RIGHT or LEFT."""
+    given = [
+        s.word("LEFT", "RIGHT")
+        for s in (
+            settings.get(("", "", "PAIRS"), {}).get("HAND_PINION"),
+            settings.get(("PINION", "", "COMMON"), {}).get("HAND"),
+        )
+        if s is not None
+    ]
+    if not given:
+        raise InputError("the hand of the pinion is missing: HAND_PINION in PAIRS, or HAND in COMMON of ROTOR 1")
+    if len(set(given)) > 1:
+        raise InputError("HAND_PINION in PAIRS and HAND in COMMON of ROTOR 1 contradict each other")
+    gear = settings.get(("GEAR", "", "COMMON"), {}).get("HAND")
+    if gear is not None and gear.word("LEFT", "RIGHT") == given[0]:
+        notes.append(f"line {gear.line}: HAND of the gear is that of the pinion; the opposite hand is taken")
+    return given[0]
+
+
+def _needed(table: Settings, keys: Mapping[str, str], where: str) -> dict[str, Any]:
+    missing = [keyword for keyword in keys if keyword not in table]
+    if missing:
+        raise InputError(f"{where} lacks {', '.join(missing)}")
+    return {key: table[keyword].number() for keyword, key in keys.items()}
+
+
+def _given(table: Settings, keys: Mapping[str, str]) -> dict[str, Any]:
+    return {key: table[keyword].number() for keyword, key in keys.items() if keyword in table}
+
+
+def _member(settings: Mapping[Place, Settings], member: MemberName, hand: str, notes: list[str]) -> dict[str, Any]:
+    common = settings.get((member, "", "COMMON"), {})
+    where = f"COMMON of the {member.lower()}"
+    blank = _needed(common, BLANK, where) | _given(common, OPTIONAL_BLANK)
+    blank["root_angle"] = _root_angle(settings, member, notes)
+    teeth = _needed(common, {"NTEETH": "number_of_teeth"}, where)["number_of_teeth"]
+    result: dict[str, Any] = {"number_of_teeth": int(teeth) if teeth.is_integer() else teeth, "blank": blank}
+    kind = settings.get((member, "", "HYPOID"), {}).get("GEAR_TYPE")
+    formate = kind is not None and kind.word("FORMATE", "GENERATED") == "FORMATE"
+    for flank in ("CONCAVE", "CONVEX"):
+        machine, cutter = (settings.get((member, flank, menu), {}) for menu in ("MACHINE", "CUTTER"))
+        if not machine and not cutter:
+            continue
+        where = f"{flank} of the {member.lower()}"
+        if formate:
+            made = _needed(machine, FORMATE, f"MACHINE, {where},") | _given(machine, OPTIONAL_FORMATE)
+        else:
+            made = _needed(machine, GENERATED, f"MACHINE, {where},") | _given(machine, OPTIONAL_GENERATED)
+            made["motions"] = _motions(machine, member, hand, notes)
+            _doubts(machine, member, notes)
+        result[flank.lower()] = {"machine": made, "cutter": _cutter(cutter, f"CUTTER, {where},")}
+    return result
+
+
+def _root_angle(settings: Mapping[Place, Settings], member: MemberName, notes: list[str]) -> float:
+    """Root angle of the blank: that of COMMON or, if the cutter is not tilted, that of the machine."""
+    common = settings.get((member, "", "COMMON"), {})
+    if "ROOTANGLE" in common:
+        return common["ROOTANGLE"].number()
+    for flank in ("CONCAVE", "CONVEX"):
+        machine = settings.get((member, flank, "MACHINE"), {})
+        if "ROOTANGLE" in machine and ("TILTANGLE" not in machine or machine["TILTANGLE"].number() == 0.0):
+            root = machine["ROOTANGLE"]
+            notes.append(f"line {root.line}: the machine root angle is taken as the root angle of the {member.lower()}")
+            return root.number()
+    raise InputError(
+        f"the root angle of the {member.lower()} is missing, and that of the machine is not it where the cutter is "
+        f"tilted: add ROOTANGLE, in degrees, to COMMON of the {member.lower()}"
+    )
+
+
+def _motions(machine: Settings, member: MemberName, hand: str, notes: list[str]) -> dict[str, list[float]]:
+    """Derivatives of the settings that move, by our cradle increment."""
+    motions = {}
+    for letter, key in MOTIONS.items():
+        # The reading of the program gives the vertical motion of a gear the sign opposite to its offset, both hands.
+        sign = -1.0 if letter == "V" and member == "GEAR" else 1.0
+        values = [machine[f"{letter}{n}"].number() if f"{letter}{n}" in machine else 0.0 for n in ORDERS]
+        while values and values[-1] == 0.0:
+            values.pop()
+        motions[key] = [sign * value + 0.0 for value in values]
+        for order, value in enumerate(values, start=1):
+            if value == 0.0:
+                continue
+            which = f"line {machine[f'{letter}{order}'].line}: {letter}{order}"
+            if hand == "RIGHT" and _hands_differ(letter, order, member):
+                notes.append(
+                    f"{which} is taken with the sign of a left-hand pinion; the public reading of the program has the "
+                    "other one for this hand, which is no mirror image"
+                )
+            elif sign < 0.0:
+                notes.append(
+                    f"{which} of the gear is taken with the sign opposite to BLANKOFFSET, as the public reading of the "
+                    "program has it"
+                )
+    return motions
+
+
+def _hands_differ(letter: str, order: int, member: MemberName) -> bool:
+    """Where the public reading of the program makes a right-hand pair that does not mirror a left-hand one."""
+    if member == "PINION":
+        return letter in "RV" and order % 2 == 1
+    return (letter == "R" and order in (1, 5)) or (letter == "V" and order == 6)
+
+
+def _doubts(machine: Settings, member: MemberName, notes: list[str]) -> None:
+    """Notes on settings that are given, and whose meaning is not certain or has no place in a case."""
+
+    def say(keyword: str, text: str) -> None:
+        if keyword in machine and machine[keyword].number() != 0.0:
+            notes.append(f"line {machine[keyword].line}: {keyword} {machine[keyword].value} {text}")
+
+    say("MODROLL_5040H", "is left out: a case has no modified roll of the seventh order")
+    for keyword in ("MODROLL_720G", "H5", "H6"):
+        say(keyword, "is taken as it is; the public reading of the program divides it by 1000")
+    if member == "GEAR":
+        taken = "of a gear is taken with the sense it has for a pinion; the public reading of the program"
+        say("TILTANGLE", f"{taken} has the other one")
+        say("SWIVELANGLE", f"{taken} contradicts itself between the hands")
+
+
+def _cutter(cutter: Settings, where: str) -> dict[str, Any]:
+    result = _needed(cutter, {"POINTRADIUS": "blade_point_radius", "BLADEANGLE": "blade_pressure_angle"}, where)
+    result |= _given(cutter, {"EDGERADIUS": "tool_edge_radius"})
+    if "TYPE" in cutter and cutter["TYPE"].word("STRAIGHT", "CURVED") == "CURVED":
+        result |= _needed(cutter, {"RHO": "blade_spheric_radius"}, where)
+    for relief in ("TOPREM", "FLANKREM"):
+        option = cutter.get(f"{relief}_OPTION")
+        kind = "NONE" if option is None else option.word("NONE", "BLENDED", "STRAIGHT")
+        name = relief.lower()
+        if kind == "BLENDED":
+            result |= _needed(
+                cutter, {f"{relief}_DEPTH": f"{name}_depth", f"{relief}_BLEND_RADIUS": f"{name}_radius"}, where
+            )
+        elif kind == "STRAIGHT":
+            result |= _needed(cutter, {f"{relief}_DEPTH": f"{name}_depth", f"{relief}_ANGLE": f"{name}_angle"}, where)
+    return result

@@ -1,0 +1,166 @@
+"""The elastic root: springs along the root line in place of the dissertation's fitted base rotation and translation.
+
+The gear body yields under the moment and the shear force of the tooth. Per unit length of the root line, with root
+thickness t and a line load q at height l, the classical formulas (plane strain) give
+
+    delta = q cos^2(alpha) (1 - nu^2) / E [ a (l/t)^2 + b (l/t) + c (1 + k tan^2(alpha)) ]
+
+which is the work of a 2 x 2 flexibility between the root's moment and shear force (rotation a, coupling b/2,
+deflection c) and of an axial flexibility c k. The inverse is a spring energy for the Ritz system: no coupling along
+the face (Winkler), yet the tooth itself spreads the load.
+
+The two remaining motions of a root section do not appear in a plane formula. Both load the body in antiplane shear,
+whose half-space kernel ln(r) / (pi G) is the plane strain kernel 2 (1 - nu^2) ln(r) / (pi E) divided by (1 - nu):
+
+    shift along the trace:  c / (1 - nu)        twist about the height:  a / (1 - nu)
+
+Under a concentrated load across the tooth a rigid twist would lower the peak deflection by 4 %, a rigid shift by 0.2 %;
+under a uniform load neither matters.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...core.errors import InputError
+from .material import Material
+from .shell_kinematics import (
+    NUMBER_OF_ROOT_QUANTITIES,
+    ROOT_DEFLECTION,
+    ROOT_HEIGHT_SHIFT,
+    ROOT_ROTATION,
+    ROOT_TRACE_SHIFT,
+    ROOT_TWIST,
+)
+
+FoundationSource = Literal["weber", "odonnell"]
+
+
+class FoundationConstants(NamedTuple):
+    """Dimensionless constants of the plane strain formula.
+
+    Attributes
+    ----------
+    rotation : float
+        a, rotation under moment.
+    coupling : float
+        b, twice the coupling between rotation and deflection.
+    deflection : float
+        c, deflection under shear force.
+    axial_share : float
+        k, axial over deflection flexibility.
+    """
+
+    rotation: float
+    coupling: float
+    deflection: float
+    axial_share: float
+
+
+@dataclass(frozen=True)
+class ElasticFoundation:
+    """Line springs between the tooth root and a rigid support.
+
+    Parameters
+    ----------
+    source : {"weber", "odonnell"}
+        ``weber``: a = 5.2, b = 1, c = 1.4, k = (1 - nu) / 2.4 (C. Weber 1949; the axial share as in Weber and
+        Banaschek 1953, 0.29 for steel). Against finite elements of a body that is deep below the tooth it is within 2 %
+        at the loaded tip.
+        ``odonnell``: a = 16.67 / pi, b = 2 (1 - 2 nu) / (1 - nu), c = 1.534, k = 1 / (2.4 (1 + nu)) (W. J. O'Donnell
+        1960, 1963, as used by R. W. Cornell 1981).
+    factor : float
+        Multiplies the flexibility [-]. O'Donnell's constants with 0.8 match a rim of 2.5 modules under the root,
+        held at its bottom and ends, within 3 %.
+
+    Raises
+    ------
+    InputError
+        If the source is unknown or the factor is not positive. For a rigid root give the shell no foundation.
+    """
+
+    source: FoundationSource = "weber"
+    factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.source not in get_args(FoundationSource):
+            known = ", ".join(get_args(FoundationSource))
+            raise InputError(f"unknown foundation source {self.source!r}; known: {known}")
+        if not (math.isfinite(self.factor) and self.factor > 0.0):
+            raise InputError(
+                f"foundation factor must be positive and finite; got {self.factor!r} (no foundation means a rigid root)"
+            )
+
+    def constants(self, poisson_ratio: float) -> FoundationConstants:
+        """Dimensionless constants of the source, before ``factor``."""
+        nu = poisson_ratio
+        if self.source == "weber":
+            return FoundationConstants(5.2, 1.0, 1.4, (1.0 - nu) / 2.4)
+        return FoundationConstants(
+            16.67 / math.pi, 2.0 * (1.0 - 2.0 * nu) / (1.0 - nu), 1.534, 1.0 / (2.4 * (1.0 + nu))
+        )
+
+    def line_load_flexibility(
+        self, height: ArrayLike, root_thickness: ArrayLike, material: Material, load_angle: ArrayLike = 0.0
+    ) -> NDArray[np.float64]:
+        """Deflection of the load point, along the load, that a unit line load gains from the body (plane strain).
+
+        Parameters
+        ----------
+        height : array_like
+            Height above the root at which the line of action crosses the tooth's centre line [mm].
+        root_thickness : array_like
+            Thickness at the root [mm].
+        material : Material
+            Material of the body.
+        load_angle : array_like
+            Angle between the load and the thickness direction [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Deflection per line load [mm/(N/mm)], shape of the broadcast of height, thickness and angle.
+        """
+        a, b, c, k = self.constants(material.poisson_ratio)
+        slenderness = np.asarray(height, dtype=np.float64) / np.asarray(root_thickness, dtype=np.float64)
+        cosine, sine = np.cos(load_angle), np.sin(load_angle)
+        across = a * slenderness**2 + b * slenderness + c
+        return np.asarray(self.factor / material.plane_strain_modulus * (across * cosine**2 + c * k * sine**2))
+
+    def stiffness(self, root_thickness: NDArray[np.float64], material: Material) -> NDArray[np.float64]:
+        """Spring stiffness per unit length of the root line.
+
+        Parameters
+        ----------
+        root_thickness : numpy.ndarray
+            Thickness at the root [mm], shape (n,).
+        material : Material
+            Material of the body.
+
+        Returns
+        -------
+        numpy.ndarray
+            Symmetric positive definite, shape (n, 5, 5), between the root quantities in the order of the module
+            ``kinematics``: deflection, rotation, shift along the height, shift along the trace, twist
+            [N, mm and rad per mm of root line].
+        """
+        a, b, c, k = self.constants(material.poisson_ratio)
+        unit = self.factor / material.plane_strain_modulus
+        t = root_thickness
+        stiffness = np.zeros((t.size, NUMBER_OF_ROOT_QUANTITIES, NUMBER_OF_ROOT_QUANTITIES))
+        # Inverse of unit * [[c, b/(2t)], [b/(2t), a/t^2]].
+        determinant = (a * c - 0.25 * b**2) * unit
+        stiffness[:, ROOT_DEFLECTION, ROOT_DEFLECTION] = a / determinant
+        stiffness[:, ROOT_ROTATION, ROOT_ROTATION] = c * t**2 / determinant
+        stiffness[:, ROOT_DEFLECTION, ROOT_ROTATION] = -0.5 * b * t / determinant
+        stiffness[:, ROOT_ROTATION, ROOT_DEFLECTION] = -0.5 * b * t / determinant
+        antiplane = 1.0 - material.poisson_ratio
+        stiffness[:, ROOT_HEIGHT_SHIFT, ROOT_HEIGHT_SHIFT] = 1.0 / (c * k * unit)
+        stiffness[:, ROOT_TRACE_SHIFT, ROOT_TRACE_SHIFT] = antiplane / (c * unit)
+        stiffness[:, ROOT_TWIST, ROOT_TWIST] = antiplane * t**2 / (a * unit)
+        return stiffness

@@ -1,0 +1,153 @@
+"""Bending compliance of a tooth pair loaded along the contact normals: shells on elastic roots, or finite elements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..lines.flank_splines import FlankFields
+from . import ElasticFoundation, Material, Shell, ToothDimensions
+from .finite_elements.flank_compliance import FlankCompliance
+from .shell_kinematics import ShellForm
+
+Array = NDArray[Any]
+PlateName = Literal["even", "fitted"]
+ElasticTooth = Shell | FlankCompliance
+MEMBERS = ("pinion", "gear")
+STEEL = Material(206000.0, 0.3)
+DEFAULT_FOUNDATION = ElasticFoundation()
+
+
+@dataclass(frozen=True)
+class ElasticModel:
+    """How the teeth give way.
+
+    Parameters
+    ----------
+    pinion, gear
+        Materials.
+    form, modes, shear_factor
+        See ``compliance.Shell``.
+    plate
+        ``even``: a plate of even taper with parallel heights, as in the dissertation; ``fitted``: with the bulge and
+        the fanning heights of the real tooth, for the form ``five_field`` alone.
+    foundation
+        Springs along the root; ``None`` clamps it.
+    condensed
+        Pinion and gear by finite elements, instead of the shells.
+    foot_correction
+        Added to the line contact, see ``compliance.WeberLineContact``.
+    """
+
+    pinion: Material = STEEL
+    gear: Material = STEEL
+    form: ShellForm = "five_field"
+    modes: tuple[int, int] = (5, 15)
+    shear_factor: float = 1.0
+    plate: PlateName = "even"
+    foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
+    condensed: tuple[FlankCompliance, FlankCompliance] | None = None
+    foot_correction: float = 0.0
+
+
+def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") -> ToothDimensions:
+    """Dimensions of the plate that stands for one member's tooth, from the geometry's ``teeth``."""
+    one = teeth.sel(member=member)
+    fitted = plate == "fitted"
+    height, thickness = one["tooth_height"], one["fitted_thickness" if fitted else "plate_thickness"]
+    return ToothDimensions(
+        trace_length=float(one["trace_length"]),
+        trace_radius=float(one["trace_radius"]),
+        height_toe=float(height.sel(tooth_end="toe")),
+        height_heel=float(height.sel(tooth_end="heel")),
+        root_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="root")),
+        root_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="root")),
+        tip_thickness_toe=float(thickness.sel(tooth_end="toe", plate_edge="tip")),
+        tip_thickness_heel=float(thickness.sel(tooth_end="heel", plate_edge="tip")),
+        bulge_toe=float(one["bulge"].sel(tooth_end="toe")) if fitted else 0.0,
+        bulge_heel=float(one["bulge"].sel(tooth_end="heel")) if fitted else 0.0,
+        fanning=float(one["fanning"]) if fitted else 0.0,
+    )
+
+
+def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
+    """Shells of pinion and gear."""
+    materials = (model.pinion, model.gear)
+    pinion, gear = (
+        Shell(
+            tooth_dimensions(teeth, member, model.plate),
+            material,
+            model.modes,
+            model.shear_factor,
+            model.form,
+            model.foundation,
+        )
+        for member, material in zip(MEMBERS, materials, strict=True)
+    )
+    return pinion, gear
+
+
+def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth, ElasticTooth]:
+    """Pinion and gear as the model wants them: by finite elements if it has them, else as shells."""
+    return shells(teeth, model) if model.condensed is None else model.condensed
+
+
+def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
+    """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``whitened_loads`` needs, by name."""
+    fields = {}
+    for member in MEMBERS:
+        one = teeth.sel(member=member)
+        for name in ("shell_height", "shell_arc", "depth"):
+            fields[f"{name}_{member}"] = one[name].transpose("lengthwise", "profile").values
+        direction = one["shell_direction"].transpose("lengthwise", "profile", "shell_axis")
+        fields[f"shell_direction_{member}"] = direction.values
+    return fields
+
+
+def member_points(fields: FlankFields, member: str, points: Array) -> Array:
+    """Lengthwise and profile fractions (2, ...) on one member of points (2, ...) on the gear."""
+    if member == "gear":
+        return points
+    return np.stack(list(fields.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
+
+
+def whitened_loads(
+    elastic: tuple[ElasticTooth, ElasticTooth],
+    fields: FlankFields,
+    points: Array,
+    weights: Array,
+) -> NDArray[np.float64]:
+    """Both members' whitened unit loads on segments; their inner products are bending compliances.
+
+    Parameters
+    ----------
+    elastic
+        Pinion and gear from ``elastic_teeth``.
+    fields
+        Splines that include ``tooth_fields``.
+    points
+        Quadrature points (2, n, g) of n segments, as fractions on the gear.
+    weights
+        Quadrature weights (g), adding up to one: load and deflection are both averaged over a segment.
+
+    Returns
+    -------
+    Array
+        Y (k, n) such that the compliance of segments on one tooth pair is Y^T Y [mm/N] (Kolivand 2009, Eq. 3.11).
+    """
+    stacked = []
+    for member, tooth in zip(MEMBERS, elastic, strict=True):
+        if isinstance(tooth, FlankCompliance):
+            stacked.append(tooth.whitened(member_points(fields, member, points), weights))
+            continue
+        names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
+        height, arc, direction = fields.evaluate(names, points).values()
+        # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
+        arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
+        vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
+        stacked.append(tooth.whiten(vectors)[tooth.idle_size :])
+    return np.concatenate(stacked, axis=0)

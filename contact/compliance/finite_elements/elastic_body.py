@@ -1,0 +1,102 @@
+"""One tooth on its body: held, factored once, and asked for the work of loads on each other's displacements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from ..material import Material
+from .bricks import stiffness
+from .stiffness_factor import Factoriser, solve_in_parts, solver_of
+
+Array = NDArray[Any]
+
+
+def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
+    """Displacements in given directions as columns (3 count, m); as loads, unit forces in these directions.
+
+    Parameters
+    ----------
+    count
+        Nodes of the body.
+    nodes
+        Nodes (m, q) that share in each of them.
+    weights
+        Their shares (m, q).
+    direction
+        Directions (m, 3), or one for every share (m, q, 3).
+    """
+    direction = np.broadcast_to(direction[:, None] if direction.ndim == 2 else direction, (*nodes.shape, 3))
+    rows = 3 * nodes[..., None] + np.arange(3)
+    columns = np.broadcast_to(np.arange(len(nodes))[:, None, None], rows.shape)
+    values = weights[..., None] * direction
+    return csc_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(3 * count, len(nodes)))
+
+
+@dataclass(frozen=True)
+class ElasticBody:
+    """Bricks with some nodes held.
+
+    Parameters
+    ----------
+    nodes
+        Points (n, 3) [mm].
+    cells
+        Nodes (m, 3, 3, 3) of every brick.
+    free
+        Displacements that can move.
+    solve
+        Solutions of the stiffness matrix of the free displacements.
+    """
+
+    nodes: Array
+    cells: NDArray[np.int64]
+    free: NDArray[np.int64]
+    solve: Callable[[Array], Array]
+
+    def response(self, loads: csc_array, wanted: csc_array) -> Array:
+        """What the loads (3 n, k) do to the wanted functionals (3 n, m) of the displacements: (m, k)."""
+        return solve_in_parts(self.solve, loads.tocsr()[self.free].tocsc(), wanted.tocsr()[self.free].tocsc())
+
+
+def elastic_body(
+    nodes: Array,
+    cells: NDArray[np.int64],
+    held: NDArray[np.int64],
+    material: Material,
+    *,
+    brick_nodes: int = 27,
+    factoriser: Factoriser = "auto",
+) -> ElasticBody:
+    """Assemble and factor.
+
+    Parameters
+    ----------
+    nodes, cells
+        The bricks, as ``bricks.stiffness``.
+    held
+        Nodes that do not move.
+    material
+        The material.
+    brick_nodes
+        27, or 20 for the serendipity brick.
+    factoriser
+        As ``factor.solver_of``.
+
+    Raises
+    ------
+    GeometryError
+        If a brick is turned inside out.
+    MissingPackageError
+        As ``factor.solver_of``.
+    """
+    matrix = stiffness(nodes, cells, material, brick_nodes)
+    movable = matrix.diagonal() > 0.0  # nodes that no brick uses stay where they are
+    movable[(3 * held[:, None] + np.arange(3)).ravel()] = False
+    free = np.flatnonzero(movable)
+    return ElasticBody(nodes, cells, free, solver_of(matrix[free][:, free], factoriser))

@@ -1,0 +1,192 @@
+"""Teeth of a pair by finite elements or as solid shells, kept on disk."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import hstack
+
+from ....core.errors import GeometryError, InputError
+from ....geometry.pair.gear_pair import GearPair
+from ....geometry.tooth.tooth_flanks import MemberName, named_member
+from ....geometry.tooth.tooth_lattice import (
+    DEPTH_PER_HEIGHT,
+    SHELL_HINT,
+    LatticeSize,
+    ToothLattice,
+    tooth_lattice,
+    usual_depth,
+)
+from ..material import Material
+from .array_store import kept, key_of
+from .elastic_body import elastic_body
+from .flank_compliance import FlankCompliance, flank_loads, foot_displacements, square_root
+from .solid_shell import Counts, solid_shell
+from .stress_functionals import RootStress, by_station, stress_functionals
+
+Array = NDArray[Any]
+BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
+BRICKS_ALONG = (8, 32)
+BRICKS_THROUGH = (4, 8)
+FORMAT = 3  # of what is kept; raise it when the same input gives other arrays
+SOLID_SHELL_FORMAT = 1
+# Of a solid shell: bricks of the body along the face as a share of the usual ones, functions through and up the tooth.
+SOLID_SHELL_BRICKS, FUNCTIONS_THROUGH, FUNCTIONS_UP = 0.7, 4, 7
+MOST_UNKNOWNS = 12000  # of a solid shell: its matrix is full, here 1.2 GB
+
+
+@dataclass(frozen=True)
+class FiniteElementTooth:
+    """What the contact needs to know of one member's tooth.
+
+    Parameters
+    ----------
+    flank
+        Compliance of its loaded flank.
+    root
+        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough.
+    """
+
+    flank: FlankCompliance
+    root: RootStress | None
+
+
+def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
+    """Number of bricks that leaves about 1 % in the compliance.
+
+    A third of the tooth's height long; and through the tooth no fewer than the brick lengths by which its sections,
+    at right angles to the blank, slant against its normal.
+    """
+    one = named_member(pair, member)
+    trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
+    step = np.diff(trace, axis=1)
+    lengths = np.linalg.norm(step, axis=0)
+    length = float(np.nansum(lengths))
+    bricks = int(np.clip(round(BRICKS_PER_HEIGHT * length / usual_depth(one.section)), *BRICKS_ALONG))
+    middle = 0.5 * (trace[:2, 1:] + trace[:2, :-1])
+    around = (middle[0] * step[1] - middle[1] * step[0]) / np.hypot(*middle) / lengths
+    slant = float(np.nanmax(np.abs(around) / np.sqrt(1.0 - around**2)))
+    shift = slant * usual_depth(one.section) / DEPTH_PER_HEIGHT
+    through = int(np.clip(round(shift * bricks / length), *BRICKS_THROUGH))
+    return LatticeSize(bricks, through=through)
+
+
+def finite_element_tooth(
+    pair: GearPair,
+    member: MemberName,
+    material: Material,
+    *,
+    fineness: float = 1.0,
+    rim_depth: float | None = None,
+) -> FiniteElementTooth:
+    """Compliance and root stress of one member's tooth.
+
+    Made once and kept on disk, see ``store.cache_folder``.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    member
+        ``"pinion"`` or ``"gear"``.
+    material
+        Its material.
+    fineness
+        Multiplies the number of bricks in every direction.
+    rim_depth
+        Depth of the elastic body below this member's root [mm]; ``None`` for 1.2 times the tooth's height.
+
+    Raises
+    ------
+    GeometryError
+        If the tooth cannot be filled with bricks: pointed, undercut, cut through by its own fillets.
+    InputError
+        If a number is out of range.
+    """
+    _check(fineness)
+    lattice = tooth_lattice(pair, member, _long_enough(usual_size(pair, member).finer(fineness)), rim_depth)
+    key = key_of(FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
+    found = kept(key, lambda: _condensed(lattice, material, member))
+    flank = FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"])
+    return FiniteElementTooth(flank, RootStress(found["stations"], found["stress"]))
+
+
+def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
+    """Bricks of the body, and functions along, through and up the tooth, that leave 2 to 4 % in the compliance."""
+    usual = usual_size(pair, member)
+    functions = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
+    along, through, up = (max(round(fineness * n), 2) for n in functions)
+    bricks = replace(usual, lengthwise=round(SOLID_SHELL_BRICKS * usual.lengthwise), slot=1, deep=2).finer(fineness)
+    # The bricks of the joint have to follow every function through the tooth; more of them change nothing.
+    return _long_enough(replace(bricks, through=2 * math.ceil(through / 4))), (along, through, up)
+
+
+def solid_shell_tooth(
+    pair: GearPair,
+    member: MemberName,
+    material: Material,
+    *,
+    fineness: float = 1.0,
+    rim_depth: float | None = None,
+) -> FiniteElementTooth:
+    """Compliance of one member's tooth as a solid shell.
+
+    Made once and kept on disk, see ``store.cache_folder``.
+
+    Parameters
+    ----------
+    pair, member, material, rim_depth
+        As ``finite_element_tooth``, which also says what is raised.
+    fineness
+        Multiplies the number of functions and of bricks in every direction.
+    """
+    _check(fineness)
+    size, counts = solid_shell_size(pair, member, fineness)
+    unknowns = 3 * math.prod(counts)
+    if unknowns > MOST_UNKNOWNS:
+        raise InputError(
+            f"fineness = {fineness!r}: the {member} as a solid shell would have {unknowns} unknowns, at most "
+            f'{MOST_UNKNOWNS} are allowed; take a smaller one, or model = "fe"'
+        )
+    lattice = tooth_lattice(pair, member, size, rim_depth)
+    key = key_of("solid shell", SOLID_SHELL_FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, counts, material)
+    found = kept(key, lambda: {"factor": _condensed_shell(lattice, material, counts, member)})
+    return FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"]), None)
+
+
+def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, member: str) -> Array:
+    try:
+        shell = solid_shell(lattice, material, counts)
+    except GeometryError as error:
+        raise unfilled(member, error) from error
+    return square_root(shell.response(flank_loads(lattice), foot_displacements(lattice, in_tooth=True)))
+
+
+def _check(fineness: float) -> None:
+    if not 0.2 <= fineness <= 4.0:
+        raise InputError(f"fineness = {fineness!r}: must lie between 0.2 and 4")
+
+
+def _long_enough(size: LatticeSize) -> LatticeSize:
+    return replace(size, lengthwise=max(size.lengthwise, 4))
+
+
+def unfilled(member: str, error: GeometryError) -> GeometryError:
+    """What to say of a member whose lattice has a brick turned inside out."""
+    return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
+
+
+def _condensed(lattice: ToothLattice, material: Material, member: str) -> dict[str, Array]:
+    try:
+        body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
+    except GeometryError as error:
+        raise unfilled(member, error) from error
+    feet, (stresses, station) = foot_displacements(lattice), stress_functionals(lattice, material)
+    response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
+    count = feet.shape[1]
+    root = by_station(response[count:], station)
+    return {"factor": square_root(response[:count]), "stations": root.lengthwise, "stress": root.stress}

@@ -1,0 +1,164 @@
+"""The compliance of a tooth condensed to its loaded flank: what is left to know of the finite elements.
+
+A unit force along the flank's normal acts at a node of the flank; the displacement along the normal of another node is
+read at the foot of *its* normal, on the middle surface of the tooth. Between lies the local indentation, which the line
+contact adds with the distance to the foot. The kernel from flank to middle surface is smooth, so that forces anywhere
+on the flank are shared among its nodes by the shape functions; a deflection of the loaded point itself is never
+interpolated. By reciprocity the kernel is symmetric but for the last millimetres around a load; its symmetric part is
+taken, with the eigenvalues that rounding and mesh leave below zero put to zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from ....geometry.tooth.tooth_lattice import ToothLattice
+from .bricks import quadratic
+from .elastic_body import functionals
+
+Array = NDArray[Any]
+FOOT_STEPS = 30
+SMALLEST_EIGENVALUE = 1e-9  # of the greatest; what is below does not reach the digits of a force
+
+
+@dataclass(frozen=True)
+class FlankCompliance:
+    """Bending of one tooth between points of its loaded flank.
+
+    Parameters
+    ----------
+    lengthwise
+        Lengthwise fractions (nt) of the nodes.
+    profile
+        Profile fractions (nt, nh) of the nodes.
+    factor
+        Z (k, nt nh): the compliance between nodes is Z^T Z [mm/N].
+    """
+
+    lengthwise: Array
+    profile: Array
+    factor: Array
+
+    def whitened(self, points: Array, weights: Array) -> Array:
+        """Unit loads on segments, as vectors whose inner products are their compliances.
+
+        Parameters
+        ----------
+        points
+            Quadrature points (2, n, g): lengthwise and profile fractions on this member.
+        weights
+            Quadrature weights (g), adding up to one.
+
+        Returns
+        -------
+        Array
+            (k, n), such that Y^T Y is the compliance between the segments [mm/N].
+        """
+        nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
+        shares = shares * np.tile(weights, points.shape[1])[:, None]
+        segments = np.repeat(np.arange(points.shape[1]), weights.size * shares.shape[1])
+        loads = csc_array((shares.ravel(), (nodes.ravel(), segments)), shape=(self.profile.size, points.shape[1]))
+        return np.asarray(self.factor @ loads)
+
+
+def share_of_three(place: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:
+    """Nodes, shares and their slopes (n, 3 each) at places (n) counted in nodes along ``count`` of them."""
+    brick = np.clip(np.floor(0.5 * place), 0, (count - 3) // 2).astype(np.int64)
+    shares, slopes = quadratic(place - 2 * brick - 1)
+    return 2 * brick[:, None] + np.arange(3), shares, slopes
+
+
+def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
+    """Nodes and their shares (n, 9 each) of forces at points (2, n) of the flank; beyond its ends the ends."""
+    rows = profile.shape[1]
+    along = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, np.arange(lengthwise.size))
+    sections, section_shares, _ = share_of_three(along, lengthwise.size)
+    # Heights of the nodes at this lengthwise fraction; then the brick, and the place in it by Newton's method.
+    heights = np.einsum("nk,nkh->nh", section_shares, profile[sections])
+    wanted = np.clip(points[1], heights[:, 0], heights[:, -1])
+    brick = np.clip(np.sum(heights[:, ::2] <= wanted[:, None], axis=1) - 1, 0, (rows - 3) // 2)
+    levels = 2 * brick[:, None] + np.arange(3)
+    three = np.take_along_axis(heights, levels, axis=1)
+    place = np.zeros(wanted.size)
+    for _ in range(6):
+        shares, slopes = quadratic(place)
+        place = place - (np.sum(shares * three, axis=1) - wanted) / np.sum(slopes * three, axis=1)
+    shares = quadratic(place)[0]
+    nodes = sections[:, :, None] * rows + levels[:, None, :]
+    return nodes.reshape(-1, 9), (section_shares[:, :, None] * shares[:, None, :]).reshape(-1, 9)
+
+
+@dataclass(frozen=True)
+class Feet:
+    """Where the normals of n flank nodes meet the middle surface of the tooth.
+
+    Parameters
+    ----------
+    nodes, shares
+        Nodes of the middle surface and their shares (n, 9).
+    depth
+        Distance from the flank (n) [mm].
+    """
+
+    nodes: NDArray[np.int64]
+    shares: Array
+    depth: Array
+
+
+def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
+    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest there is.
+
+    Normals in the fillet may lead down into the body; if ``in_tooth``, not below the tooth's lowest nodes.
+    """
+    middle = lattice.column[:, lattice.column.shape[1] // 2]
+    count, rows = middle.shape
+    start, normal = lattice.nodes[lattice.flank].reshape(-1, 3), lattice.flank_normal.reshape(-1, 3)
+    at = np.meshgrid(np.arange(count, dtype=float), np.arange(lattice.root_row, rows, dtype=float), indexing="ij")
+    place = np.stack([a.ravel() for a in at])
+    depth = np.zeros(len(start))
+    lowest = np.array([[0.0], [float(lattice.root_row) if in_tooth else 0.0]])
+    highest = np.array([[count - 1.0], [rows - 1.0]])
+
+    def shares(place: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(place, (count, rows), strict=True))
+        nodes = middle[i[:, :, None], j[:, None, :]].reshape(-1, 9)
+        products = [
+            (a[:, :, None] * b[:, None, :]).reshape(-1, 9) for a, b in ((along, up), (d_along, up), (along, d_up))
+        ]
+        return nodes, products[0], products[1], products[2]
+
+    for _ in range(FOOT_STEPS):
+        nodes, value, d_along, d_up = shares(place)
+        there = lattice.nodes[nodes]
+        position, *tangents = (np.einsum("nk,nkx->nx", s, there) for s in (value, d_along, d_up))
+        off = position + depth[:, None] * normal - start
+        step = np.linalg.solve(np.stack([*tangents, normal], axis=2), off[..., None])[..., 0]
+        place = np.clip(place - np.clip(step[:, :2].T, -2.0, 2.0), lowest, highest)
+        depth = depth - step[:, 2]
+    nodes, value, _, _ = shares(place)
+    position = np.einsum("nk,nkx->nx", value, lattice.nodes[nodes])
+    return Feet(nodes, value, np.sum((start - position) * normal, axis=1))
+
+
+def flank_loads(lattice: ToothLattice) -> csc_array:
+    """Unit forces into the tooth at the nodes of the loaded side (3 n, k)."""
+    flank = lattice.flank.reshape(-1, 1)
+    return functionals(len(lattice.nodes), flank, np.ones(flank.shape), -lattice.flank_normal.reshape(-1, 3))
+
+
+def foot_displacements(lattice: ToothLattice, *, in_tooth: bool = False) -> csc_array:
+    """Displacement at the foot of the normal of each node of the loaded side, along it into the tooth (3 n, k)."""
+    feet = feet_of_normals(lattice, in_tooth=in_tooth)
+    return functionals(len(lattice.nodes), feet.nodes, feet.shares, -lattice.flank_normal.reshape(-1, 3))
+
+
+def square_root(compliance: Array) -> Array:
+    """Z with Z^T Z the positive semidefinite matrix nearest to the symmetric part of a compliance (k, k)."""
+    values, vectors = np.linalg.eigh(0.5 * (compliance + compliance.T))
+    kept = values > SMALLEST_EIGENVALUE * values[-1]
+    return np.ascontiguousarray((vectors[:, kept] * np.sqrt(values[kept])).T)

@@ -1,0 +1,1 @@
+"""Contact problems with the load-dependent compliance of line contact."""

@@ -1,0 +1,140 @@
+"""Contact with load-dependent line contact at many mesh positions at once, by Newton's method in the bending modes.
+
+The modal method takes any local law that gives a force for an indentation. The line contact gives the indentation for
+a force; it is inverted segment by segment. As its compliance falls with the load, the deflection is a concave function
+of the force: Newton's method on it comes from below after the first step, and never overshoots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compliance import WeberLineContact
+from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.contact_problem import ContactProblem
+from ..solvers import ContactSolution
+from ..solvers.modal_batch import ModalBatch, newton_batch
+from .line_contact_solution import certified_on_secant
+
+Array = NDArray[np.float64]
+
+#: Steps of the inversion; four are usual.
+MAX_STEPS = 30
+#: Relative error of the deflection below which one more step leaves only rounding.
+NEARLY = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class LineContacts:
+    """The line contacts of several problems, and all their segments as one."""
+
+    each: Sequence[WeberLineContact]
+
+    @cached_property
+    def joined(self) -> WeberLineContact:
+        """Every segment of every problem in one array."""
+        return WeberLineContact.joined(self.each)
+
+
+@dataclass(frozen=True, eq=False)
+class LineContactLaw:
+    """Line contact as a law of force over indentation, see `modal_batch.LocalLaw`.
+
+    Parameters
+    ----------
+    line_contact : WeberLineContact
+        Of all segments of all problems, (s).
+    place : (b, p, m) int array
+        Number of the segment that stands in a place; s where padded.
+    guess : (s) array
+        Forces of the usual size [N].
+    """
+
+    line_contact: WeberLineContact
+    place: NDArray[np.intp]
+    guess: Array
+
+    def response(self, indentation: Array, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
+        """See `modal_batch.LocalLaw`."""
+        place = self.place[chosen]
+        wanted = np.zeros(self.guess.size + 1)
+        wanted[place] = indentation
+        force, stiffness = self._inverse(wanted[:-1])
+        return np.append(force, 0.0)[place], np.append(stiffness, 0.0)[place]
+
+    def _inverse(self, indentation: Array) -> tuple[Array, Array]:
+        force = indentation / self.line_contact.secant(self.guess)
+        for _ in range(MAX_STEPS):
+            error = indentation - self.line_contact.deflection(force)
+            tangent = self.line_contact.tangent(force)
+            force = np.maximum(force + error / tangent, 0.0)
+            if (np.abs(error) <= NEARLY * indentation).all():
+                break
+        return force, np.where(indentation > 0.0, 1.0 / tangent, 0.0)
+
+
+def solve_line_contacts(
+    bendings: Sequence[ContactProblem], contacts: LineContacts, starts: Sequence[Array | None]
+) -> list[tuple[ContactSolution, ContactProblem] | None]:
+    """Solve contact problems with load-dependent line contact, and prove the answers.
+
+    Parameters
+    ----------
+    bendings : sequence of ContactProblem
+        Structured, with the compliance of bending alone, and a positive torque.
+    contacts : LineContacts
+        The local part of each.
+    starts : sequence of (n) arrays or None
+        Forces near the solution, such as those of a lower torque [N].
+
+    Returns
+    -------
+    list
+        For every problem what `solve_line_contact` returns, or None where this method has no certified answer.
+    """
+    sizes = np.array([problem.size for problem in bendings])
+    batch = ModalBatch.of(
+        [problem.modal_basis for problem in bendings],  # type: ignore[misc]  # structured
+        [problem.lever_arm for problem in bendings],
+        [problem.separation_at_first_contact for problem in bendings],
+        np.array([problem.torque for problem in bendings]),
+    )
+    forces = [_balanced(problem, start) for problem, start in zip(bendings, starts, strict=True)]
+    total, first = int(sizes.sum()), np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    place = np.where(batch.place < sizes[:, None, None], batch.place + first[:, None, None], total)
+    mean = np.concatenate([np.full(force.size, force.sum() / np.count_nonzero(force)) for force in forces])
+    law = LineContactLaw(contacts.joined, place, mean)
+    deflection = np.append(contacts.joined.deflection(np.concatenate(forces)), 0.0)[place]
+    answer = newton_batch(batch, law, *batch.start(batch.in_blocks(forces, 0.0), deflection))
+    found: list[tuple[ContactSolution, ContactProblem] | None] = []
+    for i, force in enumerate(batch.by_segments(answer.force)):
+        if not answer.ended[i]:
+            found.append(None)
+            continue
+        count = int(answer.iterations[i])
+        solved = certified_on_secant(
+            bendings[i],
+            contacts.each[i],
+            force,
+            float(answer.rotation[i]),
+            "native",
+            tolerance=EXACT_TOLERANCE,
+            iterations=count,
+            polished=False,
+            message=f"modal, {count} steps",
+        )
+        found.append(solved if solved[0].certified else None)
+    return found
+
+
+def _balanced(problem: ContactProblem, start: Array | None) -> Array:
+    """Forces in balance with the torque: those given, or even ones on the segments that would touch first."""
+    if start is None:
+        rotation = problem.separation_at_first_contact / np.where(problem.lever_arm > 0.0, problem.lever_arm, np.nan)
+        start = np.where(rotation <= np.nanmedian(rotation), 1.0, 0.0)
+    return start * (problem.torque / float(start @ problem.lever_arm))

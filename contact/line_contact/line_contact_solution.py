@@ -1,0 +1,165 @@
+"""Contact with a load-dependent local compliance: the line contact of each segment stiffens as its width grows.
+
+With the local deflection delta_i(F_i), convex energy Phi_i' = delta_i, the problem is
+
+    minimise 1/2 F'B F + S'F + sum Phi_i(F_i)   subject to   r'F = T,  F >= 0,
+
+still convex, with B the bending compliance of the teeth. It is solved by Newton's method with exact subproblems:
+around the forces F, the quadratic programme with compliance B + diag(tangent) and separation S + delta(F) - tangent
+F. Convergence is quadratic.
+
+The result is handed back as the linear contact problem with compliance B + diag(secant) at the solution. Since secant
+times force is the deflection, its residuals are those of the nonlinear problem, to the bit: the ordinary certificate
+proves the nonlinear answer.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ..problem.contact_problem import ContactProblem
+from ..problem.recovered import with_certificate
+from ..solvers import ContactSolution, Status, require_solver, solve
+from ..solvers.judge import judge
+from ..solvers.solution import no_solution
+from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
+
+Array = NDArray[np.float64]
+Compliance = Array | tuple[Array, Array]
+
+
+def solve_line_contact(
+    separation: Array,
+    lever_arm: Array,
+    torque: float,
+    bending_compliance: Compliance,
+    line_contact: LineContact,
+    solver: str = "auto",
+    *,
+    initial_force: Array | None = None,
+    polish: bool = True,
+    **settings: Any,
+) -> tuple[ContactSolution, ContactProblem]:
+    """Solve the contact problem with load-dependent line contact, and prove the answer.
+
+    Parameters
+    ----------
+    separation, lever_arm : (n) array
+        [mm], see `ContactProblem`.
+    torque : float
+        [N mm].
+    bending_compliance : (n, n) array, or pair of an (n) and an (n, k) array
+        Compliance B of teeth and roots, without the local part [mm/N], positive semidefinite.
+    line_contact : LineContact
+        The local part.
+    solver : str
+        What solves the linear problems; see `solve`.
+    initial_force : (n) array, optional
+        Warm start: the forces of a neighbouring problem [N]. Ignored if they are NaN, as where that problem failed.
+    polish : bool
+        See `solve`.
+    **settings
+        Passed to the solver.
+
+    Returns
+    -------
+    ContactSolution
+        Its certificate is that of the nonlinear problem, ``iterations`` counts the linear problems solved. The status
+        is `Status.NOT_CONVERGED` if the iteration did not settle, or that of the linear problem that failed.
+    ContactProblem
+        The linear problem with the secant compliance at the solution, which has the same solution.
+
+    Raises
+    ------
+    InputError, MissingSolverError
+        As `ContactProblem` and `solve`.
+    """
+    bending = ContactProblem(separation, lever_arm, torque, bending_compliance)
+    return solve_on_bending(bending, line_contact, solver, initial_force=initial_force, polish=polish, **settings)
+
+
+def solve_on_bending(
+    bending: ContactProblem,
+    line_contact: LineContact,
+    solver: str = "auto",
+    *,
+    initial_force: Array | None = None,
+    polish: bool = True,
+    **settings: Any,
+) -> tuple[ContactSolution, ContactProblem]:
+    """As `solve_line_contact`, for a contact problem whose compliance is that of bending alone."""
+    name = require_solver(solver)
+    uniform = np.full(bending.size, bending.torque / float(np.maximum(bending.lever_arm, 0.0).sum()))
+    start = _warm_start(initial_force, bending.size)
+    warm = start is not None
+    start = uniform if start is None else start
+    try:
+        linear = bending.with_added_compliance(line_contact.secant(start))
+    except InputError as error:
+        return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}"), bending
+    idle = bending.torque == 0.0 and bending.separation_at_first_contact.min() >= 0.0
+    if idle or not linear.is_positive_semidefinite:
+        return solve(linear, name, polish=polish, **settings), linear
+
+    step = NativeStep(linear, bending, settings) if name == "native" else BackendStep(bending, name, polish, settings)
+    iteration = NewtonIteration(bending, linear.scaling, line_contact, step)
+    status = iteration.run(start if warm else None, linear)
+    if status is not None:
+        return _failed(bending, status, name, iteration.message, iteration.count), linear
+    return certified_on_secant(
+        bending,
+        line_contact,
+        iteration.force,
+        iteration.rotation,
+        name,
+        tolerance=iteration.step.tolerance,
+        iterations=iteration.count,
+        polished=iteration.step.polished,
+        message=f"{iteration.count} linear problems",
+    )
+
+
+def certified_on_secant(
+    bending: ContactProblem,
+    line_contact: LineContact,
+    force: Array,
+    elastic_rotation: float,
+    name: str,
+    *,
+    tolerance: float,
+    iterations: int,
+    polished: bool,
+    message: str,
+) -> tuple[ContactSolution, ContactProblem]:
+    """Certify an answer of the nonlinear problem on the linear one with its secant compliance; see `judge`."""
+    try:
+        problem = bending.with_added_compliance(line_contact.secant(force))
+    except InputError as error:
+        return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iterations), bending
+    solution = judge(
+        name,
+        with_certificate(problem, force, elastic_rotation),
+        tolerance=tolerance,
+        iterations=iterations,
+        polished=polished,
+        message=message,
+        suspicion=Status.NOT_CONVERGED,
+    )
+    return solution, problem
+
+
+def _warm_start(force: Array | None, size: int) -> Array | None:
+    if force is None:
+        return None
+    array = np.asarray(force, dtype=np.float64)
+    if array.shape != (size,):
+        raise InputError(f"initial_force has the shape {array.shape}, expected ({size},)")
+    return np.maximum(array, 0.0) if np.isfinite(array).all() else None
+
+
+def _failed(bending: ContactProblem, status: Status, name: str, message: str, iterations: int = 0) -> ContactSolution:
+    return no_solution(bending.size, status, name, message=message, iterations=iterations)

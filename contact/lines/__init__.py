@@ -1,0 +1,1 @@
+"""Potential contact lines of a pair, their segments, and tooth edges."""

@@ -1,0 +1,273 @@
+"""The gap across a contact curve, and where next to the curve the flanks come closest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contact_lines import curvature_and_skew
+from .flank_splines import FlankFields
+
+Array = NDArray[Any]
+
+PARTING = ("separation_bend", "separation_bend_slope")  # the fields behind separation curvature and skew
+FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
+STILL_OPENS = 0.2  # least part of its curvature that a gap must keep over the way for its expansion to be of use
+KEPT = 0.5  # least part of what a step promises to close of the gap that it must close; designed pairs: 0.99 to 1.03
+SLIGHT = 1e-6  # [rad]; a promise broken by less is of no account, as where a step ends at the border of the flank
+ROUNDS, SAMPLES = 3, 31  # of a search; every round looks between the neighbours of the best place, to 1e-4 of the flank
+
+
+def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array) -> Array:
+    """Gap as a gear rotation [rad] at places whose roll angle the pinion has left behind by ``left`` [rad].
+
+    Parameters
+    ----------
+    ease_off_angle, curvature, skew
+        Of the places: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
+    left
+        Zero in conjugate contact, negative before it.
+    """
+    return np.asarray(ease_off_angle + 0.5 * curvature * left**2 + skew * left**3 / 6.0)
+
+
+def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
+    """Whether the expansion of the gap at places holds over the rotation that is left to their conjugate contact.
+
+    Where it does the gap lies nowhere below the ease-off.
+
+    Parameters
+    ----------
+    curvature, skew, left
+        As in ``gap_beside``.
+    """
+    return np.asarray(curvature + np.minimum(skew * left, 0.0) > STILL_OPENS * curvature)
+
+
+@dataclass(frozen=True)
+class AcrossLine:
+    """Gap and roll angle across the contact curve through each of the points (...).
+
+    Parameters
+    ----------
+    roll_angle, ease_off_angle
+        At the points [rad].
+    lever_arm
+        Arm of the normal force about the gear axis [mm].
+    direction
+        One millimetre across the curve, towards growing roll angle, as fractions (2, ...) [1/mm].
+    metric
+        First fundamental form of the gear flank by the fractions (3, ...): E, F, G [mm^2].
+    gradient
+        Derivatives of the roll angle by the fractions (2, ...) [rad].
+    slope
+        Change of the roll angle along it [rad/mm].
+    ease_off_slope, ease_off_bend
+        First and second derivative of the ease-off by the roll angle, across the curve [1, 1/rad].
+    separation_curvature, separation_skew
+        Of the gap, by the pinion rotation [1/rad, 1/rad^2].
+    """
+
+    roll_angle: Array
+    ease_off_angle: Array
+    lever_arm: Array
+    direction: Array
+    metric: Array
+    gradient: Array
+    slope: Array
+    ease_off_slope: Array
+    ease_off_bend: Array
+    separation_curvature: Array
+    separation_skew: Array
+
+    def gap(self, left: Array) -> Array:
+        """Gap as a gear rotation (...) [rad] when the pinion is ``left`` (...) [rad] beyond the roll angle."""
+        return gap_beside(self.ease_off_angle, self.separation_curvature, self.separation_skew, left)
+
+    def gap_slope(self, left: Array) -> Array:
+        """Slope of that gap across the curve, towards growing roll angle (...) [rad/mm]."""
+        by_roll = self.ease_off_slope - self.separation_curvature * left - 0.5 * self.separation_skew * left**2
+        return np.asarray(by_roll * self.slope)
+
+    def still_opens(self, left: Array) -> NDArray[np.bool_]:
+        """Where that expansion holds over the rotation left (...) [rad] to their conjugate contact."""
+        return still_opens(self.separation_curvature, self.separation_skew, left)
+
+    def length_along(self, way: Array) -> Array:
+        """Length (...) [mm] along the curve of a short way, given as fractions (2, ...)."""
+        e, f, g = self.metric
+
+        def product(one: Array, other: Array) -> Array:
+            mixed = one[0] * other[1] + one[1] * other[0]
+            return np.asarray(e * one[0] * other[0] + f * mixed + g * one[1] * other[1])
+
+        squared = product(way, way) - product(way, self.direction) ** 2
+        return np.asarray(np.sqrt(np.maximum(squared, 0.0)))
+
+    @property
+    def stiffness(self) -> Array:
+        """Second derivative of the gap across the curve by the roll angle (...) [1/rad]."""
+        return np.asarray(self.separation_curvature + self.ease_off_bend)
+
+    @property
+    def curvature(self) -> Array:
+        """Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open."""
+        return np.where(self.stiffness > 0.0, self.lever_arm * self.stiffness * self.slope**2, 0.0)
+
+
+def across_line(fields: FlankFields, points: Array) -> AcrossLine:
+    """Gap and roll angle across the contact curves through points (2, ...) of the gear flank.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    points
+        Lengthwise and profile fractions (2, ...).
+    """
+    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *PARTING], points)
+    first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
+    second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
+
+    # Unit length across the curve on the flank, as a direction (lengthwise, profile).
+    metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
+    gradient = [f["roll_angle"] for f in first]
+    determinant = metric[0] * metric[2] - metric[1] ** 2
+    across = (
+        np.stack([metric[2] * gradient[0] - metric[1] * gradient[1], metric[0] * gradient[1] - metric[1] * gradient[0]])
+        / determinant
+    )
+    slope = np.sqrt(gradient[0] * across[0] + gradient[1] * across[1])
+    across = across / slope
+
+    def along_across(name: str) -> tuple[Array, Array]:
+        d = first[0][name] * across[0] + first[1][name] * across[1]
+        dd = second[0][name] * across[0] ** 2 + 2 * second[1][name] * across[0] * across[1]
+        return d, dd + second[2][name] * across[1] ** 2
+
+    _, roll_bend = along_across("roll_angle")
+    ease_slope, ease_bend = along_across("ease_off_angle")
+    by_roll = ease_slope / slope
+    curvature, skew = curvature_and_skew(*(value[name] for name in PARTING))
+    return AcrossLine(
+        roll_angle=value["roll_angle"],
+        ease_off_angle=value["ease_off_angle"],
+        lever_arm=value["lever_arm"],
+        direction=across,
+        metric=np.stack(metric),
+        gradient=np.stack(gradient),
+        slope=slope,
+        ease_off_slope=by_roll,
+        ease_off_bend=(ease_bend - by_roll * roll_bend) / slope**2,
+        separation_curvature=curvature,
+        separation_skew=skew,
+    )
+
+
+@dataclass(frozen=True)
+class ClosestApproach:
+    """Where the flanks come closest next to points (...) of contact curves.
+
+    Parameters
+    ----------
+    separation_angle
+        Gap there, as a gear rotation (...) [rad].
+    shift
+        How far it lies from the point, as fractions (2, ...).
+    lever_arm
+        Arm of the normal force about the gear axis (...) [mm].
+    curvature
+        Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
+    expanded
+        Whether the expansion of the gap about the point leads there (...); elsewhere the place was searched for.
+    """
+
+    separation_angle: Array
+    shift: Array
+    lever_arm: Array
+    curvature: Array
+    expanded: NDArray[np.bool_]
+
+
+def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
+    """Gap, place and curvature of the closest approach next to points of a contact curve.
+
+    By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
+    way, the least gap across the curve is searched for, at most ``FARTHEST`` away on the flank; the curvature is that
+    of the place found.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    points
+        Points of contact curves (2, ...).
+    """
+    step = one_step(fields, points)
+    if np.all(step.expanded):
+        return step
+    lost = ~step.expanded
+    gap, shift, curvature = step.separation_angle.copy(), step.shift.copy(), step.curvature.copy()
+    gap[lost], shift[:, lost] = _searched(fields, points[:, lost])
+    curvature[lost] = across_line(fields, points[:, lost] + shift[:, lost]).curvature
+    return ClosestApproach(gap, shift, step.lever_arm, curvature, step.expanded)
+
+
+def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
+    """The closest approach by the expansion of the gap, wherever that leads.
+
+    Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
+    the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
+    or where the way to it leaves the flank, the gap is evaluated. That closes the gap by a'^2 / (2 (c + a'')).
+
+    As c + a'' goes to zero the step goes to any length. ``expanded`` is true where the gap opens to both sides, the
+    place is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    points
+        Points of contact curves (2, ...).
+    """
+    here = across_line(fields, points)
+    # A gap that does not open across the curve has no closest approach there: keep the curve itself.
+    opens = here.stiffness > 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        step = np.where(opens, -here.ease_off_slope / here.stiffness, 0.0)
+    wanted = points + here.direction * step / here.slope
+    closest = np.clip(wanted, 0.0, 1.0)
+    gap, holds = _gap_at(fields, closest, here.roll_angle)
+    promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
+    near = np.max(np.abs(closest - points), axis=0) <= FARTHEST
+    kept = here.ease_off_angle - gap > KEPT * promised - SLIGHT
+    return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
+
+
+def _gap_at(fields: FlankFields, places: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Gap (...) [rad] at places (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
+    there = fields.evaluate(["roll_angle", "ease_off_angle", *PARTING], places)
+    curvature, skew = curvature_and_skew(*(there[name] for name in PARTING))
+    left = rotation - there["roll_angle"]
+    return gap_beside(there["ease_off_angle"], curvature, skew, left), still_opens(curvature, skew, left)
+
+
+def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
+    """Least gap (n) [rad] on the straight ways across the curve through points (2, n), and the ways there (2, n)."""
+    here = across_line(fields, points)
+    unit = here.direction / np.max(np.abs(here.direction), axis=0)
+    columns = np.arange(points.shape[1])
+    best, reach = np.zeros(columns.size), FARTHEST
+    for _ in range(ROUNDS):
+        # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
+        way = best + reach * np.linspace(-1.0, 1.0, SAMPLES)[:, None]
+        places = points[:, None] + unit[:, None] * way
+        gap, holds = _gap_at(fields, np.clip(places, 0.0, 1.0), here.roll_angle)
+        usable = holds & np.all((places >= 0.0) & (places <= 1.0), axis=0) & ~fields.in_hole(np.clip(places, 0.0, 1.0))
+        usable |= way == 0.0
+        least = np.argmin(np.where(usable, gap, np.inf), axis=0)
+        best, reach = way[least, columns], 2.0 * reach / (SAMPLES - 1)
+    return gap[least, columns], unit * best

@@ -1,0 +1,131 @@
+"""Contact segments: every potential contact line of every tooth pair, divided evenly, with their data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError
+from .closest_approach import FARTHEST, one_step
+from .contact_lines import ContactLines, trace
+from .flank_splines import FlankFields
+
+Array = NDArray[Any]
+
+GAUSS_POINTS = 3
+
+
+def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
+    """Pinion rotations (positions) [rad] spread evenly over one pitch, the middle of the flank in its middle."""
+    return (np.arange(positions) / positions - 0.5) * pinion_pitch
+
+
+@dataclass(frozen=True)
+class MeshLines:
+    """Contact lines (m) of every tooth pair at every pinion rotation (k) of a mesh cycle.
+
+    Parameters
+    ----------
+    rotations
+        Pinion rotations (k) [rad].
+    lines
+        The lines.
+    position
+        Index of each line's pinion rotation (m).
+    pair
+        Tooth pair of each line (m). The pair 0 is the one that is at its middle in the middle of the mesh cycle; the
+        pair -1 is one pitch ahead of it, the pair 1 one pitch behind.
+    pinion_pitch
+        Angular pitch of the pinion [rad].
+    """
+
+    rotations: Array
+    lines: ContactLines
+    position: NDArray[np.int64]
+    pair: NDArray[np.int64]
+    pinion_pitch: float
+
+
+def lines_in_mesh(fields: FlankFields, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
+    """Trace the contact lines of every tooth pair that can touch, over one mesh cycle.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    pinion_pitch
+        Angular pitch of the pinion [rad].
+    mesh_positions
+        Pinion rotations in one pitch.
+
+    Raises
+    ------
+    GeometryError
+        If no tooth pair can touch at any rotation.
+    """
+    rotations = mesh_rotations(pinion_pitch, mesh_positions)
+    corner = np.linspace(0.0, 1.0, 21)
+    roll = fields("roll_angle", np.stack(np.meshgrid(corner, corner, indexing="ij")))
+    ahead = int(np.ceil((float(np.max(roll)) - float(np.min(rotations))) / pinion_pitch))
+    behind = int(np.ceil((float(np.max(rotations)) - float(np.min(roll))) / pinion_pitch))
+    pairs = np.arange(-ahead, behind + 1)
+    levels = (rotations[:, None] - pairs[None, :] * pinion_pitch).ravel()
+    position = np.repeat(np.arange(rotations.size), pairs.size)
+    pair = np.tile(pairs, rotations.size)
+    lines = trace(fields, levels)
+    if lines.level.size == 0:
+        raise GeometryError("no contact line lies on the common flank of gear and pinion: check the blanks")
+    return MeshLines(rotations, lines, position[lines.level], pair[lines.level], pinion_pitch)
+
+
+def lost_contact(fields: FlankFields, mesh: MeshLines) -> float:
+    """Share of the points of the contact lines next to which there is no line contact.
+
+    There the gap does not open to both sides of the line, or its closest approach would lie so far beside the line
+    that nothing of the expansion about it holds. Designed flanks have none; flanks that bend from one node of a
+    measuring grid to the next have many.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``curves.contact_fields``.
+    mesh
+        Contact lines from ``lines_in_mesh``.
+    """
+    closest = one_step(fields, mesh.lines.points)
+    far = np.max(np.abs(closest.shift), axis=0) > FARTHEST
+    return float(np.mean(far | ~(closest.curvature > 0.0)))
+
+
+def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
+    """Quadrature points of even segments.
+
+    Parameters
+    ----------
+    lines
+        Contact lines (m).
+    segments
+        Segments per line.
+
+    Returns
+    -------
+    tuple
+        Points (2, m, segments * GAUSS_POINTS) and the weights (GAUSS_POINTS) of one segment, which add up to one.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    fraction = ((np.arange(segments)[:, None] + 0.5 * (nodes + 1.0)) / segments).ravel()
+    dense = fraction * (lines.points.shape[2] - 1)
+    low = np.clip(dense.astype(int), 1, lines.points.shape[2] - 3)
+    x = dense - low
+    # Cubic through the four points around: the curve bends, and a chord would leave the level set.
+    cubic = (
+        (-x * (x - 1) * (x - 2) / 6, -1),
+        ((x + 1) * (x - 1) * (x - 2) / 2, 0),
+        (-(x + 1) * x * (x - 2) / 2, 1),
+        ((x + 1) * x * (x - 1) / 6, 2),
+    )
+    points = sum(weight * lines.points[:, :, low + shift] for weight, shift in cubic)
+    return np.asarray(points), weights / 2.0

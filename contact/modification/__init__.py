@@ -1,0 +1,1 @@
+"""Modifications of the ease-off that improve the loaded contact."""

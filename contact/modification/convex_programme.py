@@ -1,0 +1,249 @@
+"""The modification that makes loads small or even, as a convex programme (after Conry and Seireg 1973).
+
+Loads and rotations being affine functions of the coefficients (see ``load_response``), the greatest line load, the
+greatest of other positive multiples of it, the sum of its squares, and the peak to peak of the rotation are convex
+functions of the coefficients. The programme has a handful of unknowns, however many segments there are.
+
+Conry and Seireg, A mathematical programming technique for the evaluation of load distribution and optimal modifications
+for gear systems, ASME Journal of Engineering for Industry 95(4) (1973) 1115-1122.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from .load_response import LinearLoads
+
+Array = NDArray[np.float64]
+Objective = Literal["peak_load", "peak_pressure", "even_load"]
+OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
+
+#: Price of a limit that is passed, per part of it, in units of the objective, which is one at the start.
+PRICE = 10.0
+#: A programme aims below a limit by this part of it, so that the fresh solution does not pass it.
+MARGIN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """What is asked for, and what must be kept.
+
+    The mesh cycles of the loads are numbered through the torques of the first assembly, then those of the next.
+
+    Parameters
+    ----------
+    objective
+        ``peak_load``: the greatest line load; ``peak_pressure``: the greatest contact pressure; ``even_load``: the root
+        of the sum of the squared line loads times the length. Of each torque in relation to the start, the worst
+        assembly counting; then the torque that fares worst.
+    reference
+        The objective of each torque at the start (t), see ``figures``.
+    load_reference
+        The greatest line load of each torque at the start (t) [N/mm].
+    transmission_error
+        Limit of the rotation's peak to peak in every mesh cycle [urad]; infinite for none.
+    end_load
+        Limit of the line load at the ends of the contact lines, for each torque (t) [N/mm]; infinite for none.
+    surface
+        The modification at places (s) on the flank for coefficients of one (s, p) [um].
+    largest
+        Limit of the modification at these places [um].
+    """
+
+    objective: Objective
+    reference: Array
+    load_reference: Array
+    transmission_error: float
+    end_load: Array
+    surface: Array
+    largest: float
+
+
+@dataclass(frozen=True)
+class Value:
+    """How a modification fares.
+
+    Parameters
+    ----------
+    objective
+        Greatest over the torques of the figure over its reference.
+    violation
+        By which part the worst limit is passed: of the peak to peak's own limit, of the line load's peak at the start.
+    """
+
+    objective: float
+    violation: float
+
+    @property
+    def merit(self) -> float:
+        """Objective with the price of the violation."""
+        return self.objective + PRICE * self.violation
+
+
+@dataclass(frozen=True, eq=False)
+class ProgrammeAnswer:
+    """What came of one convex programme.
+
+    Parameters
+    ----------
+    status
+        In the words of CVXPY: ``optimal``, ``optimal_inaccurate``, ...
+    step
+        Change of the coefficients (p) [um], NaN if there is none.
+    value
+        What the programme promises.
+    """
+
+    status: str
+    step: Array
+    value: Value
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is an answer."""
+        return bool(np.isfinite(self.step).all())
+
+
+def figures(loads: LinearLoads, objective: Objective) -> Array:
+    """The objective of each mesh cycle (c), in its own units.
+
+    N/mm for the load, its root over mm for the pressure, which is proportional to it, and N/mm^0.5 for the evenness.
+    """
+    values = np.zeros(1 + loads.cycle.max())
+    if objective == "even_load":
+        np.add.at(values, loads.cycle, loads.length * loads.carried**2)
+        return np.sqrt(values)
+    np.maximum.at(values, loads.cycle, loads.carried * _multiple(loads, objective))
+    return np.sqrt(values) if objective == "peak_pressure" else values
+
+
+def end_loads(loads: LinearLoads) -> Array:
+    """Greatest line load at the ends of the contact lines in each mesh cycle (c) [N/mm]; negative if all are clear."""
+    values = np.full(1 + loads.cycle.max(), -np.inf)
+    np.maximum.at(values, loads.cycle[loads.at_end], loads.line_load[loads.at_end])
+    return values
+
+
+def peak_to_peaks(loads: LinearLoads) -> Array:
+    """Peak to peak of the rotation in each mesh cycle (c) [urad]."""
+    return np.array([np.ptp(loads.rotation[loads.rotation_cycle == c]) for c in range(1 + loads.cycle.max())])
+
+
+def worst_assembly(values: Array, torques: int) -> Array:
+    """Greatest value of each torque (t), from the values of all mesh cycles (c)."""
+    return np.asarray(values.reshape(-1, torques).max(axis=0))
+
+
+def judged(loads: LinearLoads, goal: Goal) -> Value:
+    """How solved loads fare."""
+    torques = goal.reference.size
+    reached = worst_assembly(figures(loads, goal.objective), torques) / goal.reference
+    end = (worst_assembly(end_loads(loads), torques) - goal.end_load) / goal.load_reference
+    ripple = peak_to_peaks(loads) / goal.transmission_error - 1.0
+    return Value(float(reached.max()), max(float(end.max()), float(ripple.max()), 0.0))
+
+
+def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: float) -> ProgrammeAnswer:
+    """Find the best change of the coefficients while the same segments touch.
+
+    Parameters
+    ----------
+    loads
+        Loads at the present coefficients, and how they change.
+    goal
+        What is asked for.
+    coefficients
+        The present coefficients (p) [um].
+    reach
+        How far the surface may move [um].
+
+    Returns
+    -------
+    ProgrammeAnswer
+        A limit that cannot be kept is passed by as little as possible: the programme always has an answer.
+    """
+    import cvxpy as untyped
+
+    cvxpy: Any = untyped
+
+    # In units of the reach, all numbers are of order one.
+    step, worst, violation = cvxpy.Variable(coefficients.size), cvxpy.Variable(), cvxpy.Variable(nonneg=True)
+    moved = goal.surface @ step
+    conditions = [
+        cvxpy.abs(moved) <= 1.0,
+        cvxpy.abs(goal.surface @ coefficients / reach + moved) <= goal.largest / reach,
+    ]
+    torques = goal.reference.size
+    for cycle in range(1 + loads.cycle.max()):
+        here = loads.cycle == cycle
+        conditions.append(_objective(cvxpy, loads, here, goal, reach, step) <= worst)
+        limit, reference = goal.end_load[cycle % torques], goal.load_reference[cycle % torques]
+        ends = here & loads.at_end
+        if np.isfinite(limit):
+            excess = (loads.line_load[ends] - limit) / reference
+            conditions.append(excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - MARGIN)
+        if np.isfinite(goal.transmission_error):
+            now = loads.rotation_cycle == cycle
+            level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error
+            error = level + reach / goal.transmission_error * loads.rotation_slope[now] @ step
+            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - MARGIN + violation)
+    programme = cvxpy.Problem(cvxpy.Minimize(worst + PRICE * violation), conditions)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            programme.solve(solver="CLARABEL")
+        except cvxpy.error.SolverError as error:
+            return _no_answer(str(error), coefficients.size)
+    if step.value is None:
+        return _no_answer(str(programme.status), coefficients.size)
+    reached = max(float(worst.value), 0.0)
+    promise = Value(float(np.sqrt(reached)) if _squared(goal) else reached, float(violation.value))
+    return ProgrammeAnswer(str(programme.status), reach * np.asarray(step.value, dtype=np.float64), promise)
+
+
+def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
+    """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
+    reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
+    if goal.objective == "even_load":
+        chosen = here & loads.touching
+        slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
+        rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([reach * slope, level]) / reference
+        # As many rows as unknowns say the same as thousands of them.
+        triangle: Array = np.asarray(np.linalg.qr(rows, mode="r"))
+        return cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1])
+    scale = _multiple(loads, goal.objective)[here] / reference ** (2 if _squared(goal) else 1)
+    return cvxpy.max(scale * loads.line_load[here] + reach * scale[:, None] * loads.line_load_slope[here] @ step)
+
+
+def _squared(goal: Goal) -> bool:
+    """Whether the programme sees the square of the objective: that of the pressure is affine in the line load."""
+    return goal.objective == "peak_pressure"
+
+
+def _multiple(loads: LinearLoads, objective: Objective) -> Array:
+    """What line loads are multiplied by in the objective (n): the squared pressure goes with load times curvature."""
+    return loads.curvature if objective == "peak_pressure" else np.ones(loads.line_load.size)
+
+
+def _no_answer(status: str, size: int) -> ProgrammeAnswer:
+    return ProgrammeAnswer(status, np.full(size, np.nan), Value(np.nan, np.nan))
+
+
+def checked_objective(name: str) -> Objective:
+    """The objective of that name.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    for objective in OBJECTIVES:
+        if objective == name:
+            return objective
+    raise InputError(f"objective = {name!r}: allowed are {', '.join(OBJECTIVES)}")

@@ -1,0 +1,202 @@
+"""One convex programme after another, each at the contact regions of the last accepted modification.
+
+A programme is exact while its contact regions hold. Where they change it promises too much or too little, so its
+answer is solved afresh, and taken only if it is better; else the next programme may not reach as far.
+
+What is found is a local optimum: segments that do not touch yet show no gain. Therefore a second search begins at the
+answer of the programme in which all segments are held in contact, the one of Conry and Seireg.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .convex_programme import Goal, Value, judged, solve_programme
+from .load_response import LinearLoads
+
+Array = NDArray[np.float64]
+
+#: Of the promised gain, what must come true for the step to be taken, and for the next one to reach farther.
+TAKEN, GOOD = 0.1, 0.75
+#: First and shortest reach [um].
+REACH, SHORTEST_REACH = 8.0, 0.01
+#: A promise below this, or in proportion within a shorter reach than the first, ends the search.
+LEAST_GAIN = 1e-4
+#: Programmes that may mend a step which gained but broke a limit, and how far they reach in proportion.
+MENDINGS, MENDING_REACH = 2, 0.25
+
+Start = Literal["full_contact", "present"]
+NOTHING = Value(np.nan, np.nan)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One programme and what came of it.
+
+    Parameters
+    ----------
+    status
+        Status of the programme.
+    reach
+        How far the surface was allowed to move [um].
+    promised
+        What the programme promised.
+    fresh
+        What the fresh solution gave; NaN if there was none.
+    accepted
+        Whether the search went on from there.
+    mending
+        Whether it began at the step before, to mend that one, and not at the best modification so far.
+    search
+        Which search it belongs to, see ``optimal_modification``.
+    """
+
+    status: str
+    reach: float
+    promised: Value
+    fresh: Value
+    accepted: bool
+    mending: bool = False
+    search: Start = "present"
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The end of a search.
+
+    Parameters
+    ----------
+    coefficients
+        Of the best modification (p) [um].
+    loads
+        Its loads.
+    value
+        How it fares.
+    steps
+        All programmes.
+    converged
+        Whether the last programme had nothing left to gain.
+    """
+
+    coefficients: Array
+    loads: LinearLoads
+    value: Value
+    steps: tuple[Step, ...]
+    converged: bool
+
+
+def search(
+    solved: Callable[[Array], LinearLoads | None],
+    start: LinearLoads,
+    goal: Goal,
+    *,
+    coefficients: Array | None = None,
+    programmes: int = 40,
+    reach: float = REACH,
+    progress: Callable[[], None] | None = None,
+) -> Search:
+    """Improve a modification until no convex programme promises a gain.
+
+    Parameters
+    ----------
+    solved
+        Certified loads at given coefficients (p) [um], or ``None`` if there are none.
+    start
+        The same where the search begins.
+    goal
+        What is asked for.
+    coefficients
+        Where it begins (p) [um]; zero if left out.
+    programmes
+        The most programmes to solve.
+    reach
+        How far the surface may move at first [um].
+    progress
+        Called after every programme.
+
+    Returns
+    -------
+    Search
+        Never of a higher merit than the start: if that keeps the limits, no torque fares worse.
+    """
+    first = np.zeros(goal.surface.shape[1]) if coefficients is None else coefficients
+    best = _Point(first, start, judged(start, goal))
+    steps: list[Step] = []
+    converged = False
+    while len(steps) < programmes and not converged and reach >= SHORTEST_REACH:
+        here, gain = best, 0.0
+        for mending in range(1 + MENDINGS):
+            span = reach * MENDING_REACH**mending
+            answer = solve_programme(here.loads, goal, here.coefficients, span)
+            if mending == 0:
+                gain = best.value.merit - answer.value.merit
+                converged = answer.solved and gain < LEAST_GAIN * min(1.0, reach / REACH)
+            found = None if converged or not answer.solved else solved(here.coefficients + answer.step)
+            fresh = NOTHING if found is None else judged(found, goal)
+            came_true = (best.value.merit - fresh.merit) / gain
+            steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN, mending > 0))
+            if progress is not None:
+                progress()
+            if found is None:
+                break
+            here = _Point(here.coefficients + answer.step, found, fresh)
+            if came_true > TAKEN or fresh.violation <= best.value.violation:
+                break
+        if steps[-1].accepted:
+            best = here
+            reach *= 2.0 if came_true > GOOD and not steps[-1].mending else 1.0
+        else:
+            reach *= 0.25
+    return Search(best.coefficients, best.loads, best.value, tuple(steps), converged)
+
+
+def optimal_modification(
+    solved: Callable[[Array], LinearLoads | None],
+    start: LinearLoads,
+    held: LinearLoads,
+    goal: Goal,
+    *,
+    programmes: int = 40,
+    progress: Callable[[], None] | None = None,
+) -> Search:
+    """Search from the programme of full contact and from no modification, and keep the better end.
+
+    Parameters
+    ----------
+    solved, start, goal, programmes, progress
+        See ``search``; ``programmes`` bounds each of the two.
+    held
+        Loads at coefficients of zero with all segments held in contact.
+
+    Returns
+    -------
+    Search
+        Never of a higher merit than the start; with the steps of both searches.
+    """
+    none = np.zeros(goal.surface.shape[1])
+    whole = 2.0 * goal.largest
+    answer = solve_programme(held, goal, none, whole)
+    found = solved(answer.step) if answer.solved else None
+    fresh = NOTHING if found is None else judged(found, goal)
+    steps = [Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")]
+    ends = [search(solved, start, goal, programmes=programmes, progress=progress)]
+    if found is not None:
+        first = answer.step
+        ends.insert(0, search(solved, found, goal, coefficients=first, programmes=programmes, progress=progress))
+        steps += [replace(step, search="full_contact") for step in ends[0].steps]
+    best = min(ends, key=lambda end: end.value.merit)
+    return replace(best, steps=(*steps, *ends[-1].steps))
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A modification, solved."""
+
+    coefficients: Array
+    loads: LinearLoads
+    value: Value

@@ -1,0 +1,118 @@
+"""The contact problem with the modal amplitudes as unknowns of their own: sparse, with a diagonal Hessian.
+
+For C = diag(d) + V V^T and z = V^T F,
+
+    minimise 1/2 F'diag(d) F + 1/2 z'z + S'F   subject to   r'F = T,  V'F - z = 0,  F >= 0.
+
+No matrix has more than n k entries beside a diagonal. Interior-point and splitting methods for sparse matrices then
+take O(n) operations a step where the dense form costs them O(n^3). The multiplier of the first equality is minus theta,
+those of the bounds of F are minus the gaps: with the multipliers y of the other equalities, stationarity in z says
+y = z, and stationarity in F then reads C F + S - theta r = Y.
+
+V often has far fewer directions than columns: along a line of contact, a sum of smooth modes is a polynomial of low
+degree. The compressed form has those that matter, see `modal_basis`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...core.errors import InputError
+from .contact_problem import ContactProblem
+from .recovered import RecoveredAnswer, recovered, vector_of
+from .scaling import ScaledProblem
+
+if TYPE_CHECKING:
+    import qpsolvers
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LiftedQP:
+    """The lifted form of a contact problem.
+
+    Attributes
+    ----------
+    programme : qpsolvers.Problem
+        Scaled; its unknowns are the n forces, then the modal amplitudes. Matrices in compressed sparse columns.
+    problem : ContactProblem
+        Where it comes from.
+    """
+
+    programme: qpsolvers.Problem
+    problem: ContactProblem
+
+    def recover(self, x: ArrayLike, y: ArrayLike) -> RecoveredAnswer:
+        """Return forces, rotation and gaps from an answer to the programme.
+
+        Parameters
+        ----------
+        x : (n + k) array
+        y : (1 + k) array
+            Multipliers of the equalities, in the sign of qpsolvers: P x + q + A'y + z_box = 0.
+
+        Raises
+        ------
+        InputError
+            An array of the wrong shape.
+        """
+        unknowns = vector_of(x, "x", self.programme.q.size)
+        multipliers = vector_of(y, "y", unknowns.size - self.problem.size + 1)
+        return recovered(self.problem, unknowns[: self.problem.size], -float(multipliers[0]))
+
+
+def lifted_qp(problem: ContactProblem, *, compress: bool = False) -> LiftedQP:
+    """Return the lifted form of a structured contact problem.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        With a compliance diag(d) + V V^T.
+    compress : bool
+        Replace V by the directions that matter; C then changes by rounding.
+
+    Raises
+    ------
+    InputError
+        The compliance is one dense matrix.
+    """
+    return LiftedQP(lifted_programme(problem.scaling.scale(problem), compress=compress), problem)
+
+
+def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Problem:
+    """Return the lifted form of a scaled problem; raises as `lifted_qp`."""
+    import qpsolvers
+    from scipy.sparse import csc_matrix
+
+    if problem.pair is None:
+        raise InputError(
+            "the lifted form needs a structured compliance, the pair (d, V) of C = diag(d) + V V^T; "
+            "this one is a single dense matrix"
+        )
+    structure = problem.pair
+    factor = structure.compressed_factor if compress else structure.factor
+    size, modes = factor.shape
+    # Filled as one array and converted once: joining sparse blocks costs more than solving a small problem.
+    equalities = np.zeros((1 + modes, size + modes))
+    equalities[0, :size] = problem.lever_arm
+    equalities[1:, :size] = factor.T
+    equalities[1:, size:] = -np.eye(modes)
+    diagonal = np.concatenate([structure.diagonal, np.full(modes, structure.weight)])
+    return qpsolvers.Problem(
+        diagonal_matrix(diagonal),
+        np.concatenate([problem.separation, np.zeros(modes)]),
+        A=csc_matrix(equalities),
+        b=np.concatenate([[problem.torque], np.zeros(modes)]),
+        lb=np.concatenate([np.zeros(size), np.full(modes, -np.inf)]),
+    )
+
+
+def diagonal_matrix(diagonal: NDArray[np.float64]) -> Any:
+    """Return a diagonal matrix in compressed sparse columns, zeros on the diagonal stored as well."""
+    from scipy.sparse import csc_matrix
+
+    size = diagonal.size
+    return csc_matrix((diagonal, np.arange(size), np.arange(size + 1)), shape=(size, size))

@@ -1,0 +1,213 @@
+"""Exchange of contact problems: many of them, of different sizes, in one netCDF-4 file.
+
+The file needs nothing of this package. Dimensions are `problem`, `segment`, `segment_other` and `mode`; arrays are
+padded with NaN behind the first ``size[i]`` segments of problem i. Variables, in mm, N and N mm:
+
+- ``size`` (problem), ``torque`` (problem), ``separation`` and ``lever_arm`` (problem, segment);
+- ``compliance`` (problem, segment, segment_other), the matrix C, where ``structured`` is 0;
+- ``compliance_diagonal`` (problem, segment) and ``compliance_factor`` (problem, segment, mode), with ``mode_count[i]``
+  modes, for C = diag(d) + V V^T, where ``structured`` is 1.
+
+A file with problems of one form holds the variables of that form only. Labels such as the mesh position are further
+variables (problem). To read problem i with xarray and numpy alone:
+
+    ds = xarray.open_dataset("problems.nc", engine="netcdf4")
+    n = int(ds["size"][i])
+    separation = ds["separation"][i, :n].values
+    lever_arm = ds["lever_arm"][i, :n].values
+    torque = float(ds["torque"][i])
+    if ds["structured"][i] == 0:
+        C = ds["compliance"][i, :n, :n].values
+    else:
+        V = ds["compliance_factor"][i, :n, : int(ds["mode_count"][i])].values
+        C = numpy.diag(ds["compliance_diagonal"][i, :n].values) + V @ V.T
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from ...core.errors import InputError
+from ...core.files import require_file, whole_file
+from .contact_problem import ContactProblem
+from .problem_arrays import problem_arrays, require_arrays
+from .problem_dataset import ATTRIBUTES
+from .problem_dataset import FORMAT as SINGLE_FORMAT
+
+FORMAT = "easeoff contact problems"
+FORMAT_VERSION = 1
+
+_OWN_NAMES = frozenset(ATTRIBUTES) | {"size", "structured", "mode_count", "problem", "segment", "segment_other", "mode"}
+
+
+def write_problems(
+    problems: Sequence[ContactProblem],
+    path: str | os.PathLike[str],
+    labels: Mapping[str, ArrayLike | xr.DataArray] | None = None,
+    attributes: Mapping[str, str | int | float] | None = None,
+) -> None:
+    """Write contact problems to a netCDF-4 file, without loss.
+
+    Parameters
+    ----------
+    problems : sequence of ContactProblem
+        At least one.
+    path : path
+        The file, replaced if it exists. It appears complete or not at all.
+    labels : mapping of name to (number of problems) array, optional
+        What each problem is, for instance ``torque_index`` and ``mesh_position``; numbers or text. A DataArray brings
+        its attributes along, such as units.
+    attributes : mapping of name to text or number, optional
+        What the whole file is: further global attributes.
+
+    Raises
+    ------
+    InputError
+        No problems, a label of the wrong length or with the name of a variable of the file, or an attribute with the
+        name of one of the file.
+    """
+    if not problems:
+        raise InputError("no contact problems to write")
+    dataset = _dataset(problems)
+    for name, values in (labels or {}).items():
+        described = values.attrs if isinstance(values, xr.DataArray) else None
+        dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
+    taken = sorted(set(attributes or {}) & set(dataset.attrs))
+    if taken:
+        raise InputError(f"attribute {taken[0]!r} has the name of an attribute of the file: choose another")
+    dataset.attrs.update(attributes or {})
+    encoding: dict[str, dict[str, Any]] = {
+        str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
+        for name, variable in dataset.variables.items()
+        if variable.dtype.kind in "fi"
+    }
+    with whole_file(path) as temporary:
+        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+
+
+def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
+    """Read the contact problems of a file, identical to those written.
+
+    A file that another program wrote may leave out the global attributes, the units, ``size``, ``structured``,
+    ``mode_count`` and, with a single problem, the dimension of the problem; see `problem_arrays`.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, lacks a variable, has other units, or holds data that are no contact problem.
+    """
+    with _opened(path) as dataset:
+        try:
+            data = problem_arrays(dataset)
+            return [_problem(data, i) for i in range(data["separation"].shape[0])]
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+
+
+def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
+    """Read what else a file says of each problem: the labels it was written with, each an array of one entry a problem.
+
+    Raises
+    ------
+    InputError
+        As `read_problems`.
+    """
+    with _opened(path) as dataset:
+        problem = dataset["torque"].dims
+        labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
+        return {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
+
+
+def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
+    count, widest = len(problems), max(problem.size for problem in problems)
+    modes = [problem.compliance[1].shape[1] if isinstance(problem.compliance, tuple) else 0 for problem in problems]
+    structured = np.array([problem.is_structured for problem in problems], dtype=np.int8)
+    data: dict[str, tuple[tuple[str, ...], NDArray[Any]]] = {
+        "separation": (("problem", "segment"), np.full((count, widest), np.nan)),
+        "lever_arm": (("problem", "segment"), np.full((count, widest), np.nan)),
+        "torque": (("problem",), np.array([problem.torque for problem in problems])),
+    }
+    if structured.any():
+        data["compliance_diagonal"] = (("problem", "segment"), np.full((count, widest), np.nan))
+        data["compliance_factor"] = (("problem", "segment", "mode"), np.full((count, widest, max(modes)), np.nan))
+    if not structured.all():
+        data["compliance"] = (("problem", "segment", "segment_other"), np.full((count, widest, widest), np.nan))
+    for i, problem in enumerate(problems):
+        n = problem.size
+        data["separation"][1][i, :n] = problem.separation
+        data["lever_arm"][1][i, :n] = problem.lever_arm
+        if isinstance(problem.compliance, tuple):
+            data["compliance_diagonal"][1][i, :n] = problem.compliance[0]
+            data["compliance_factor"][1][i, :n, : modes[i]] = problem.compliance[1]
+        else:
+            data["compliance"][1][i, :n, :n] = problem.compliance
+    dataset = xr.Dataset(
+        {name: (dims, values, ATTRIBUTES[name]) for name, (dims, values) in data.items()},
+        attrs={"format": FORMAT, "format_version": FORMAT_VERSION, "Conventions": "CF-1.11"},
+    )
+    dataset["size"] = ("problem", np.array([p.size for p in problems], dtype=np.int32), _count("number of segments"))
+    dataset["mode_count"] = ("problem", np.array(modes, dtype=np.int32), _count("number of modes of the factor"))
+    meaning = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "dense diagonal_plus_factor"}
+    dataset["structured"] = ("problem", structured, {**_count("form of the compliance"), **meaning})
+    return dataset
+
+
+def _count(long_name: str) -> dict[str, str]:
+    return {"units": "1", "long_name": long_name}
+
+
+def _label(name: str, values: ArrayLike, count: int) -> NDArray[Any]:
+    if name in _OWN_NAMES:
+        raise InputError(f"label {name!r} has the name of a variable of the file: choose another")
+    array = np.asarray(values)
+    if array.shape != (count,):
+        raise InputError(f"label {name!r} has the shape {array.shape}, expected ({count},)")
+    if array.dtype.kind == "b":
+        return array.astype(np.int8)
+    if array.dtype.kind not in "ifuU":
+        raise InputError(f"label {name!r} holds {array.dtype}: only numbers and text can be stored")
+    return array
+
+
+def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
+    n = int(data["size"][i])
+    compliance: Any
+    if data["structured"][i]:
+        factor = data["compliance_factor"][i, :n, : int(data["mode_count"][i])]
+        compliance = (data["compliance_diagonal"][i, :n], factor)
+    else:
+        compliance = data["compliance"][i, :n, :n]
+    try:
+        return ContactProblem(data["separation"][i, :n], data["lever_arm"][i, :n], data["torque"][i], compliance)
+    except InputError as error:
+        raise InputError(f"problem {i}: {error}") from error
+
+
+@contextlib.contextmanager
+def _opened(path: str | os.PathLike[str]) -> Any:
+    """Open a file of contact problems, or say why it is none."""
+    require_file(path)
+    try:
+        dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path} is not a netCDF file: {error}") from error
+    with dataset:
+        if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
+            raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
+        version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
+        with contextlib.suppress(TypeError, ValueError):
+            known = float(version) == FORMAT_VERSION
+        if not known:
+            raise InputError(f"{path} is of format version {version}; this program reads {FORMAT_VERSION}")
+        try:
+            require_arrays(dataset)
+        except InputError as error:
+            raise InputError(f"{path} holds no contact problems: {error}") from error
+        yield dataset

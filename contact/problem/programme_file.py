@@ -1,0 +1,155 @@
+"""One contact problem as a NumPy file that qpsolvers reads as a quadratic programme, and this package without loss.
+
+`qpsolvers.Problem.load(path)` gives the scaled programme, in the form chosen. Beside the arrays of qpsolvers, which
+takes no notice of others, the file holds
+
+- ``contact_separation``, ``contact_lever_arm``, ``contact_torque`` and ``contact_compliance``, or
+  ``contact_compliance_diagonal`` and ``contact_compliance_factor``: the problem itself, in mm, N and N mm;
+- ``scale_force`` [N], ``scale_rotation`` [rad], ``first_contact_rotation`` [rad]: with the unknowns F and theta of the
+  programme, the forces are ``scale_force`` F and the rotation ``first_contact_rotation + scale_rotation`` theta.
+
+In the dense and the lifted form F are the first n unknowns and theta is minus the multiplier of the first equality; in
+the dual form F are the first n unknowns and theta is the last.
+"""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ...core.files import require_file, whole_file
+from .contact_problem import ContactProblem
+from .dual_form import dual_qp
+from .lifted_form import lifted_qp
+
+#: Forms in which the programme can be written.
+FORMS = ("dense", "lifted", "dual")
+
+
+def write_npz(problem: ContactProblem, path: str | os.PathLike[str], *, form: str = "dense") -> None:
+    """Write a contact problem as a quadratic programme of qpsolvers.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    path : path
+        The file, replaced if it exists; its name should end in ``.npz``. It appears complete or not at all.
+    form : str
+        ``"dense"``, the scaled programme of `ContactProblem.as_qp`; ``"lifted"`` or ``"dual"``, that of `lifted_qp` or
+        `dual_qp`. All matrices are written dense: qpsolvers loses sparse constraint matrices in its own files.
+
+    Raises
+    ------
+    InputError
+        An unknown form, or one the problem cannot have; the file cannot be written.
+    """
+    programme = _programme(problem, form)
+    with whole_file(path) as temporary:
+        with temporary.open("wb") as file:
+            programme.save(file)
+        with zipfile.ZipFile(temporary, "a") as archive:
+            for name, values in _own_arrays(problem).items():
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                    np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
+
+
+def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
+    """Read a contact problem from a file of `write_npz`, or from another file of qpsolvers that holds one.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    ContactProblem
+        Identical to the one written. From a file of another program, P, q, A and b are taken for C, S, r and T as they
+        stand: in which units only its author knows.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or its programme is no contact problem: one equality and F >= 0.
+    """
+    require_file(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            names = set(file.files)
+            return ContactProblem(*(_own_data(file) if "contact_separation" in names else _foreign_data(file, names)))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    except KeyError as error:
+        raise InputError(f"{path} is incomplete: {error.args[0]}") from error
+    except (OSError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path} is not a NumPy file with a quadratic programme: {error}") from error
+
+
+def _programme(problem: ContactProblem, form: str) -> Any:
+    if form not in FORMS:
+        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    if form == "dense":
+        return problem.as_qp()
+    programme: Any = (lifted_qp(problem) if form == "lifted" else dual_qp(problem)).programme
+    for name in ("P", "G", "A"):
+        matrix = getattr(programme, name)
+        if matrix is not None and not isinstance(matrix, np.ndarray):
+            setattr(programme, name, matrix.toarray())
+    return programme
+
+
+def _own_arrays(problem: ContactProblem) -> dict[str, Any]:
+    arrays: dict[str, Any] = {
+        "contact_separation": problem.separation,
+        "contact_lever_arm": problem.lever_arm,
+        "contact_torque": problem.torque,
+        "scale_force": problem.scaling.force,
+        "scale_rotation": problem.scaling.rotation,
+        "first_contact_rotation": problem.first_contact_rotation,
+    }
+    if isinstance(problem.compliance, tuple):
+        arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"] = problem.compliance
+    else:
+        arrays["contact_compliance"] = problem.compliance
+    return arrays
+
+
+def _own_data(file: Any) -> tuple[Any, Any, Any, Any]:
+    compliance: Any
+    if "contact_compliance_factor" in file.files:
+        compliance = (file["contact_compliance_diagonal"], file["contact_compliance_factor"])
+    else:
+        compliance = file["contact_compliance"]
+    return file["contact_separation"], file["contact_lever_arm"], file["contact_torque"], compliance
+
+
+def _foreign_data(file: Any, names: set[str]) -> tuple[Any, Any, Any, Any]:
+    """Separation, lever arm, torque and compliance from P, q, A and b."""
+    matrix, linear = file["P"], file["q"]
+    row, right = _optional(file, names, "A"), _optional(file, names, "b")
+    if row is None or right is None:
+        raise InputError("the programme has no equality: the balance of torque A x = b is missing")
+    row, right = np.atleast_2d(row), np.atleast_1d(right)
+    if row.shape[0] != 1 or right.shape != (1,):
+        raise InputError(f"the programme has {row.shape[0]} equalities; a contact problem has one")
+    lower, upper = _optional(file, names, "lb"), _optional(file, names, "ub")
+    if lower is None or np.any(lower != 0.0):
+        raise InputError("the lower bounds of the programme are not zero: the forces of a contact problem only press")
+    if _optional(file, names, "G") is not None or (upper is not None and np.any(upper < np.inf)):
+        raise InputError("the programme has inequalities or upper bounds; a contact problem has none")
+    return linear, row[0], right[0], matrix
+
+
+def _optional(file: Any, names: set[str], name: str) -> NDArray[Any] | None:
+    """Return an array of the file; qpsolvers stores a missing one as an object that NumPy will not read unasked."""
+    if name not in names:
+        return None
+    try:
+        array: NDArray[Any] = file[name]
+    except ValueError:
+        return None
+    return array

@@ -1,0 +1,21 @@
+"""Adapter of DAQP, a dense dual active-set solver (Arnstrom et al. 2022, doi 10.1109/TAC.2022.3176430)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ...problem.scaling import ScaledProblem
+from ..backend import read_answer, run_qpsolvers
+from ..scaled_answer import ScaledAnswer
+
+#: Proximal iterations, for matrices that are numerically singular, where the plain method finds nothing.
+_PROXIMAL = {"eps_prox": 1e-4, "eta_prox": 1e-13}
+
+
+def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Solve the scaled problem; once more with proximal iterations if that fails."""
+    solution = run_qpsolvers("daqp", problem, settings)
+    if not solution.found and "eps_prox" not in settings:
+        return read_answer(run_qpsolvers("daqp", problem, {**settings, **_PROXIMAL}), message="proximal iterations")
+    return read_answer(solution)

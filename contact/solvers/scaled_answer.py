@@ -1,0 +1,38 @@
+"""What passes between the stages of a solve: forces and rotation in scaled numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .solution import Status
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ScaledAnswer:
+    """An answer to a `ScaledProblem`, not yet certified.
+
+    Attributes
+    ----------
+    force : (n) array
+    rotation : float
+        Beyond first contact.
+    iterations : int
+        -1 where the solver does not tell.
+    message : str
+        The solver's own word on how it ended.
+    suspicion : Status or None
+        What the solver thinks is wrong; used only if the certificate refuses the answer.
+    gap : (n) array or None
+        Multipliers of the bounds, as the solver gave them, in the sign of gaps. Nothing relies on them: the gaps of a
+        solution are computed from its forces. They tell whether the solver's own are right.
+    """
+
+    force: NDArray[np.float64]
+    rotation: float
+    iterations: int
+    message: str = ""
+    suspicion: Status | None = None
+    gap: NDArray[np.float64] | None = None

@@ -1,0 +1,242 @@
+"""The one table of the solvers: package, licence, kind, settings for high accuracy, and the certificate to reach.
+
+All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances
+mean nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..problem.certificate import EXACT_TOLERANCE
+
+#: Seconds after which a backend that can be stopped is stopped.
+TIME_LIMIT = 10.0
+#: Certificate that the unpolished answer of an interior-point method must reach. Where force and gap of a segment
+#: vanish together, such methods leave both at the root of their tolerance; among thousands of segments some nearly do.
+INTERIOR_POINT = 1e-4
+#: Segments of the largest problems on which solvers without use for the structure were tried: three lines of 667.
+DENSE = 2001
+#: Segments beyond which Lemke's tableau is refused: it is dense, and its rounding errors grow with the pivots.
+PIVOTING = 1000
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """What is known about one solver.
+
+    Attributes
+    ----------
+    package : str
+        Importable package it needs; empty for the solvers of this package.
+    requirement : str
+        What pip installs to get it.
+    licence : str
+        SPDX identifier. What is under a copyleft licence is an optional extra of its own.
+    kind : str
+        The method, in a few words.
+    sparse : bool
+        Whether it wants sparse matrices.
+    tolerance : float
+        Certificate an unpolished answer must reach to be accepted.
+    largest : int or None
+        Number of segments up to which it is known to keep that tolerance on the problem library; None for all of it.
+        A solver that gets the whole matrix takes minutes on more. Nothing is refused for it but by `lemke`.
+    definite : bool
+        Whether it begins with a Cholesky factor of the whole compliance: where that is singular to rounding it has no
+        answer, or one that the certificate refuses.
+    lifted_from : int or None
+        Number of segments from which a structured problem is given in the lifted form; None for a solver that takes
+        the dense form only.
+    settings : mapping
+        Keywords passed to it; what the caller gives comes on top.
+    """
+
+    package: str
+    requirement: str
+    licence: str
+    kind: str
+    sparse: bool = False
+    tolerance: float = EXACT_TOLERANCE
+    largest: int | None = None
+    definite: bool = False
+    lifted_from: int | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+_EXTRA = "easeoff[solvers]"
+_COPYLEFT = "easeoff[copyleft-solvers]"
+_OWN = "BSD-3-Clause"
+
+SOLVERS: dict[str, SolverSettings] = {
+    "native": SolverSettings("", "easeoff", _OWN, "modal Newton or primal-dual active set, with certified fallbacks"),
+    "clarabel": SolverSettings(
+        "clarabel",
+        "clarabel",
+        "Apache-2.0",
+        "interior point, sparse",
+        sparse=True,
+        tolerance=INTERIOR_POINT,
+        lifted_from=150,
+        settings={
+            "tol_gap_abs": 1e-11,
+            "tol_gap_rel": 1e-11,
+            "tol_feas": 1e-11,
+            "tol_ktratio": 1e-9,
+            "max_iter": 200,
+            "time_limit": TIME_LIMIT,
+        },
+    ),
+    "osqp": SolverSettings(
+        "osqp",
+        "osqp",
+        "Apache-2.0",
+        "alternating direction method of multipliers, sparse",
+        sparse=True,
+        tolerance=1e-6,
+        lifted_from=250,
+        settings={
+            "eps_abs": 1e-10,
+            "eps_rel": 1e-10,
+            "max_iter": 100_000,
+            "polishing": True,
+            "time_limit": TIME_LIMIT,
+        },
+    ),
+    "daqp": SolverSettings(
+        "daqp",
+        "daqp",
+        "MIT",
+        "dual active set, dense",
+        tolerance=1e-6,
+        largest=DENSE,
+        settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
+    ),
+    "piqp": SolverSettings(
+        "piqp",
+        "piqp",
+        "BSD-2-Clause",
+        "proximal interior point, dense or sparse",
+        tolerance=INTERIOR_POINT,
+        lifted_from=250,
+        settings={
+            "eps_abs": 1e-11,
+            "eps_rel": 1e-11,
+            "eps_duality_gap_abs": 1e-11,
+            "eps_duality_gap_rel": 1e-11,
+            "max_iter": 500,
+        },
+    ),
+    "proxqp": SolverSettings(
+        "proxsuite",
+        _EXTRA,
+        "BSD-2-Clause",
+        "proximal augmented Lagrangian, dense",
+        tolerance=1e-7,
+        largest=DENSE,
+        settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
+    ),
+    "highs": SolverSettings(
+        "highspy",
+        _EXTRA,
+        "MIT",
+        "primal active set, sparse input",
+        sparse=True,
+        tolerance=EXACT_TOLERANCE,
+        largest=1000,  # 9 s at 2001 segments: on a busy machine it meets its time limit
+        settings={
+            "primal_feasibility_tolerance": 1e-10,
+            "dual_feasibility_tolerance": 1e-10,
+            # By default 1e-7 is added to the diagonal, a bias of the same size in the forces.
+            "qp_regularization_value": 0.0,
+            # It has been seen to cycle for ever.
+            "time_limit": TIME_LIMIT,
+        },
+    ),
+    "scs": SolverSettings(
+        "scs",
+        _EXTRA,
+        "MIT",
+        "splitting cone solver, sparse",
+        sparse=True,
+        tolerance=1e-7,
+        lifted_from=250,
+        settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
+    ),
+    "sip": SolverSettings(
+        "sip_qp_python",
+        _EXTRA,
+        "MIT",
+        "regularised interior point, sparse",
+        sparse=True,
+        tolerance=1e-6,
+        lifted_from=100,
+        settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "time_limit": TIME_LIMIT},
+    ),
+    "pyqpmad": SolverSettings(
+        "pyqpmad",
+        _EXTRA,
+        "BSD-3-Clause AND Apache-2.0",
+        "dual active set, dense, for positive definite matrices",
+        tolerance=1e-6,
+        largest=DENSE,
+        definite=True,
+        settings={"tolerance": 1e-14, "max_iter": 10_000},
+    ),
+    "qpalm": SolverSettings(
+        "qpalm",
+        _COPYLEFT,
+        "LGPL-3.0-or-later",
+        "proximal augmented Lagrangian, sparse",
+        sparse=True,
+        tolerance=1e-7,
+        lifted_from=200,
+        settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iter": 100_000, "time_limit": TIME_LIMIT},
+    ),
+    "quadprog": SolverSettings(
+        "quadprog",
+        _COPYLEFT,
+        "GPL-2.0-or-later",
+        "dual active set, dense, for positive definite matrices",
+        tolerance=1e-6,
+        largest=DENSE,
+        definite=True,
+    ),
+    "cvxopt": SolverSettings(
+        "cvxopt",
+        _COPYLEFT,
+        "GPL-3.0-or-later",
+        "interior point, dense",
+        tolerance=INTERIOR_POINT,
+        largest=DENSE,
+        settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
+    ),
+    "ecos": SolverSettings(
+        "ecos",
+        _COPYLEFT,
+        "GPL-3.0-or-later",
+        "interior point for cones, dense, for positive definite matrices",
+        tolerance=INTERIOR_POINT,
+        largest=DENSE,
+        definite=True,
+        settings={"abstol": 1e-12, "reltol": 1e-12, "feastol": 1e-12, "max_iters": 200},
+    ),
+    "cvxpy": SolverSettings(
+        "cvxpy",
+        "cvxpy",
+        "Apache-2.0",
+        "modelling language, by default with clarabel",
+        tolerance=INTERIOR_POINT,
+        lifted_from=60,
+        settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
+    ),
+    "lemke": SolverSettings(
+        "",
+        "easeoff",
+        _OWN,
+        "Lemke's complementary pivoting, dense, to 1000 segments",
+        largest=PIVOTING,
+    ),
+}

@@ -1,0 +1,65 @@
+"""Films and passages as labelled datasets, in the units in which people read them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ...core.attributes import flag_attributes, labelled
+from .film_certificate import Status
+from .film_complementarity import State
+from .rough_passage import Passage
+from .steady_film import Film
+
+_STATES = {int(state): state.name for state in State}
+
+
+def film_dataset(film: Film) -> xr.Dataset:
+    """Pressure, asperities' part, film thickness and state by position, with the status and certificate of the answer.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension `rolling_position` [um].
+    """
+    data: dict[str, Any] = {
+        "film_pressure": ("rolling_position", 1e-6 * film.pressure),
+        "asperity_pressure": ("rolling_position", 1e-6 * film.asperity_pressure),
+        "film": ("rolling_position", 1e6 * film.film),
+        "asperity_share": film.asperity_share,
+        "node_state": ("rolling_position", film.state, flag_attributes(_STATES)),
+        "status": ((), np.int8(film.status), Status.flag_attributes()),
+        "worst_residual": film.certificate.worst,
+        "iterations": film.iterations,
+    }
+    return labelled(xr.Dataset(data, coords={"rolling_position": 1e6 * film.position}))
+
+
+def passage_dataset(passage: Passage) -> xr.Dataset:
+    """What a passage did step by step, and the fields that were kept.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions `time` [us], and `kept_time` and `rolling_position` [um] of the fields.
+    """
+    time = 1e6 * passage.time
+    data: dict[str, Any] = {
+        "status": ("time", passage.status, Status.flag_attributes()),
+        "settled": ("time", passage.settled.astype(np.int8)),
+        "iterations": ("time", passage.iterations),
+        "worst_residual": ("time", passage.violation),
+        "leak": ("time", passage.leak),
+        "film_friction": ("time", passage.film_friction),
+        "asperity_friction": ("time", passage.asperity_friction),
+        "asperity_share": ("time", passage.asperity_share),
+        "minimum_film": ("time", 1e6 * passage.minimum_film),
+        "mean_film": ("time", 1e6 * passage.mean_film),
+        "film_pressure": (("kept_time", "rolling_position"), 1e-6 * passage.pressure),
+        "film": (("kept_time", "rolling_position"), 1e6 * passage.film),
+        "node_state": (("kept_time", "rolling_position"), passage.state, flag_attributes(_STATES)),
+    }
+    coords = {"time": time, "kept_time": time[passage.kept - 1], "rolling_position": 1e6 * passage.position}
+    return labelled(xr.Dataset(data, coords=coords))

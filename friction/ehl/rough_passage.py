@@ -1,0 +1,307 @@
+"""Rough surfaces moving through the contact: implicit steps in time from the smooth film.
+
+The surfaces move with their own velocities u1 and u2, the lubricant on average with their mean u; a step in time lets
+the mean advance by one node. With that step, what a broken film lacks moves on by exactly one node, and is conserved.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from . import checks
+from .elastic_deflection import Deflection
+from .film_certificate import Status, certify, judge
+from .film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
+from .line_contact_conditions import LineContact
+from .reynolds_equation import Array, History, fluid_part
+from .shear_traction import BOUNDARY_FRICTION, traction
+from .steady_film import Film, domain, touching_start
+from .surface_roughness import Profile, smooth
+
+#: Film left between touching asperities [m]: a few layers of molecules.
+TOUCHING_FILM = 4e-9
+#: The inlet of rough passages, see `steady.domain`: less than the smooth film's, for the sake of the nodes.
+FLOODED = 25.0
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """What rough surfaces did on their way through the contact, step by step; (t) arrays unless said otherwise.
+
+    Attributes
+    ----------
+    contact : LineContact
+    position : (n) array
+        [m].
+    time : array
+        [s].
+    settled : (t) bool array
+        Whether the step counts for averages: the heights have their full size and the smooth start is over.
+    status : (t) int array
+        Values of `Status`; of steps that are not certified the other numbers are NaN.
+    iterations : (t) int array
+    violation : array
+        Largest entry of the certificate [1].
+    leak : array
+        Lubricant that a step has made (positive) or lost, over what flows through the contact in a step [1]: nil but
+        for rounding where the step is certified. The steps after one that is not are certified for what is left.
+    film_friction, asperity_friction : arrays
+        Friction coefficients of film and touching asperities [1].
+    asperity_share : array
+        Part of the load that touching asperities carry [1].
+    minimum_film, mean_film : arrays
+        Smallest and mean film thickness within the dry contact [m].
+    pressure, film, state : (k, n) arrays
+        [Pa], [m], values of `State` at the steps `kept`; NaN, NaN and nothing meant where the step is not certified.
+    kept : (k) int array
+    """
+
+    contact: LineContact
+    position: Array
+    time: Array
+    settled: NDArray[np.bool_]
+    status: NDArray[np.int8]
+    iterations: NDArray[np.int_]
+    violation: Array
+    leak: Array
+    film_friction: Array
+    asperity_friction: Array
+    asperity_share: Array
+    minimum_film: Array
+    mean_film: Array
+    pressure: Array
+    film: Array
+    state: States
+    kept: NDArray[np.int_]
+
+    @property
+    def leakage(self) -> float:
+        """Lubricant made and lost by steps that are not certified, over what flows through in all steps [1]."""
+        return float(np.abs(self.leak).sum() / self.leak.size)
+
+    @property
+    def certified_share(self) -> float:
+        """Part of the settled steps that is certified [1]."""
+        return float(np.mean(self.status[self.settled] == Status.CERTIFIED))
+
+    def average(self, name: str) -> float:
+        """Mean of one of the quantities by step over the settled, certified steps; NaN if there are none.
+
+        What it leaves out is told by `certified_share`, and what the steps left out do to the others by `leakage`.
+        """
+        values = getattr(self, name)[self.settled & (self.status == Status.CERTIFIED)]
+        return float(values.mean()) if values.size else math.nan
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Mean friction coefficient [1] (dissertation, equation 5.9)."""
+        return self.average("film_friction") + self.average("asperity_friction")
+
+
+def rough_passage(
+    contact: LineContact,
+    first: Profile = smooth,
+    second: Profile = smooth,
+    *,
+    steps: int,
+    nodes: int = 513,
+    span: tuple[float, float] | None = None,
+    ramp: int = 20,
+    settle: int | None = None,
+    touching_film: float = TOUCHING_FILM,
+    order: int = 2,
+    keep: int = 0,
+    boundary_friction: float = BOUNDARY_FRICTION,
+    thermal: bool = False,
+) -> Passage:
+    """Let two surfaces roll and slide through the contact.
+
+    Parameters
+    ----------
+    contact : LineContact
+    first, second : callable
+        Heights [m] of the faster surface (for a positive slide-to-roll ratio) and of the other, by place on it [m].
+    steps : int
+        Steps in time; with `nodes` of them the mean flow passes once through the domain.
+    nodes : int
+        Nodes of the grid. A correlation length should have five or more.
+    span : (float, float), optional
+        Ends of the domain in half widths; those of `steady.domain` for a gap of 25 times the film at the inlet if not
+        given.
+    ramp : int
+        Steps over which the heights grow from nothing to their size; 0 for profiles that start outside the domain.
+    settle : int, optional
+        Steps before averages begin; by default those that bring the flow from the inlet to the middle, or the ramp if
+        that takes longer.
+    touching_film : float
+        Film left between touching asperities [m].
+    order : {1, 2}
+        Order of the steps in time. Either carries the film along without damping.
+    keep : int
+        Keep the fields of every so many steps; 0 keeps none.
+    boundary_friction, thermal
+        See `shear.traction`.
+
+    Returns
+    -------
+    Passage
+        If the film of smooth surfaces cannot be found, a passage whose steps all have the status `FAILED`.
+
+    Raises
+    ------
+    InputError
+        A number cannot be used.
+    """
+    checks.whole("steps", steps, 1)
+    for name, value in (("ramp", ramp), ("keep", keep), ("settle", 0 if settle is None else settle)):
+        checks.whole(name, value, 0)
+    checks.whole("order", order, 1, 2)
+    checks.positive("touching_film", touching_film, "m")
+    start = touching_start(contact, nodes, domain(contact, FLOODED) if span is None else span, touching_film)
+    x = start.position / contact.half_width
+    settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
+    if settle >= steps:
+        raise InputError(f"{steps} steps leave none for averages, which begin after {settle}: ask for more steps")
+    kept = np.arange(keep, steps + 1, keep) if keep else np.arange(0)
+    records = {name: np.full(steps, math.nan) for name in _RECORDED}
+    status = np.full(steps, Status.FAILED, dtype=np.int8)
+    iterations = np.zeros(steps, dtype=int)
+    pressure, film = np.full((kept.size, nodes), math.nan), np.full((kept.size, nodes), math.nan)
+    states = np.zeros((kept.size, nodes), dtype=np.int8)
+    if start.certified:
+        march = _March(contact, x, start, touching_film / contact.film_scale, order)
+        for step in range(1, steps + 1):
+            size = min(1.0, step / ramp) if ramp else 1.0
+            outcome, problem = march.advance(size, first, second)
+            point = outcome.point
+            certificate = certify(problem, point.pressure, point.approach)
+            at = step - 1
+            status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
+            records["violation"][at], records["leak"][at] = certificate.worst, march.leak
+            if status[at] == Status.CERTIFIED:
+                _record(records, at, start.position, problem, point, boundary_friction, thermal)
+                if keep and step % keep == 0:
+                    row = step // keep - 1
+                    pressure[row] = contact.hertz_pressure * point.pressure
+                    film[row], states[row] = contact.film_scale * point.film, outcome.state
+    return Passage(
+        contact=contact,
+        position=start.position,
+        time=np.asarray(np.arange(1, steps + 1) * float(x[1] - x[0]) * contact.half_width / contact.rolling_velocity),
+        settled=np.arange(1, steps + 1) > settle,
+        status=status,
+        iterations=iterations,
+        pressure=pressure,
+        film=film,
+        state=states,
+        kept=kept,
+        **records,
+    )
+
+
+_RECORDED = (
+    "violation",
+    "leak",
+    "film_friction",
+    "asperity_friction",
+    "asperity_share",
+    "minimum_film",
+    "mean_film",
+)
+
+
+def _record(
+    records: dict[str, Array],
+    at: int,
+    position: Array,
+    problem: Problem,
+    point: Point,
+    boundary_friction: float,
+    thermal: bool,
+) -> None:
+    contact = problem.contact
+    pressure, film = contact.hertz_pressure * point.pressure, contact.film_scale * point.film
+    part, _ = fluid_part(point.film, problem.touching_film)
+    shear = traction(
+        contact,
+        position,
+        pressure,
+        film,
+        fluid_part=part,
+        boundary_friction=boundary_friction,
+        thermal=thermal,
+    )
+    within = np.abs(position) < contact.half_width
+    records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
+    records["asperity_share"][at] = float(((1.0 - part) * pressure).sum() / pressure.sum())
+    records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
+
+
+class _March:
+    """The state that one step in time hands to the next."""
+
+    def __init__(self, contact: LineContact, x: Array, start: Film, touching_film: float, order: int) -> None:
+        self.contact, self.x, self.order = contact, x, order
+        self.deflection = Deflection(x.size, float(x[1] - x[0]))
+        self.touching_film = touching_film
+        self.step, self.leak = 0, 0.0
+        point = start.outcome.point
+        self.pressure, self.approach = point.pressure, point.approach
+        self.smooth = point.pressure
+        self.mass = self.mass_before = self._mass(point)
+        # Behind a steady film each node lacks what the one before lacks, and what its own balance adds.
+        ruptured = start.state == State.RUPTURED
+        self.lack = np.where(ruptured, np.cumsum(np.where(ruptured, point.balance.residual, 0.0)), 0.0)
+
+    def advance(self, size: float, first: Profile, second: Profile) -> tuple[Outcome, Problem]:
+        """Take one step, with the heights at `size` times their own."""
+        self.step += 1
+        contact, spacing = self.contact, self.deflection.spacing
+        moved = self.step * spacing
+        slide = 0.5 * contact.slide_to_roll
+        heights = first(contact.half_width * (self.x - (1.0 + slide) * moved))
+        heights = heights + second(contact.half_width * (self.x - (1.0 - slide) * moved))
+        # Along the path of the mean flow: the node upstream a step ago, and the next two steps ago. (The first step has
+        # only one before; from a steady state that makes no difference.)
+        last = np.concatenate([self.mass[:1], self.mass[:-1]])
+        before = np.concatenate([self.mass_before[:1], self.mass_before[:1], self.mass_before[:-2]])
+        history = History(2.0 * last - 0.5 * before, 1.5) if self.order == 2 else History(last, 1.0)
+        problem = Problem(
+            contact,
+            self.deflection,
+            0.5 * self.x**2 - size * heights / contact.film_scale,
+            self.touching_film,
+            history,
+            np.concatenate([[0.0], self.lack[:-1]]),
+        )
+        # What roughness makes of the pressure moves on with the mean flow, more or less: a third fewer Newton steps.
+        carried = self.smooth + np.concatenate([[0.0], (self.pressure - self.smooth)[:-1]])
+        carried[-1] = 0.0
+        outcome = solve(problem, np.maximum(carried, 0.0), self.approach, ROUGH[:1])
+        if not outcome.converged:
+            spent = outcome.iterations
+            outcome = solve(problem, self.pressure, self.approach, ROUGH)
+            outcome = replace(outcome, iterations=spent + outcome.iterations)
+        point = outcome.point
+        if outcome.converged:
+            self.pressure, self.approach = point.pressure, point.approach
+        if outcome.converged or np.isfinite(point.film).all():
+            self.mass_before, self.mass = self.mass, self._mass(point)
+            self.lack = np.where(outcome.state == State.FILM, 0.0, np.maximum(point.lack, 0.0))
+            self.lack[[0, -1]] = 0.0
+            # What is handed on differs from what was balanced where nodes are neither whole, nor ruptured, nor apart.
+            made = (point.lack - self.lack + self.mass - self._mass(point, -math.inf))[1:-1]
+            self.leak = float(made.sum() / np.abs(point.balance.flow).mean())
+        else:
+            self.leak = math.nan
+        return outcome, problem
+
+    def _mass(self, point: Point, thinnest: float = 0.0) -> Array:
+        pressure = self.contact.hertz_pressure * np.maximum(point.pressure, 0.0)
+        density, _ = self.contact.oil.relative_density(pressure)
+        return np.asarray(density * np.maximum(point.film, thinnest))

@@ -1,0 +1,220 @@
+"""Shear of the film and of touching asperities, and the friction coefficient.
+
+In the film the stress is that of an Eyring fluid, tau0 asinh(eta u_s / (tau0 h)), with the sliding velocity u_s, if
+wanted under a ceiling proportional to the pressure; where asperities touch it is the boundary friction coefficient
+times the pressure (dissertation, equations 5.7-5.9); where the film is ruptured there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import InputError
+from . import checks
+from .line_contact_conditions import LineContact
+from .reynolds_equation import Array
+
+#: Root of conductivity, density and specific heat of steel (46 W/(m K), 7850 kg/m^3, 460 J/(kg K)) [J/(m^2 K s^0.5)].
+STEEL_EFFUSIVITY = 12890.0
+#: Friction coefficient of touching asperities.
+BOUNDARY_FRICTION = 0.1
+
+#: ln(viscosity) beyond which the Eyring stress is that of its asymptote anyway; keeps exp from overflowing.
+_STIFFEST = 600.0
+#: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted; change
+#: of the temperature [K] that ends the inner steps, and their number.
+_TOLERANCE, _ADJUSTMENTS = 1e-6, 60
+_KELVIN, _NEWTON_STEPS = 1e-6, 30
+#: By how much distances of positions may differ, relative; pressures of asperities below zero that are rounding, over
+#: the Hertz pressure.
+_UNEVEN, _ROUNDING = 1e-6, 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Traction:
+    """Shear in a contact.
+
+    Attributes
+    ----------
+    stress : (n) array
+        Shear stress [Pa], with the sign of the sliding velocity.
+    film, asperities : float
+        Friction coefficients: shear force of the film, and of the touching asperities, over the load [1]. That of the
+        film is NaN if the thermal correction does not settle.
+    temperature_rise : (n) array
+        Mean rise of the film over the inlet temperature [K]; zero without the thermal correction.
+    """
+
+    stress: Array
+    film: float
+    asperities: float
+    temperature_rise: Array
+
+    @property
+    def coefficient(self) -> float:
+        """Friction coefficient [1]."""
+        return self.film + self.asperities
+
+
+def traction(
+    contact: LineContact,
+    position: Array,
+    pressure: Array,
+    film: Array,
+    *,
+    fluid_part: Array | float = 1.0,
+    asperity_pressure: Array | float = 0.0,
+    boundary_friction: float = BOUNDARY_FRICTION,
+    thermal: bool = False,
+    effusivity: float = STEEL_EFFUSIVITY,
+) -> Traction:
+    """Shear stress and friction coefficient from a film.
+
+    Parameters
+    ----------
+    contact : LineContact
+    position, pressure, film : (n) arrays
+        [m], [Pa], [m]; equal distances.
+    fluid_part : (n) array or float
+        Part of the pressure that the lubricant carries, see `reynolds.fluid_part`; touching asperities carry the rest.
+    asperity_pressure : (n) array or float
+        What asperities carry beside `pressure` [Pa], see `load_sharing`.
+    boundary_friction : float
+        Friction coefficient of touching asperities [1].
+    thermal : bool
+        Lower the viscosity in the shear stress by the film's own heat, see `film_temperature` and
+        `Oil.thermal_thinning`. The film thickness stays as it is, see `inlet.heated_inlet`.
+    effusivity : float
+        Root of conductivity, density and specific heat of the bodies [J/(m^2 K s^0.5)].
+
+    Raises
+    ------
+    InputError
+        The positions do not increase by equal distances, an array has another length, a number is not finite, a film
+        under pressure not positive or a part not from 0 to 1; or the thermal correction is asked for and the oil has no
+        `temperature_viscosity` or `conductivity`.
+    """
+    oil = contact.oil
+    position = checks.row("position", position, "m", fewest=2)
+    steps = np.diff(position)
+    if not (steps > 0.0).all() or np.ptp(steps) > _UNEVEN * steps.mean():
+        raise InputError(
+            f"position must increase by equal distances [m], and not by {steps.min():g} to {steps.max():g}"
+        )
+    pressure = checks.row("pressure", pressure, "Pa", size=position.size)
+    film = checks.row("film", film, "m", size=position.size)
+    # Without a pressure nothing is sheared: at the ends of the domain rough surfaces may overlap on paper.
+    if (film[pressure > 0.0] <= 0.0).any():
+        raise InputError(f"film must be positive [m] under pressure, not {film[pressure > 0.0].min():g}")
+    if np.ndim(fluid_part):
+        fluid_part = checks.row("fluid_part", fluid_part, "1", size=position.size)
+        checks.within("the least fluid_part", fluid_part.min(), 0.0, 1.0, "1")
+        checks.within("the greatest fluid_part", fluid_part.max(), 0.0, 1.0, "1")
+    else:
+        fluid_part = checks.within("fluid_part", fluid_part, 0.0, 1.0, "1")
+    if np.ndim(asperity_pressure):
+        asperity_pressure = checks.row("asperity_pressure", asperity_pressure, "Pa", size=position.size)
+        if asperity_pressure.min() < -_ROUNDING * contact.hertz_pressure:
+            raise InputError(f"asperity_pressure must not be negative [Pa], but {asperity_pressure.min():g} is in it")
+    else:
+        asperity_pressure = checks.positive("asperity_pressure", asperity_pressure, "Pa", zero=True)
+    checks.positive("boundary_friction", boundary_friction, "1", zero=True)
+    checks.positive("effusivity", effusivity, "J/(m^2 K s^0.5)", infinite=True)
+    checks.truth("thermal", thermal)
+    loaded = np.maximum(pressure, 0.0)
+    whole = loaded > 0.0  # where it is not, the film is ruptured
+    thickening, _ = oil.log_viscosity(loaded)
+    sliding = abs(np.sign(contact.sliding_velocity))
+    solid = sliding * boundary_friction * ((1.0 - fluid_part) * loaded + asperity_pressure)
+
+    def stress_at(rise: Array) -> tuple[Array, Array]:
+        fall, by_rise = oil.thermal_thinning(rise)
+        fluid, by_fall = _eyring(contact, np.where(whole, thickening - fall, 0.0), film)
+        if oil.limiting_shear is not None:
+            ceiling = oil.limiting_shear * loaded
+            fluid, by_fall = np.minimum(fluid, ceiling), np.where(fluid < ceiling, by_fall, 0.0)
+        part = np.where(whole, fluid_part, 0.0)
+        return part * fluid + solid, -part * by_fall * by_rise
+
+    rise = np.zeros_like(pressure)
+    stress, _ = stress_at(rise)
+    if thermal:
+        if oil.temperature_viscosity is None or oil.conductivity is None:
+            raise InputError("the thermal correction needs the oil's temperature_viscosity and conductivity")
+        conductivity = oil.conductivity_at(loaded)
+        within = abs(contact.sliding_velocity) * film / (12.0 * conductivity)  # rise over the surfaces by the stress
+        for _ in range(_ADJUSTMENTS):
+            surface = film_temperature(contact, position, stress, film, math.inf, effusivity)
+            last = stress
+            # Where a film heats itself, less heat arises: the rise is the root of an increasing, concave function.
+            rise = surface
+            for _ in range(_NEWTON_STEPS):
+                stress, slope = stress_at(rise)
+                change = (surface + within * stress - rise) / (1.0 - within * slope)
+                rise = np.maximum(rise + change, surface)
+                if float(np.abs(change).max()) < _KELVIN:
+                    break
+            stress, _ = stress_at(rise)
+            if float(np.abs(stress - last).sum()) <= _TOLERANCE * float(stress.sum()):
+                break
+            stress = 0.5 * (stress + last)
+        else:
+            stress = np.full_like(stress, math.nan)
+    spacing = float(position[1] - position[0])
+    over_load = spacing / contact.load
+    return Traction(
+        stress=math.copysign(1.0, contact.sliding_velocity) * stress,
+        film=over_load * float((stress - solid).sum()),
+        asperities=over_load * float(np.sum(solid)),
+        temperature_rise=rise,
+    )
+
+
+def _eyring(contact: LineContact, thickening: Array, film: Array) -> tuple[Array, Array]:
+    """Shear stress of the film [Pa] >= 0 from ln(viscosity) over that at the inlet, and its derivative by that."""
+    oil = contact.oil
+    rate = abs(contact.sliding_velocity) / np.maximum(film, 1e-12)
+    newtonian = oil.viscosity * np.exp(np.minimum(thickening, _STIFFEST)) * rate
+    if math.isinf(oil.eyring_stress):
+        return np.asarray(newtonian), np.asarray(newtonian)
+    strain = newtonian / oil.eyring_stress
+    return np.asarray(oil.eyring_stress * np.arcsinh(strain)), np.asarray(newtonian / np.hypot(1.0, strain))
+
+
+def film_temperature(
+    contact: LineContact,
+    position: Array,
+    stress: Array,
+    film: Array,
+    conductivity: Array | float,
+    effusivity: float,
+) -> Array:
+    """Mean temperature rise over the film thickness [K].
+
+    The heat |tau u_s| flows into both surfaces as they pass; common surface temperature by the theory of moving heat
+    sources (Blok; Jaeger): the integral of the heat over the root of the distance from upstream, by the sum of
+    effusivity times root velocity of both. Within the film, conduction adds heat times thickness over 12 times the
+    conductivity.
+
+    Parameters
+    ----------
+    contact : LineContact
+    position, stress, film : (n) arrays
+        [m], [Pa], [m].
+    conductivity : (n) array or float
+        Of the oil [W/(m K)].
+    effusivity : float
+        Of the bodies [J/(m^2 K s^0.5)].
+    """
+    heat = np.abs(stress * contact.sliding_velocity)
+    spacing = float(position[1] - position[0])
+    # Heat constant around each node: the integral over one spacing of 1 / sqrt(distance).
+    edge = np.maximum(np.arange(position.size + 1) - 0.5, 0.0)
+    weight = 2.0 * np.sqrt(spacing) * np.diff(np.sqrt(edge))
+    first, second = (contact.rolling_velocity * (1.0 + side * contact.slide_to_roll / 2.0) for side in (1.0, -1.0))
+    passing = math.sqrt(math.pi) * effusivity * (math.sqrt(abs(first)) + math.sqrt(abs(second)))
+    surface = np.convolve(heat, weight)[: position.size] / passing
+    return np.asarray(surface + heat * film / (12.0 * conductivity))

@@ -1,0 +1,305 @@
+"""Smooth surfaces in a steady state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...core.errors import InputError
+from . import checks
+from .elastic_deflection import Deflection
+from .film_certificate import Certificate, Status, certify, judge
+from .film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
+from .line_contact_conditions import LineContact
+from .load_sharing import Asperities
+from .reynolds_equation import Array
+
+#: The inlet lies where the gap of the rigid surfaces is as many times the film.
+_FLOODED = 120.0
+#: The coarsest grid of the sequence that leads to the wanted one has at most twice as many nodes.
+_COARSEST = 96
+_FEWEST, _USUAL, _MOST = 65, 513, 16385
+#: `Film.resolution` from which on a smooth film is within 4 % of that on a fine grid; at 0.5 it may be off by a half.
+RESOLVED = 1.0
+#: Separation in rms heights at which statistical asperities hardly touch any more.
+_APART = 4.0
+#: Rolling velocities to start rough passages from, as factors of their own.
+_FASTER = (1.0, 2.0, 4.0, 8.0, 16.0)
+#: Thicker and thinner films to start from on the coarsest grid, as factors of the estimate.
+_STARTS = (1.0, 2.0, 0.5, 4.0, 8.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """Pressure and film of a lubricated line contact.
+
+    Attributes
+    ----------
+    contact : LineContact
+    position : (n) array
+        Along the rolling direction, from the middle of the dry contact [m].
+    pressure : (n) array
+        [Pa].
+    film : (n) array
+        Film thickness [m], the mean gap between statistically rough surfaces; beyond the end of the film the gap.
+    state : (n) int array
+        Values of `State`.
+    status : Status
+        Only of `CERTIFIED` films the numbers mean anything.
+    certificate : Certificate
+    iterations : int
+        Of the Newton method on the finest grid.
+    outcome : Outcome
+        The same in units of the Hertz contact, with the mass balance.
+    problem : Problem
+        What was solved.
+    asperity_pressure : (n) array
+        What statistical asperities carry of the pressure [Pa]; zero between smooth surfaces.
+    """
+
+    contact: LineContact
+    position: Array
+    pressure: Array
+    film: Array
+    state: States
+    status: Status
+    certificate: Certificate
+    iterations: int
+    outcome: Outcome
+    problem: Problem
+    asperity_pressure: Array
+
+    @property
+    def asperity_share(self) -> float:
+        """Part of the load that asperities carry [1]."""
+        return float(self.asperity_pressure.sum() / self.pressure.sum())
+
+    @property
+    def certified(self) -> bool:
+        """Whether the answer is proved."""
+        return self.status is Status.CERTIFIED
+
+    @cached_property
+    def within_film(self) -> slice:
+        """Nodes from the inlet to the last before the film ruptures."""
+        ruptured = np.flatnonzero(self.state[1:-1] == State.RUPTURED) + 1
+        return slice(0, int(ruptured[0]) if ruptured.size else self.state.size)
+
+    @property
+    def minimum_film(self) -> float:
+        """Smallest film thickness [m]."""
+        return float(self.film[self.within_film].min())
+
+    @property
+    def resolution(self) -> float:
+        """Smallest film over what the grid can tell apart between smooth surfaces [1], see `RESOLVED`.
+
+        In units of the Hertz contact the smallest film over the node distance to the power of 3/2: as the gap of the
+        dry contact opens from its edge.
+        """
+        spacing = float(self.position[1] - self.position[0]) / self.contact.half_width
+        return float(self.minimum_film / self.contact.film_scale / spacing**1.5)
+
+    @property
+    def central_film(self) -> float:
+        """Film thickness in the middle of the dry contact [m]."""
+        return float(np.interp(0.0, self.position, self.film))
+
+    @property
+    def mass_flow(self) -> Array:
+        """Mass flow between the nodes of the film, over the density at ambient pressure and the length [m^2/s]."""
+        unit = self.contact.rolling_velocity * self.contact.film_scale
+        last = self.within_film.stop - 1
+        return unit * self.outcome.point.balance.flow[:last]
+
+    @property
+    def flow_variation(self) -> float:
+        """Difference of the greatest and the smallest mass flow over its mean [1]."""
+        flow = self.mass_flow
+        return float(np.ptp(flow) / abs(flow.mean()))
+
+
+def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, float]:
+    """Ends of the part of the contact that is solved for, in half widths.
+
+    Parameters
+    ----------
+    contact : LineContact
+    flooded : float
+        Gap of the rigid surfaces at the inlet over the film. Starvation by a short inlet thins the film: by 0.3 % at
+        40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
+    """
+    checks.instance("contact", contact, LineContact)
+    checks.above("flooded", flooded, 1.0, "1")
+    film = contact.central_film_estimate() / contact.film_scale
+    inlet = max(2.0, math.sqrt(2.0 * flooded * film) + 1.0)
+    return -inlet, max(1.5, 1.2 + 1.5 * math.sqrt(film))
+
+
+def smooth_film(
+    contact: LineContact,
+    *,
+    nodes: int | None = None,
+    flooded: float = _FLOODED,
+    span: tuple[float, float] | None = None,
+) -> Film:
+    """Solve for the film between smooth surfaces in a steady state.
+
+    Parameters
+    ----------
+    contact : LineContact
+    nodes : int, optional
+        Nodes of the uniform grid, from 65 to 16385. By default 513, or as many more as the film needs to be resolved.
+    flooded : float
+        See `domain`.
+    span : (float, float), optional
+        Ends of the domain in half widths of the dry contact; `domain` chooses them if not given.
+
+    Returns
+    -------
+    Film
+        With a status and a certificate; never an exception for a solve that failed.
+
+    Raises
+    ------
+    InputError
+        The number of nodes or the domain cannot be used.
+
+    Notes
+    -----
+    The grid is refined by halves from about a hundred nodes on, each starting from the one before: the end of the film
+    then moves by a node or two on each grid, and the number of Newton steps does not grow with the number of nodes.
+    """
+    ends = domain(contact, flooded) if span is None else span
+    if nodes is not None:
+        return _refined(contact, nodes, ends, None)
+    nodes = _USUAL
+    film = _refined(contact, nodes, ends, None)
+    while not (film.certified and film.resolution >= RESOLVED) and 2 * nodes - 1 <= _MOST:
+        nodes = 2 * nodes - 1
+        film = _refined(contact, nodes, ends, None)
+    return film
+
+
+def mixed_film(
+    contact: LineContact,
+    asperities: Asperities,
+    *,
+    nodes: int = 257,
+    flooded: float = _FLOODED,
+    span: tuple[float, float] | None = None,
+) -> Film:
+    """Solve for the mean film between rough surfaces whose asperities share the load, see `load_sharing`.
+
+    Parameters
+    ----------
+    contact : LineContact
+    asperities : Asperities
+        Both surfaces' roughness together.
+    nodes, flooded, span
+        As for `smooth_film`.
+
+    Returns
+    -------
+    Film
+        With `asperity_pressure`; otherwise as from `smooth_film`.
+    """
+    checks.instance("asperities", asperities, Asperities)
+    if span is None:
+        start, end = domain(contact, flooded)
+        # Far enough for the asperities to part.
+        end = max(end, 1.2 + 1.5 * math.sqrt(_APART * asperities.rms / contact.film_scale))
+        span = min(start, -end), end
+    return _refined(contact, nodes, span, asperities)
+
+
+def touching_start(contact: LineContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
+    """The film between smooth surfaces, which touch where it would be thinner than `touching_film` [m].
+
+    What rough surfaces start from: where the film is thicker than twice that, it is `smooth_film`. Where neither can be
+    found, just above the touching film on a coarse grid, it is the film of faster surfaces, which the first steps
+    carry away.
+    """
+    for factor in _FASTER:
+        faster = replace(contact, rolling_velocity=factor * contact.rolling_velocity)
+        film = _refined(faster, nodes, span, None)
+        if film.certified and film.film.min() > 2.0 * touching_film:
+            return film
+        film = _refined(faster, nodes, span, None, touching_film / contact.film_scale)
+        if film.certified:
+            return film
+    return film
+
+
+def _refined(
+    contact: LineContact,
+    nodes: int,
+    span: tuple[float, float],
+    asperities: Asperities | None,
+    touching_film: float = -math.inf,
+) -> Film:
+    checks.instance("contact", contact, LineContact)
+    start, end = checks.row("span", span, "half widths", size=2)
+    if not (start < -1.0 and end > 1.0):
+        raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start:g} to {end:g}")
+    nodes = checks.whole("nodes", nodes, _FEWEST, _MOST)
+    sizes = [nodes]
+    while sizes[-1] > 2 * _COARSEST:
+        sizes.append((sizes[-1] + 1) // 2)
+    grids = [np.linspace(start, end, size) for size in reversed(sizes)]
+    for factor in _STARTS:
+        film = _from_dry_contact(contact, grids, factor, asperities, touching_film)
+        if film.certified:
+            break
+    return film
+
+
+def _from_dry_contact(
+    contact: LineContact, grids: list[Array], factor: float, asperities: Asperities | None, touching_film: float
+) -> Film:
+    """Refine from the dry contact with a film of `factor` times the estimate in between."""
+    x = grids[0]
+    problem = _problem(contact, x, asperities, touching_film)
+    paces = SMOOTH if math.isinf(touching_film) else (*SMOOTH, *ROUGH)
+    film = factor * contact.central_film_estimate() / contact.film_scale
+    if asperities is not None:
+        film = max(film, factor * asperities.rms / contact.film_scale)
+    # A film that is thick against the flattening spreads the load over more than the dry contact.
+    width = max(1.0, 1.5 * math.sqrt(film))
+    pressure = np.sqrt(np.maximum(1.0 - (x / width) ** 2, 0.0)) / width
+    approach = film - float((problem.profile + problem.deflection(pressure)).min())
+    outcome = solve(problem, pressure, approach, paces)
+    for grid in grids[1:]:
+        if not outcome.converged:
+            break
+        pressure = np.interp(grid, x, np.maximum(outcome.point.pressure, 0.0))
+        x, problem = grid, _problem(contact, grid, asperities, touching_film)
+        outcome = solve(problem, pressure, outcome.point.approach, paces)
+    return described(contact, x, problem, outcome)
+
+
+def _problem(contact: LineContact, x: Array, asperities: Asperities | None, touching_film: float) -> Problem:
+    deflection = Deflection(x.size, float(x[1] - x[0]))
+    return Problem(contact, deflection, 0.5 * x**2, touching_film, asperities=asperities)
+
+
+def described(contact: LineContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
+    """Certify an outcome on the positions x (half widths), and give it units."""
+    point = outcome.point
+    certificate = certify(problem, point.pressure, point.approach)
+    return Film(
+        contact=contact,
+        position=contact.half_width * x,
+        pressure=contact.hertz_pressure * point.pressure,
+        film=contact.film_scale * point.clearance,
+        state=outcome.state,
+        status=judge(outcome.converged, certificate),
+        certificate=certificate,
+        iterations=outcome.iterations,
+        outcome=outcome,
+        problem=problem,
+        asperity_pressure=contact.hertz_pressure * (point.pressure - point.fluid),
+    )

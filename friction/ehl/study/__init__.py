@@ -1,0 +1,1 @@
+"""The parameter study of the film model, and the friction formula fitted to it."""

@@ -1,0 +1,290 @@
+"""A formula for the friction coefficient, fitted to a study: the fast evaluator for use inside a gear analysis.
+
+As in the model, the load is shared: with a the part that asperities carry and m that of the film's friction,
+
+    mu = boundary friction * a + m (1 - a),    ln[a / (1 - a)] and ln m polynomials of third degree
+
+in the logarithms of pressure, radius, rolling velocity, slide-to-roll ratio, viscosity, and lambda ratio by the film
+formula of Pan and Hamrock. Both limits of the lambda ratio are so met by the form itself.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import astuple, dataclass
+from functools import cache
+from itertools import combinations_with_replacement
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....core.errors import InputError
+from ....core.files import check_writable, whole_file
+from ...conditions import ContactConditions
+from .. import checks
+from ..line_contact_conditions import STEEL
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+#: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
+VARIABLES = ("hertz_pressure", "radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
+#: All products of up to as many variables, each term after the one that it extends.
+_DEGREE = 3
+TERMS = tuple(t for d in range(_DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
+#: How far ln(G) may be from that of the study's oil at the same viscosity.
+_OTHER_OIL = 0.15
+_CHUNK = 16384
+#: How many numbers each array of a formula has.
+_ARRAYS = {
+    "share": len(TERMS),
+    "film": len(TERMS),
+    "lowest": len(VARIABLES),
+    "highest": len(VARIABLES),
+    "ratios": 2,
+    "oil": 2,
+}
+
+#: The formula fitted to the studies that come with the package, see `regression.SHIPPED`.
+SHIPPED_FORMULA = Path(__file__).with_name("formula.json")
+
+
+@dataclass(frozen=True)
+class RegimeError:
+    """Error of the formula in a range of the lambda ratio, each case predicted from other nine tenths.
+
+    Attributes
+    ----------
+    lowest, highest : float
+        Of the lambda ratio.
+    cases : int
+    mean, rms, worst : float
+        Error of ln(mu): formula less model.
+    """
+
+    lowest: float
+    highest: float
+    cases: int
+    mean: float
+    rms: float
+    worst: float
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionFormula:
+    """Fitted friction coefficient with its range and its errors.
+
+    Attributes
+    ----------
+    share, film : (k) arrays
+        Coefficients of the `TERMS` for ln[a / (1 - a)] and ln(m).
+    lowest, highest : (6) arrays
+        Range of the logarithms of pressure, radius, rolling velocity, slide-to-roll ratio, viscosity and composite
+        roughness in the study.
+    ratios : (2) array
+        That of the lambda ratio. With it, the `VARIABLES` are brought to [-1, 1].
+    oil : (2) array
+        ln(G) of the study's oil as a straight line in ln(viscosity).
+    boundary_friction : float
+        [1].
+    cases : int
+    fit_error, prediction_error, worst_error : float
+        Root of the mean square of the error of ln(mu) over the cases of the fit; the same with each case predicted from
+        other nine tenths; the largest of the latter kind.
+    determination : float
+        1 - square of the prediction error over the variance of ln(mu).
+    regimes : tuple of RegimeError
+    """
+
+    share: Array
+    film: Array
+    lowest: Array
+    highest: Array
+    ratios: Array
+    oil: Array
+    boundary_friction: float
+    cases: int
+    fit_error: float
+    prediction_error: float
+    worst_error: float
+    determination: float
+    regimes: tuple[RegimeError, ...]
+
+    def __call__(
+        self,
+        hertz_pressure: ArrayLike,
+        radius: ArrayLike,
+        rolling_velocity: ArrayLike,
+        slide_to_roll: ArrayLike,
+        viscosity: ArrayLike,
+        pressure_viscosity: ArrayLike,
+        composite_roughness: ArrayLike,
+        reduced_modulus: ArrayLike = STEEL,
+    ) -> tuple[Array, Bools]:
+        """Friction coefficient, in one call for any number of conditions; arrays are broadcast.
+
+        Parameters
+        ----------
+        hertz_pressure, radius, rolling_velocity, slide_to_roll, viscosity, pressure_viscosity, composite_roughness
+            [Pa], [m], [m/s], [1], [Pa s], [1/Pa], [m]; the last is the root of the sum of the squares of both surfaces.
+            The sign of the slide-to-roll ratio does not matter.
+        reduced_modulus
+            [Pa].
+
+        Returns
+        -------
+        friction_coefficient : array
+            [1]. Variables beyond the range of the study are taken at its end, as is a slide-to-roll ratio or a
+            roughness of zero; NaN where an input is not finite, or otherwise not positive.
+        inside : bool array
+            Where nothing was beyond the range, and the oil like that of the study: its pressure-viscosity coefficient
+            within 15 % of the other's at the same viscosity.
+        """
+        inputs = (
+            hertz_pressure,
+            radius,
+            rolling_velocity,
+            slide_to_roll,
+            viscosity,
+            pressure_viscosity,
+            composite_roughness,
+            reduced_modulus,
+        )
+        logarithms, material, modulus = logarithms_of(*inputs)
+        slack = 1e-9
+        inside = np.all((logarithms >= self.lowest - slack) & (logarithms <= self.highest + slack), axis=-1)
+        usual = np.polyval(self.oil, np.clip(logarithms[..., 4], self.lowest[4], self.highest[4]))
+        inside &= np.abs(material - usual) <= _OTHER_OIL
+        material = np.clip(material, usual - _OTHER_OIL, usual + _OTHER_OIL)
+        flat = logarithms.reshape(-1, len(VARIABLES))
+        material, modulus = material.reshape(-1), modulus.reshape(-1)
+        friction = np.empty(flat.shape[0])
+        for at in range(0, flat.shape[0], _CHUNK):  # in pieces that stay in the cache
+            part = slice(at, at + _CHUNK)
+            within = np.clip(flat[part], self.lowest, self.highest)
+            ratio = lambda_ratio(within, material[part], modulus[part])
+            columns = products(normalised(within, ratio, self.lowest, self.highest, self.ratios))
+            friction[part] = combined(columns, self.share, self.film, self.boundary_friction)
+        return friction.reshape(inside.shape), np.asarray(inside)
+
+    def coefficient(self, conditions: ContactConditions) -> Array:
+        """Friction coefficient of the segments of a gear analysis: a model that `easeoff.friction` takes."""
+        friction, _ = self(
+            conditions.hertz_pressure,
+            conditions.equivalent_radius,
+            conditions.rolling_velocity,
+            conditions.slide_to_roll,
+            conditions.viscosity,
+            conditions.pressure_viscosity,
+            conditions.composite_roughness,
+            conditions.contact_modulus,
+        )
+        return friction
+
+
+@cache
+def shipped_formula() -> FrictionFormula:
+    """Return the formula fitted to both studies that come with the package."""
+    return read_formula(SHIPPED_FORMULA)
+
+
+def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> None:
+    """Write a formula as JSON.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    content = {
+        name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(formula).items()
+    }
+    content["regimes"] = [list(astuple(regime)) for regime in formula.regimes]
+    target = Path(path)
+    check_writable(target)
+    with whole_file(target) as temporary:
+        temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
+    """Read what `write_formula` wrote.
+
+    Raises
+    ------
+    InputError
+        The file is not a formula.
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        if not isinstance(content, dict):
+            raise InputError("it must be an object with the attributes of a FrictionFormula")
+        arrays = {name: checks.row(name, content[name], "1", size=size) for name, size in _ARRAYS.items()}
+        regimes = tuple(RegimeError(*numbers) for numbers in content["regimes"])
+        formula = FrictionFormula(**(content | arrays | {"regimes": regimes}))
+        checks.positive("boundary_friction", formula.boundary_friction, "1", zero=True)
+        return formula
+    except KeyError as error:
+        raise InputError(f"{path} is not a friction formula: {error} is missing") from error
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(f"{path} is not a friction formula: {error}") from error
+
+
+def logarithms_of(*inputs: ArrayLike) -> tuple[Array, Array, Array]:
+    """Logarithms of the inputs whose range is known (..., 6), of the material group G, and of E' (...).
+
+    NaN where an input is not finite or not positive; minus infinity where nothing slides or nothing is rough, which is
+    taken at the end of the range.
+    """
+    p, r, u, s, eta, alpha, sigma, modulus = np.broadcast_arrays(
+        *(np.asarray(value, dtype=np.float64) for value in inputs)
+    )
+    columns = [_logarithm(value) for value in (p, r, u)]
+    columns += [_logarithm(np.abs(s), zero=True), _logarithm(eta), _logarithm(sigma, zero=True)]
+    material = _logarithm(np.where(alpha > 0.0, alpha, np.nan) * modulus)
+    return np.stack(columns, axis=-1), material, _logarithm(modulus)
+
+
+def _logarithm(values: Array, *, zero: bool = False) -> Array:
+    valid = np.isfinite(values) & ((values >= 0.0) if zero else (values > 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(valid, np.log(values), np.nan)
+
+
+def lambda_ratio(logarithms: Array, material: Array, modulus: Array) -> Array:
+    """Logarithm of the lambda ratio by Pan and Hamrock."""
+    p, r, u, _, eta, sigma = logarithms.T
+    load = math.log(2.0 * math.pi) + 2.0 * (p - modulus)
+    film = math.log(1.714) + 0.694 * (eta + u - modulus - r) + 0.568 * material - 0.128 * load
+    return np.asarray(film + r - sigma)
+
+
+def normalised(logarithms: Array, ratio: Array, lowest: Array, highest: Array, ratios: Array) -> Array:
+    """Variables, each within [-1, 1]."""
+    values = np.column_stack([logarithms[:, :-1], ratio])
+    low, high = np.append(lowest[:-1], ratios[0]), np.append(highest[:-1], ratios[1])
+    return np.asarray(2.0 * (values - low) / (high - low) - 1.0)
+
+
+def products(normal: Array) -> Array:
+    """Products of the variables (n, k), each one more factor than a product before it."""
+    columns = np.empty((len(TERMS), normal.shape[0]))
+    factors = np.ascontiguousarray(normal.T)
+    columns[0] = 1.0
+    place = {term: at for at, term in enumerate(TERMS)}
+    for at, term in enumerate(TERMS[1:], start=1):
+        np.multiply(columns[place[term[:-1]]], factors[term[-1]], out=columns[at])
+    return columns.T
+
+
+def combined(columns: Array, share: Array, film: Array, boundary_friction: float) -> Array:
+    """Friction coefficients from products of the variables and both sets of coefficients."""
+    odds, logarithm = (columns @ np.stack([share, film], axis=1)).T
+    return shared(odds, logarithm, boundary_friction)
+
+
+def shared(odds: Array, logarithm: Array, boundary_friction: float) -> Array:
+    """Friction coefficients from ln[a / (1 - a)] and ln(m)."""
+    part = 1.0 / (1.0 + np.exp(-np.clip(odds, -30.0, 30.0)))
+    return np.asarray(boundary_friction * part + (1.0 - part) * np.exp(np.minimum(logarithm, 0.0)))

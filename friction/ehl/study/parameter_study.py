@@ -1,0 +1,205 @@
+"""Running the parameter study: one row a combination, kept on disk as soon as it is known, labelled at the end."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import math
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ....core.attributes import labelled
+from ....core.errors import InputError, MissingPackageError, how_to_install
+from ....core.files import check_writable, whole_file
+from .. import checks
+from ..film_certificate import Status
+from ..load_sharing import Asperities
+from .study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
+from .study_design import Condition, Design, numbers
+
+
+def run_study(
+    path: str | os.PathLike[str],
+    wanted: Iterable[int] | int | None = None,
+    *,
+    design: Design | None = None,
+    resolution: Resolution | None = None,
+    dask: bool = False,
+    seconds: float = math.inf,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Run combinations of the study that are not known yet, and write the dataset.
+
+    Parameters
+    ----------
+    path
+        The netCDF file; missing folders are made. What is known is kept beside it, in a file of one JSON object a line
+        with the ending ``.rows``: a study that was interrupted goes on where it stopped. A study that is there already
+        is replaced; any other file is refused.
+    wanted : iterable of int, int, or None
+        Numbers of combinations; the size of a space-filling subset; or all of them.
+    design, resolution
+        Those of the dissertation and the defaults if not given. Rows of another design, resolution or version of the
+        model (`cases.MODEL_VERSION`) are not used.
+    dask : bool
+        Spread the cases over dask: over the client that is active, or else the processes of this machine. Each process
+        imports the program that called: a script must call from below ``if __name__ == "__main__":``, or else it
+        begins anew in each of them, which ends in a BrokenProcessPool.
+    seconds : float
+        Begin no case after as many; the rest are rows with the status `NOT_RUN`.
+    progress : callable, optional
+        Called with the number of cases done and of all that were missing.
+
+    Returns
+    -------
+    xarray.Dataset
+        What was written; see `study_dataset`.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written or is no study, an argument cannot be used, or a number is not in the design; all
+        before the first case.
+    MissingPackageError
+        dask is asked for and not installed.
+    """
+    design = Design() if design is None else design
+    resolution = Resolution() if resolution is None else resolution
+    checks.instance("design", design, Design)
+    checks.instance("resolution", resolution, Resolution)
+    if not isinstance(seconds, Real) or math.isnan(seconds):
+        raise InputError(f"seconds must be a number [s], infinity for no end, not {seconds!r}")
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress must be a function of two numbers, not {progress!r}")
+    target = Path(path)
+    check_writable(target)
+    _check_is_study(target)
+    order = numbers(design, wanted)
+    conditions = {int(number): design.condition(int(number)) for number in order}
+    roughest = max(condition.composite_roughness for condition in conditions.values())
+    Asperities(roughest, resolution.correlation_length)  # refuses what is too steep
+    store = target.with_name(target.name + ".rows")
+    contents = {"version": MODEL_VERSION, "design": asdict(design), "resolution": asdict(resolution)}
+    key = json.dumps(contents, sort_keys=True)
+    known = _read(store, key)
+    missing = [number for number in conditions if number not in known]
+    deadline = time.monotonic() + seconds
+    run = _with_dask if dask else _one_by_one
+    _append(store, "")  # whether it can be written is known before the first case
+    for done, (number, row) in enumerate(run({n: conditions[n] for n in missing}, resolution, deadline), start=1):
+        known[number] = row
+        # The line feed in front ends a line that an interruption may have left half-written.
+        _append(store, "\n" + json.dumps({"key": key, "number": number, "row": row}))
+        if progress is not None:
+            progress(done, len(missing))
+    not_run: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
+    dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
+    dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
+    dataset.attrs["model_version"] = MODEL_VERSION
+    with whole_file(target) as temporary:
+        packed = {name: {"zlib": True} for name in dataset.data_vars}
+        dataset.to_netcdf(temporary, engine="netcdf4", encoding=packed)
+    return dataset
+
+
+def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
+    """Return rows as a labelled dataset over the dimension `combination`, failed ones included.
+
+    Variables: the condition, `status`, `friction_coefficient` and its parts by film and asperities, `asperity_share`,
+    `mean_film`, `smooth_film` (smallest of the smooth surfaces), `lambda_ratio`, `certified_share`, and the cost;
+    `failure`, what went wrong, if a case has failed.
+    """
+    cases = [asdict(design.condition(number)) for number in rows]
+    names = list(asdict(design.condition(0)))
+    renamed = {"hertz_pressure": "contact_pressure", "radius": "contact_radius"}
+    data: dict[str, Any] = {
+        renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
+        for name in names
+    }
+    for name in NUMBERS:
+        data[name] = ("combination", np.array([row[name] for row in rows.values()], dtype=float))
+    friction = data["film_friction"][1] + data["asperity_friction"][1]
+    data["friction_coefficient"] = ("combination", friction)
+    status = np.array([row["status"] for row in rows.values()]).astype(np.int8)
+    data["status"] = ("combination", status, Status.flag_attributes())
+    messages = np.array([str(row.get("message", "")) for row in rows.values()])
+    if any(messages):
+        data["failure"] = ("combination", messages)
+    return labelled(xr.Dataset(data, coords={"combination": np.array(list(rows), dtype=int)}))
+
+
+def _one_by_one(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:
+    for number, condition in conditions.items():
+        if time.monotonic() > deadline:
+            return
+        yield number, run_case(condition, resolution)
+
+
+def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadline: float) -> Iterator[tuple[int, Row]]:
+    try:
+        engine: Any = importlib.import_module("dask")
+    except ImportError as error:
+        message = f"dask is not installed: {how_to_install('easeoff[dask]')}; or run without it"
+        raise MissingPackageError(message) from error
+    batch = 8 * (os.cpu_count() or 1)
+    todo = list(conditions)
+    # With a distributed client its scheduler is the default; without one, processes: the work holds the interpreter.
+    scheduler = {} if engine.config.get("scheduler", None) else {"scheduler": "processes"}
+    for at in range(0, len(todo), batch):
+        if time.monotonic() > deadline:
+            return
+        part = todo[at : at + batch]
+        tasks = [engine.delayed(run_case)(conditions[number], resolution) for number in part]
+        yield from zip(part, engine.compute(*tasks, **scheduler), strict=True)
+
+
+def _read(store: Path, key: str) -> dict[int, Row]:
+    """Rows on disk of the same version, design and resolution; lines that are half-written or no rows are skipped."""
+    known: dict[int, Row] = {}
+    if not store.exists():
+        return known
+    if store.is_dir():
+        raise InputError(f"{store} is a folder: what is known of the study is kept in a file of this name; remove it")
+    for line in store.read_text(encoding="utf-8", errors="replace").splitlines():
+        try:
+            entry = json.loads(line)
+            if entry["key"] == key:
+                row = {**dict.fromkeys(NUMBERS, math.nan), **entry["row"]}
+                Status(int(row["status"]))
+                if all(isinstance(row[name], int | float) for name in NUMBERS):
+                    known[int(entry["number"])] = row
+        except (ValueError, KeyError, TypeError):
+            continue
+    return known
+
+
+def _check_is_study(target: Path) -> None:
+    """Refuse to overwrite a file that is something else."""
+    if not target.exists():
+        return
+    try:
+        with xr.open_dataset(target, engine="netcdf4") as there:
+            if {"combination", "status", "friction_coefficient"} <= set(there.variables):
+                return
+    except (OSError, ValueError, RuntimeError):
+        pass
+    raise InputError(f"{target} exists and is no study: it would be overwritten; give another name, or remove it")
+
+
+def _append(store: Path, text: str) -> None:
+    try:
+        store.parent.mkdir(parents=True, exist_ok=True)
+        with store.open("a", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise InputError(f"{store} cannot be written: {error.strerror or error}") from error

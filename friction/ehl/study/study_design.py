@@ -1,0 +1,253 @@
+"""The parameter study of the dissertation (its tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from ....core.errors import InputError
+from ...lubricant import lubricant
+from .. import checks
+from ..film_oil import Oil
+from ..line_contact_conditions import STEEL, LineContact
+
+#: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
+_EYRING_STRESS = 5e6
+#: Units of the parameters, the temperatures that the oil is known at, and the pressure beyond which nothing is a Hertz
+#: contact of steel (`LineContact` refuses it), in these units.
+_UNITS = {
+    "hertz_pressure": "GPa",
+    "radius": "mm",
+    "rolling_velocity": "m/s",
+    "slide_to_roll": "1",
+    "temperature": "deg C",
+    "roughness": "um",
+    "roughness_1": "um",
+    "roughness_2": "um",
+}
+_TEMPERATURES = (25.0, 100.0)
+_HIGHEST = 0.1 * STEEL * 1e-9
+
+
+def oil_75w90(temperature: float) -> Oil:
+    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 deg C.
+
+    Raises
+    ------
+    InputError
+        The temperature is beyond the table.
+    """
+    checks.number("temperature", temperature, "deg C")
+    return Oil.of(
+        lubricant("75w90").at(temperature),
+        eyring_stress=_EYRING_STRESS,
+        law="two_slope",
+        inlet_temperature=temperature,
+    )
+
+
+def _level(name: str, value: Any) -> float:
+    """Return a level of a parameter, checked."""
+    if name == "slide_to_roll":
+        return checks.within(name, value, -2.0, 2.0, _UNITS[name])
+    if name == "temperature":
+        return checks.within(name, value, *_TEMPERATURES, _UNITS[name])
+    if name == "hertz_pressure":
+        return checks.within(name, checks.positive(name, value, _UNITS[name]), 0.0, _HIGHEST, _UNITS[name])
+    return checks.positive(name, value, _UNITS[name])
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One combination of the study, in its units.
+
+    Attributes
+    ----------
+    hertz_pressure : float
+        [GPa].
+    radius : float
+        [mm].
+    rolling_velocity : float
+        [m/s].
+    slide_to_roll : float
+        [1].
+    temperature : float
+        Of the oil in the inlet [deg C].
+    roughness_1, roughness_2 : float
+        Rms heights of the surfaces [um].
+
+    Raises
+    ------
+    InputError
+        A number is not positive, or not in the range of a contact or of the oil.
+    """
+
+    hertz_pressure: float
+    radius: float
+    rolling_velocity: float
+    slide_to_roll: float
+    temperature: float
+    roughness_1: float
+    roughness_2: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            _level(field.name, getattr(self, field.name))
+
+    @property
+    def contact(self) -> LineContact:
+        """The line contact between steel bodies."""
+        return LineContact(
+            hertz_pressure=1e9 * self.hertz_pressure,
+            radius=1e-3 * self.radius,
+            rolling_velocity=self.rolling_velocity,
+            oil=oil_75w90(self.temperature),
+            slide_to_roll=self.slide_to_roll,
+            reduced_modulus=STEEL,
+        )
+
+    @property
+    def composite_roughness(self) -> float:
+        """Root of the sum of the squares of both rms heights [m]."""
+        return 1e-6 * math.hypot(self.roughness_1, self.roughness_2)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Levels of a study; by default those of the dissertation, 31,500 combinations.
+
+    Each pair of roughnesses occurs once, the smoother surface first: 15 pairs of 5 levels.
+
+    Raises
+    ------
+    InputError
+        A parameter has no levels, or one that a `Condition` cannot have.
+    """
+
+    hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)
+    radius: tuple[float, ...] = (5.0, 20.0, 40.0)
+    rolling_velocity: tuple[float, ...] = (1.0, 5.0, 10.0, 15.0, 20.0)
+    slide_to_roll: tuple[float, ...] = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
+    temperature: tuple[float, ...] = (25.0, 50.0, 75.0, 100.0)
+    roughness: tuple[float, ...] = (0.1, 0.35, 0.6, 0.85, 1.0)
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            levels = getattr(self, field.name)
+            if not isinstance(levels, list | tuple | np.ndarray) or np.ndim(levels) != 1 or not len(levels):
+                raise InputError(f"{field.name} must be levels in a row, such as (1.0, 2.0), not {levels!r}")
+            object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
+
+    @cached_property
+    def _axes(self) -> tuple[tuple[Any, ...], ...]:
+        pairs = tuple(combinations_with_replacement(self.roughness, 2))
+        return (
+            self.hertz_pressure,
+            self.radius,
+            self.rolling_velocity,
+            self.slide_to_roll,
+            self.temperature,
+            pairs,
+        )
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of levels of each parameter; the last is that of the pairs of roughnesses."""
+        return tuple(len(axis) for axis in self._axes)
+
+    @property
+    def size(self) -> int:
+        """Number of combinations."""
+        return math.prod(self.shape)
+
+    def condition(self, number: int) -> Condition:
+        """Return a combination by its number, from 0; the last parameter changes fastest.
+
+        Raises
+        ------
+        InputError
+            There is no such combination.
+        """
+        if not _is_whole(number) or not 0 <= number < self.size:
+            raise InputError(f"combination {number!r} does not exist: 0 to {self.size - 1}")
+        levels = np.unravel_index(number, self.shape)
+        *single, pair = (axis[int(level)] for axis, level in zip(self._axes, levels, strict=True))
+        return Condition(*single, *pair)
+
+    def subset(self, size: int, seed: int = 0) -> NDArray[np.int_]:
+        """Choose combinations that fill the space of the parameters evenly.
+
+        Parameters
+        ----------
+        size : int
+            How many.
+        seed : int
+            Of the scrambling.
+
+        Returns
+        -------
+        (size) int array
+            Their numbers, all different, in the order of a scrambled Sobol sequence over the levels (points that fall
+            on a combination again are skipped): the first of a long subset are a good short one.
+
+        Raises
+        ------
+        InputError
+            More than there are, or none; or the seed is no whole number.
+        """
+        size = checks.whole("size", size, 1, self.size)
+        checks.whole("seed", seed, 0)
+        if size == self.size:
+            return np.arange(size)
+        sequence = qmc.Sobol(len(self.shape), seed=seed)
+        chosen: dict[int, None] = {}
+        while len(chosen) < size:
+            levels = (sequence.random(1024) * self.shape).astype(int)
+            for number in np.ravel_multi_index(tuple(levels.T), self.shape):
+                chosen.setdefault(int(number))
+        return np.array(list(chosen)[:size])
+
+
+#: The levels of the dissertation and others between them: what a formula needs that holds between the former as well.
+REFINED = Design(
+    hertz_pressure=(0.5, 0.6, 0.75, 0.9, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5),
+    radius=(5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0),
+    rolling_velocity=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 15.0, 17.0, 20.0),
+    slide_to_roll=(0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.35, 0.5, 0.75, 1.0),
+    temperature=(25.0, 30.0, 37.5, 45.0, 50.0, 55.0, 62.5, 70.0, 75.0, 82.5, 90.0, 100.0),
+    roughness=(0.1, 0.15, 0.2, 0.35, 0.5, 0.6, 0.7, 0.85, 1.0),
+)
+
+
+def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.int_]:
+    """Numbers of the combinations that are wanted: given, a subset of a size, or all.
+
+    Raises
+    ------
+    InputError
+        A number is not whole, or there is none.
+    """
+    if wanted is None:
+        return np.arange(design.size)
+    if _is_whole(wanted):
+        return design.subset(operator.index(wanted))  # type: ignore[arg-type]
+    try:
+        given = list(wanted)  # type: ignore[arg-type]
+    except TypeError:
+        given = []
+    if not given or not all(map(_is_whole, given)):
+        raise InputError(f"wanted must be a number of cases, numbers of combinations or None for all, not {wanted!r}")
+    return np.array([operator.index(number) for number in given], dtype=int)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)

@@ -1,0 +1,1 @@
+"""How a flank is cut: blade, machine, equation of meshing, generating surface."""

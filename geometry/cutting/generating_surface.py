@@ -1,0 +1,164 @@
+"""What cuts a flank: a blade on a machine, and the envelope of its motion.
+
+A generated flank has the two parameters (cutter angle, cradle rotation); the place on the blade follows from the
+equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
+angle, place on the blade). Every section of the blade has its own surface.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..newton import complex_steps
+from ..vectors import cos_sin, cross, dot
+from .blade import Blade
+from .blade_sections import BladeSection, SectionName
+from .machine import IncrementSense, MachineSettings
+from .machine_pose import machine_pose
+from .meshing import Velocity, circular_edge, on_arc, straight_edge
+
+Array = NDArray[Any]
+Hand = Literal["left", "right"]
+
+
+@dataclass(frozen=True)
+class GeneratingSurface:
+    """What cuts one flank: a blade, the machine that carries it, and the hand of the member.
+
+    Parameters
+    ----------
+    blade
+        The cutter blade.
+    settings
+        The machine settings.
+    hand
+        Hand of spiral of the member; a left-hand flank is the mirror image (y to -y) of the right-hand one.
+    sense
+        Sense of the cradle increment, see ``machine.IncrementSense``.
+    part
+        Section of the blade that cuts; the profile unless said.
+    """
+
+    blade: Blade
+    settings: MachineSettings
+    hand: Hand
+    sense: IncrementSense
+    part: SectionName = "profile"
+
+    @property
+    def section(self) -> BladeSection:
+        """The section of the blade that cuts."""
+        return self.blade.sections[self.part]
+
+    def on(self, part: SectionName) -> GeneratingSurface:
+        """What another section of the same blade cuts."""
+        return self if part == self.part else replace(self, part=part)
+
+    @property
+    def designed(self) -> GeneratingSurface:
+        """The surface without what the flank as made departs from it."""
+        return self
+
+    @property
+    def flank_parts(self) -> tuple[GeneratingSurface, ...]:
+        """Surfaces of the sections that cut the flank, all but the edge radius, from the tip of the blade upwards."""
+        return tuple(self.on(name) for name in self.blade.sections if name != "edge")
+
+    @np.errstate(all="ignore")
+    def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
+        """Flank at given parameters; analytic, so that it can be differentiated by complex step.
+
+        NaN where the blade has no point of the flank.
+
+        Parameters
+        ----------
+        parameters
+            Cutter angle [rad] and, generated, cradle rotation [rad] or, Formate, place on the blade: (2, n).
+
+        Returns
+        -------
+        tuple
+            Position (3, n) [mm] and outward unit normal (3, n) in the member frame, and the place on the blade (n): mm
+            along it from the end of its edge radius, see ``blade_sections``.
+        """
+        cutter_angle, second = parameters
+        cradle_rotation = second if self.settings.generated else np.zeros_like(second)
+        pose = machine_pose(self.settings, cradle_rotation, self.sense)
+
+        cosine, sine = cos_sin(cutter_angle)
+        x_axis, y_axis, cutter_axis = pose.frame
+        radial, tangential = x_axis * cosine + y_axis * sine, y_axis * cosine - x_axis * sine
+
+        def seen(r: float, t: float, z: float) -> Array:
+            return np.asarray(r * radial + t * tangential + z * cutter_axis)
+
+        tip = pose.center + seen(*self.blade.tip, 0.0)
+        outward, upward = (seen(*vector) for vector in self.blade.plane)
+
+        # Velocity of a blade point relative to the work, by the cutter angle, as spin x point + shift.
+        indexing = self.settings.indexing_ratio
+        spin = cutter_axis + indexing * pose.axis
+        shift = -cross(cutter_axis, pose.center) - indexing * cross(pose.axis, pose.origin)
+        velocities = (spin, shift), (pose.spin, pose.shift)
+        point, edge, place = self._on_blade(tip, (outward, upward), velocities, second)
+        normal = -self.blade.side_sign * cross(edge, cross(spin, point) + shift)
+        normal = normal / np.sqrt(dot(normal, normal))
+
+        turned = -indexing * cutter_angle
+        position = pose.to_member(point, turned, point=True)
+        normal = pose.to_member(normal, turned, point=False)
+        if self.hand == "left":
+            position[1], normal[1] = -position[1], -normal[1]
+        return position, normal, place
+
+    def _on_blade(
+        self, tip: Array, plane: tuple[Array, Array], velocities: tuple[Velocity, Velocity], place: Array
+    ) -> tuple[Array, Array, Array]:
+        """Point of the blade that cuts [mm], direction of the edge there (3, n), and place on the blade (n).
+
+        Generated, the equation of meshing gives the place; Formate, it is the one asked for.
+        """
+        section, (outward, upward) = self.section, plane
+        if section.radius is None:
+            along_outward, along_upward = math.sin(section.angle), math.cos(section.angle)
+            edge = along_outward * outward + along_upward * upward
+            origin = tip + (section.outward - section.begin * along_outward) * outward
+            origin = origin + (section.height - section.begin * along_upward) * upward
+            if self.settings.generated:
+                place = straight_edge(origin, edge, *velocities)
+            return origin + place * edge, edge, place
+        middle, middle_angle = section.point(section.middle), section.angle_at(section.middle)
+        origin = tip + middle[0] * outward + middle[1] * upward
+        if self.settings.generated:
+            turn = circular_edge(origin, section.radius, plane, *velocities, middle_angle)
+            place = section.middle + turn / section.rate
+        else:
+            turn = section.rate * (place - section.middle)
+        point, edge = on_arc(origin, section.radius, plane, middle_angle, turn)
+        return point, edge, place
+
+    def axial_and_radial(self, parameters: Array) -> Array:
+        """Axial and radial coordinates (2, n) [mm] of the flank at given parameters (2, n)."""
+        position, _, _ = self.evaluate(parameters)
+        return np.stack([position[2], np.sqrt(position[0] ** 2 + position[1] ** 2)])
+
+    @property
+    def max_step(self) -> Array:
+        """Largest Newton step of the two parameters."""
+        within_edge = self.part == "edge"
+        return np.array([0.2, 0.2 if self.settings.generated or within_edge else 0.2 * self.blade.point_radius])
+
+    def orientation(self, parameters: Array) -> Array:
+        """Signed area ratio of the parametrisation (n): it changes sign where the flank is undercut."""
+
+        def position(p: Array) -> Array:
+            return self.evaluate(p)[0]
+
+        _, (first, second) = complex_steps(position, parameters)
+        _, normal, _ = self.evaluate(parameters)
+        return np.asarray(dot(cross(first, second), normal))

@@ -1,0 +1,125 @@
+"""Where cutter and work stand on the machine at a cradle rotation, and how they move, with every setting free to move.
+
+Any setting may be a polynomial in the cradle increment: helical motion moves the sliding base, vertical motion the work
+offset, and so on. Everything is seen from a frame that turns with the cradle, x towards the cutter centre; there the
+velocity of a blade point relative to the work is a spin and a shift, whatever moves. The chain from the cutter to the
+member being cut is that of Kolivand 2009, Eq. 2.7.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..vectors import cos_sin, cross, rotate_z
+from .machine import IncrementSense, MachineSettings, work_rotation
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class MachinePose:
+    """The machine at n cradle rotations, in the frame that turns with the cradle; vectors are (3, n) or (3, 1).
+
+    Parameters
+    ----------
+    frame
+        Axes of the cutter, x and y before the cutter turns, z towards the blank.
+    center
+        Centre of the blade tip plane [mm].
+    axis, origin
+        Work axis and crossing point [mm].
+    spin, shift
+        Velocity of a blade point p relative to the work, by the cradle rotation: spin x p + shift.
+    cradle, root_angle, work
+        Angle of the cradle, machine root angle, and rotation of the work by the roll [rad].
+    """
+
+    frame: tuple[Array, Array, Array]
+    center: Array
+    axis: Array
+    origin: Array
+    spin: Array
+    shift: Array
+    cradle: Array
+    root_angle: Array
+    work: Array
+
+    def to_member(self, vector: Array, indexing: Array, *, point: bool) -> Array:
+        """Turn a position [mm] or direction (3, n) from the cradle's frame into the frame of the member being cut.
+
+        Parameters
+        ----------
+        vector
+            Position or direction.
+        indexing
+            Rotation of the work beyond the roll (n) [rad].
+        point
+            Whether the vector is a position.
+        """
+        x, y, z = rotate_z(self.cradle, vector - self.origin if point else vector)
+        cosine, sine = cos_sin(self.root_angle)
+        return rotate_z(-self.work - indexing, (sine * x - cosine * z, y, cosine * x + sine * z))
+
+
+def _moving(settings: MachineSettings, name: str, increment: Array, sense: int) -> tuple[Array, Array]:
+    """Value of a setting (n) and its derivative by the cradle rotation."""
+    value = np.full(increment.shape, getattr(settings, name)) + 0.0 * increment
+    derivative = np.zeros_like(value)
+    for order, coefficient in enumerate(dict(settings.motions).get(name, ()), start=1):
+        value = value + coefficient * increment**order
+        derivative = derivative + sense * order * coefficient * increment ** (order - 1)
+    return value, derivative
+
+
+def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: IncrementSense) -> MachinePose:
+    """The machine at given cradle rotations.
+
+    Parameters
+    ----------
+    settings
+        Machine settings, with their motions.
+    cradle_rotation
+        Rotations of the cradle about the machine z axis (n) [rad].
+    sense
+        Sense of the cradle increment, see ``machine.IncrementSense``.
+    """
+    names = ("radial_distance", "work_offset", "sliding_base", "machine_center_to_crossing_point")
+    # Without motions one column stands for all n rotations.
+    increment = sense * cradle_rotation if settings.motions else np.zeros(1)
+    value: dict[str, Array] = {}
+    rate: dict[str, Array] = {}
+    for name in (*names, "machine_root_angle", "cutter_tilt", "cutter_swivel"):
+        value[name], rate[name] = _moving(settings, name, increment, sense)
+    zero = np.zeros_like(increment)
+    cradle = settings.cradle_angle + cradle_rotation
+    work, ratio = work_rotation(settings, cradle_rotation, sense)
+
+    cos_j, sin_j = cos_sin(value["cutter_swivel"])
+    cos_i, sin_i = cos_sin(value["cutter_tilt"])
+    frame = (
+        np.stack([cos_j, -sin_j, zero]),
+        np.stack([sin_j * cos_i, cos_j * cos_i, sin_i]),
+        np.stack([-sin_j * sin_i, -cos_j * sin_i, cos_i]),
+    )
+    center = np.stack([value["radial_distance"], zero, zero])
+
+    cos_g, sin_g = cos_sin(value["machine_root_angle"])
+    distance, along = value["machine_center_to_crossing_point"], np.stack([cos_g, zero, sin_g])
+    crossing_point = distance * along + np.stack([zero, value["work_offset"], value["sliding_base"]])
+    axis, origin = rotate_z(-cradle, tuple(along)), rotate_z(-cradle, tuple(crossing_point))
+    spin, shift = -ratio * axis, ratio * cross(axis, origin)
+    spin[2] = spin[2] + 1.0
+    if settings.motions:
+        turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
+        tilting = rate["machine_root_angle"]
+        moving = rate["machine_center_to_crossing_point"] * along + distance * tilting * np.stack([-sin_g, zero, cos_g])
+        moving = moving + np.stack([zero, rate["work_offset"], rate["sliding_base"]])
+        pivot = rotate_z(-cradle, (zero, tilting, zero))
+        spin = spin + turning + pivot
+        shift = shift - cross(turning, center) - cross(pivot, origin) - rotate_z(-cradle, tuple(moving))
+        shift[0] = shift[0] + rate["radial_distance"]
+    return MachinePose(frame, center, axis, origin, spin, shift, cradle, value["machine_root_angle"], work)

@@ -1,0 +1,1 @@
+"""From basic data to blanks and machine settings."""

@@ -1,0 +1,264 @@
+"""Basic machine settings of a gear from its blank: Formate or generated, face-milled or face-hobbed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import root
+
+from ...core.errors import GeometryError
+from ..cutting.blade import Blade, BladeSide
+from ..cutting.generating_surface import GeneratingSurface, Hand
+from ..cutting.machine import MachineSettings
+from ..flanks.blank_section import BlankSection
+from .blank import BlankDimensions
+from .iso23509.blank_dimensions import MemberBlank
+from .mean_point import mean_point_angles
+
+Array = NDArray[Any]
+Flanks = tuple[GeneratingSurface, GeneratingSurface]
+CLOSE = 1e-11  # residual of the corrected flanks [rad]
+
+
+def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
+    """Axial section of one member of a blank; the flank ends at the clearance above the root cone."""
+    return BlankSection(
+        pitch_angle=member.pitch_angle,
+        face_angle=member.face_angle,
+        root_angle=member.root_angle,
+        outer_cone_distance=member.outer_cone_distance,
+        face_width=member.face_width,
+        pitch_apex=member.pitch_apex,
+        face_apex=member.face_apex,
+        root_apex=member.root_apex,
+        clearance=clearance,
+    )
+
+
+def formate_gear(
+    blank: BlankDimensions,
+    cutter_radius: float,
+    hand: Hand,
+    number_of_blade_groups: int = 0,
+    *,
+    corrected: bool = True,
+) -> Flanks:
+    """Convex and concave flank of a Formate gear.
+
+    The machine centre is the apex of the root cone and the cutter axis stands at right angles to the root line.
+
+    *Face-milled*, one spread-blade cutter cuts both flanks: its centre gives the mean spiral angle to the middle of the
+    slot, and its point width leaves the blank's tooth thickness. The two flanks are circles about one centre, so each
+    has its own spiral angle.
+
+    *Face-hobbed*, both blades pass the mean point at the cutter's mean radius, one after the other, and each flank has
+    the mean spiral angle itself. The cutter centre is that of the crown gear, at the distance rho_P0 from the apex and
+    with the lead angle nu taken off the spiral angle; each edge stands at right angles to its path (its rake angle,
+    counted from the radius of its tip, is nu less what the blade's taper changes). The slot comes from the timing of
+    the blades in their group, which the two flanks do not tell: the tooth thickness is to be given apart.
+
+    Parameters
+    ----------
+    blank
+        Dimensions of the pair.
+    cutter_radius
+        Mean cutter radius (r_c0) [mm].
+    hand
+        Hand of spiral of the gear.
+    number_of_blade_groups
+        Starts of a face-hobbing cutter (z0); zero for face milling.
+    corrected
+        Whether the settings are corrected until spiral angle, pressure angles and, face-milled, the thickness measured
+        on the generated flanks at the mean point are those of the blank. If not, the closed form stands: it takes the
+        angles as if the root line were the pitch line.
+
+    Returns
+    -------
+    tuple
+        Generating surfaces of the convex (drive) and the concave (coast) flank.
+
+    Raises
+    ------
+    GeometryError
+        If the slot is too narrow for a cutter, the cutter too small for its blade groups, or no settings give the
+        blank's angles.
+
+    Notes
+    -----
+    Source: ISO 23509:2016, formulas 34 to 40 (crown gear).
+    """
+    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, None)
+
+
+def generated_gear(
+    blank: BlankDimensions,
+    cutter_radius: float,
+    hand: Hand,
+    number_of_blade_groups: int = 0,
+    *,
+    corrected: bool = True,
+) -> Flanks:
+    """Convex and concave flank of a generated gear: the cutter of ``formate_gear``, rolled with a crown gear.
+
+    The cradle axis passes through the apex of the pitch cone and the ratio of roll is cos(dedendum angle) / sin(pitch
+    angle): the pitch cone rolls without sliding. Parameters, return and exceptions are those of ``formate_gear``.
+    """
+    gear = blank.gear
+    ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
+    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, ratio)
+
+
+def _gear(
+    blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool, ratio: float | None
+) -> Flanks:
+    if groups:
+        return _face_hobbed(blank, cutter_radius, hand, groups, corrected, ratio)
+    return _face_milled(blank, cutter_radius, hand, corrected, ratio)
+
+
+def _machine_center(gear: MemberBlank, ratio: float | None) -> float:
+    """Machine centre to crossing point [mm].
+
+    The cradle axis of a Formate gear meets the work axis in the root apex; to roll on the pitch cone, in its apex.
+    """
+    return gear.root_apex if ratio is None else gear.pitch_apex
+
+
+def _mean_point(gear: MemberBlank, ratio: float | None) -> tuple[float, float]:
+    """The mean point seen on the machine: distance from the cradle axis along the root line, height above it [mm]."""
+    axial = gear.mean_cone_distance * math.cos(gear.pitch_angle) - gear.pitch_apex
+    radial = gear.mean_cone_distance * math.sin(gear.pitch_angle)
+    sine, cosine = math.sin(gear.root_angle), math.cos(gear.root_angle)
+    along = (axial + _machine_center(gear, ratio)) * cosine + radial * sine
+    return along, radial * cosine - (axial + gear.root_apex) * sine
+
+
+def _machine(
+    gear: MemberBlank, horizontal: float, vertical: float, ratio: float | None, indexing_ratio: float = 0.0
+) -> MachineSettings:
+    center = _machine_center(gear, ratio)
+    return MachineSettings(
+        radial_distance=math.hypot(horizontal, vertical),
+        cradle_angle=math.atan2(vertical, horizontal),
+        machine_root_angle=gear.root_angle,
+        sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
+        machine_center_to_crossing_point=center,
+        ratio_of_roll=ratio,
+        indexing_ratio=indexing_ratio,
+    )
+
+
+def _face_milled(
+    blank: BlankDimensions, cutter_radius: float, hand: Hand, corrected: bool, ratio: float | None
+) -> Flanks:
+    gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
+    along, _ = _mean_point(gear, ratio)
+    spiral = gear.mean_spiral_angle
+    drive, coast = float(blank.generated_drive_pressure_angle), float(blank.generated_coast_pressure_angle)
+    slot = math.pi * blank.mean_normal_module - gear.mean_normal_thickness
+    point_width = slot - gear.mean_dedendum * (math.tan(drive) + math.tan(coast))
+
+    def flanks(values: Array) -> Flanks:
+        horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
+        if width <= 0.0:
+            raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
+        settings = _machine(gear, horizontal, vertical, ratio)
+        inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
+        outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
+        return GeneratingSurface(inside, settings, hand, 1), GeneratingSurface(outside, settings, hand, 1)
+
+    def error(values: Array) -> Array:
+        convex, concave = (mean_point_angles(flank, section, gear) for flank in flanks(values))
+        cut = (convex.azimuth - concave.azimuth) * gear.mean_pitch_diameter / 2.0 * math.cos(spiral)
+        return np.array(
+            [
+                (convex.spiral_angle + concave.spiral_angle) / 2.0 - spiral,
+                convex.azimuth + concave.azimuth,
+                (cut - slot) / cutter_radius,
+                convex.pressure_angle - drive,
+                concave.pressure_angle - coast,
+            ]
+        )
+
+    start = np.array(
+        [along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral), point_width, drive, coast]
+    )
+    return flanks(_corrected(error, start) if corrected else start)
+
+
+def _face_hobbed(
+    blank: BlankDimensions, cutter_radius: float, hand: Hand, groups: int, corrected: bool, ratio: float | None
+) -> Flanks:
+    gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
+    along, height = _mean_point(gear, ratio)
+    lead_sine = groups * blank.mean_normal_module / (2.0 * cutter_radius)
+    if not lead_sine < 1.0:
+        raise GeometryError(f"number_of_blade_groups = {groups}: too many for cutter_radius = {cutter_radius:g} mm")
+    lead = math.asin(lead_sine)
+    course = gear.mean_spiral_angle - lead
+    settings = _machine(
+        gear,
+        along - cutter_radius * math.sin(course),
+        cutter_radius * math.cos(course),
+        ratio,
+        groups / gear.number_of_teeth,
+    )
+
+    def flank(side: BladeSide, pressure_angle: float) -> GeneratingSurface:
+        def surface(values: Array) -> GeneratingSurface:
+            radius, angle = float(values[0]) * cutter_radius, float(values[1])
+            return GeneratingSurface(hobbing_blade(radius, angle, side, height, lead), settings, hand, 1)
+
+        def error(values: Array) -> Array:
+            found = mean_point_angles(surface(values), section, gear)
+            return np.array([found.spiral_angle - gear.mean_spiral_angle, found.pressure_angle - pressure_angle])
+
+        start = np.array([1.0, pressure_angle])
+        return surface(_corrected(error, start) if corrected else start)
+
+    return (
+        flank("inside", float(blank.generated_drive_pressure_angle)),
+        flank("outside", float(blank.generated_coast_pressure_angle)),
+    )
+
+
+def hobbing_blade(
+    reference_radius: float, pressure_angle: float, side: BladeSide, reference_height: float, lead: float
+) -> Blade:
+    """Face-hobbing blade whose edge stands at right angles to its path.
+
+    Parameters
+    ----------
+    reference_radius
+        Distance of the reference point of the edge from the cutter axis [mm].
+    pressure_angle
+        Between edge and cutter axis [rad].
+    side
+        Which blade.
+    reference_height
+        Height of the reference point above the blade tip [mm].
+    lead
+        Angle between the radius of the reference point and the normal of its path (nu) [rad].
+    """
+    plain = Blade(reference_radius, pressure_angle, side)
+    # The edge runs in a plane turned by the lead angle; the tip then stands at a radius and an angle of its own.
+    reach = plain.side_sign * reference_height * math.tan(pressure_angle)
+    tip = complex(reference_radius - reach * math.cos(lead), -reach * math.sin(lead))
+    return replace(plain, point_radius=abs(tip), rake_angle=lead - math.atan2(tip.imag, tip.real))
+
+
+def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
+    """Settings near the start at which the measured errors vanish."""
+    found = root(error, start, tol=1e-14)
+    if not np.max(np.abs(error(found.x))) < CLOSE:
+        raise GeometryError(
+            "no settings of the gear were found that give the blank's spiral angle and pressure angles: "
+            f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum "
+            "angle and cutter_radius"
+        )
+    return np.asarray(found.x)

@@ -1,0 +1,111 @@
+"""The exactly conjugate pinion of a Formate gear, as settings of a cradle machine.
+
+Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose
+cutter is the gear's own blade, taken from the other side and, face-hobbed, turning in the same time. The cradle then
+plays the gear, and the pinion is its envelope: the ease-off is zero everywhere. Machine root angle near zero and a
+large cutter tilt are the marks of this set-up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError
+from ..cutting.blade import Blade, BladeSide
+from ..cutting.generating_surface import GeneratingSurface, Hand
+from ..cutting.machine import MachineSettings
+from ..cutting.machine_pose import machine_pose
+from ..pair.assembly import Assembly
+
+Array = NDArray[np.float64]
+
+
+def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: float) -> GeneratingSurface:
+    """Machine settings that cut the pinion flank conjugate to a Formate gear flank.
+
+    Parameters
+    ----------
+    gear
+        Generating surface of the gear flank.
+    assembly
+        The pair; its misalignment is not used, the pinion is conjugate in the nominal position.
+    blade_height
+        Distance between the blade tips of the two cutters along the cutter axis [mm]: where the pinion's root is to be.
+
+    Returns
+    -------
+    GeneratingSurface
+        The pinion flank.
+
+    Raises
+    ------
+    GeometryError
+        If the gear is generated (no fixed cone stands for its flank), or the cone ends before ``blade_height``.
+    """
+    settings = gear.settings
+    if settings.generated:
+        raise GeometryError(
+            "a conjugate pinion in machine settings exists for a Formate gear only: this gear is generated"
+        )
+    # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, axis towards the gear.
+    still = np.zeros(1)
+    pose = machine_pose(settings, still, gear.sense)
+    tip_center = pose.to_member(pose.center, still, point=True)[:, 0]
+    axis = pose.to_member(pose.frame[2], still, point=False)[:, 0]
+
+    # The pinion's cutter reaches from the gear's body to the pinion; its machine frame is the gear's with z reversed.
+    tip_center = tip_center - blade_height * axis
+    towards_pinion = np.array([-axis[0], -axis[1], axis[2]])
+    cradle_angle = float(np.arctan2(tip_center[1], tip_center[0]))
+    pinion_settings = MachineSettings(
+        radial_distance=float(np.hypot(tip_center[0], tip_center[1])),
+        cradle_angle=cradle_angle,
+        machine_root_angle=assembly.shaft_angle - np.pi / 2,
+        work_offset=assembly.hypoid_offset,
+        sliding_base=float(tip_center[2]),
+        cutter_tilt=float(np.arccos(np.clip(towards_pinion[2], -1.0, 1.0))),
+        cutter_swivel=cradle_angle - float(np.arctan2(towards_pinion[0], -towards_pinion[1])),
+        ratio_of_roll=assembly.ratio,
+        indexing_ratio=settings.indexing_ratio * assembly.ratio,
+    )
+    hand: Hand = "left" if gear.hand == "right" else "right"
+    return replace(gear, blade=_other_side(gear.blade, blade_height), settings=pinion_settings, hand=hand, sense=-1)
+
+
+def _other_side(blade: Blade, height: float) -> Blade:
+    """The same edge as a blade that points the other way, its tip ``height`` further up along the cutter axis.
+
+    Both blades are written in components along radius, tangent and their own axis; the new axis is the old one
+    reversed. The plane of the edge stays: its normal fixes rake and hook.
+    """
+    (tip_r, tip_t), edge, (outward, upward) = blade.tip, np.array(blade.edge), blade.plane
+    reversed_axis = np.array([1.0, 1.0, -1.0])
+    along = -height / edge[2]
+    tip = complex(tip_r + along * edge[0], tip_t + along * edge[1])
+    if blade.offset_angle == 0.0 and tip.real <= 0.0:
+        raise GeometryError(f"the gear's cutter cone ends before the pinion's root, {height} mm from its blade tip")
+    offset_angle = math.atan2(tip.imag, tip.real)
+
+    def from_tip(vector: Array) -> Array:
+        """Components with the radius through the new tip."""
+        lateral = complex(vector[0], vector[1]) * abs(tip) / tip
+        return np.array([lateral.real, lateral.imag, vector[2]])
+
+    across = from_tip(blade.side_sign * np.cross(outward, upward) * reversed_axis)
+    rake_angle, hook_angle = -math.asin(across[0]), math.atan2(across[2], across[1])
+    side: BladeSide = "outside" if blade.side == "inside" else "inside"
+    turned = Blade(abs(tip), 0.0, side, offset_angle, rake_angle, hook_angle)
+    new_edge, new_outward = -edge * reversed_axis, np.array(turned.plane[0])
+    pressure_angle = math.asin(float(new_edge @ new_outward))
+    touching = (along - blade.reference_height / math.cos(blade.pressure_angle)) * math.cos(pressure_angle)
+    return replace(
+        turned,
+        pressure_angle=pressure_angle,
+        spheric_radius=None if blade.spheric_radius is None else -blade.spheric_radius,
+        reference_height=touching if blade.spheric_radius is not None else 0.0,
+        edge_radius=blade.edge_radius,
+    )

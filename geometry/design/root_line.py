@@ -1,0 +1,62 @@
+"""Where the tip of a blade runs against the root cone of the blank it cuts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import solve_flank
+from ..newton import solve
+
+Array = NDArray[Any]
+
+PLACES = np.array([0.0, 0.5, 1.0])  # toe, middle, heel
+LOW = 0.15  # profile fraction of the nodes: near the root, yet on the flank
+
+
+@dataclass(frozen=True)
+class RootLine:
+    """Nodes near the root of a flank at toe, middle and heel, and the parameters that cut them.
+
+    Parameters
+    ----------
+    section
+        The blank.
+    parameters
+        Surface parameters (2, 3) of the nodes, a start for other settings.
+    """
+
+    section: BlankSection
+    parameters: Array
+
+    @classmethod
+    def of(cls, surface: GeneratingSurface, section: BlankSection) -> RootLine:
+        """The nodes of a flank. Raises GeometryError if the cutter meets no tooth of the blank."""
+        axial, radial = section.points(PLACES, np.full_like(PLACES, LOW))
+        return cls(section, solve_flank(surface, section, axial, radial).parameters)
+
+    def gap(self, surface: GeneratingSurface) -> tuple[Array, RootLine]:
+        """How far above the root cone the blade's tip stays (3) [mm], negative where it cuts deeper.
+
+        Parameters
+        ----------
+        surface
+            What cuts the flank; near the surface of the parameters.
+
+        Returns
+        -------
+        tuple
+            The gap, NaN where the node is not found, and the nodes of this surface.
+        """
+        target = self.section.points(PLACES, np.full_like(PLACES, LOW))
+        found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
+        _, _, place = surface.evaluate(found.parameters)
+        above_tip = np.array([surface.section.point(p)[1] for p in place])
+        gap = self.section.height_above_root(target[0], target[1]) - above_tip
+        converged = bool(np.all(found.converged))
+        return np.where(found.converged, gap, np.nan), RootLine(self.section, found.parameters) if converged else self

@@ -1,0 +1,219 @@
+"""Pinion settings from a target ease-off: least squares on the machine settings, from the exactly conjugate pinion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from ...core.errors import GeometryError
+from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.named_settings import CURVATURE, get_setting, scale_of, with_settings
+from ..flanks.flank import Flank
+from ..pair.ease_off import EaseOff, angle_near, compute
+from ..pair.gear_pair import GearPair, grid
+from .root_line import RootLine
+
+Array = NDArray[Any]
+
+FAR = 1e9  # residual [um] of settings with which the flanks do not meet
+# Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
+FREE = (
+    "point_radius",
+    "pressure_angle",
+    "radial_distance",
+    "work_offset",
+    "machine_center_to_crossing_point",
+    "ratio_of_roll",
+    "modified_roll_2c",
+    "modified_roll_6d",
+)
+
+
+# To follow the root cone the cutter has to be tilted anew; the others then hold the flank.
+FREE_WITH_TILT = (*FREE, "cutter_tilt", "cutter_swivel", "sliding_base")
+ROOT_WEIGHT = 50.0  # [um/mm]
+
+
+@dataclass(frozen=True)
+class EaseOffTarget:
+    """Wanted ease-off on the gear flank, up to a constant [mm].
+
+    With t and h from -1 to 1 lengthwise and up the profile it is
+    ``lengthwise_crowning t^2 + profile_crowning h^2 - bias t h + spiral_angle_error t + pressure_angle_error h``.
+
+    Parameters
+    ----------
+    lengthwise_crowning
+        At toe and heel, mid height.
+    profile_crowning
+        At root and tip, mid face.
+    bias
+        Twist; positive adds gap at toe-tip and heel-root.
+    spiral_angle_error
+        Half of what the heel has more than the toe.
+    pressure_angle_error
+        Half of what the tip has more than the root.
+    """
+
+    lengthwise_crowning: float = 0.0
+    profile_crowning: float = 0.0
+    bias: float = 0.0
+    spiral_angle_error: float = 0.0
+    pressure_angle_error: float = 0.0
+
+    def __call__(self, lengthwise: Array, profile: Array) -> Array:
+        """Target (n) [mm] at fractions (n)."""
+        t, h = 2.0 * lengthwise - 1.0, 2.0 * profile - 1.0
+        second = self.lengthwise_crowning * t**2 + self.profile_crowning * h**2 - self.bias * t * h
+        return np.asarray(second + self.spiral_angle_error * t + self.pressure_angle_error * h)
+
+
+@dataclass(frozen=True)
+class Synthesis:
+    """A pinion flank fitted to a target.
+
+    Parameters
+    ----------
+    surface
+        The pinion flank.
+    moved
+        What became of each free setting: (start, end), mm, rad or per radian.
+    residual
+        Ease-off less target at the fit's nodes (n) [mm], its mean removed.
+    root_gap
+        How far above the root cone the blade's tip stays at toe, middle and heel (3) [mm], negative where it cuts
+        deeper.
+    """
+
+    surface: GeneratingSurface
+    moved: dict[str, tuple[float, float]]
+    residual: Array
+    root_gap: Array
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residual [mm]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+
+@dataclass
+class _Fit:
+    """Residuals of a fit. It remembers where the flanks last met, as the start for the next settings."""
+
+    pair: GearPair
+    gear: Flank
+    wanted: Array
+    free: Sequence[str]
+    known: EaseOff
+    root_line: RootLine | None
+
+    def __post_init__(self) -> None:
+        self.start = self.pair.pinion.loaded
+        self.origin = np.array([get_setting(self.start, name) for name in self.free])
+        self.scale = np.array([scale_of(name) for name in self.free])
+        self.parameters = self.known.pinion_parameters
+        self.usable = np.isfinite(self.known.angle)
+        self.lever = self.known.lever_arm[self.usable]
+        self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
+
+    def settings(self, steps: Array) -> dict[str, float]:
+        return dict(zip(self.free, (float(v) for v in self.origin + self.scale * steps), strict=True))
+
+    def surface(self, steps: Array) -> GeneratingSurface:
+        return with_settings(self.start, self.settings(steps))
+
+    def error(self, angle: Array) -> Array:
+        """Ease-off less target at the usable nodes [mm]; a rotation of the gear is no change of form."""
+        error = angle[self.usable] * self.lever - self.wanted[self.usable]
+        return np.asarray(error - self.lever * float(self.lever @ error) / float(self.lever @ self.lever))
+
+    def __call__(self, steps: Array) -> Array:
+        """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
+        surface = self.surface(steps)
+        gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
+        motion = replace(self.known.motion, surface=surface)
+        angle, parameters = angle_near(motion, self.parameters, self.side, self.gear)
+        residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
+        if not np.all(np.isfinite(residual)):
+            # A step so large that the flanks no longer meet: the search must take a shorter one.
+            return np.linspace(FAR, 2.0 * FAR, residual.size)
+        self.parameters, self.root_line = parameters, root_line
+        return residual
+
+
+def fit_pinion(
+    pair: GearPair,
+    target: Callable[[Array, Array], Array],
+    *,
+    free: Sequence[str] | None = None,
+    nodes: tuple[int, int] = (9, 7),
+    follow_root: bool = False,
+) -> Synthesis:
+    """Fit the pinion's settings to a target ease-off.
+
+    Parameters
+    ----------
+    pair
+        The pair as assembled, with the pinion flank to start from, usually the conjugate one.
+    target
+        The wanted ease-off on the gear flank (n) [mm] at fractions (n) lengthwise and up the profile, up to a rotation
+        of the gear: an ``EaseOffTarget`` or any other function.
+    free
+        Settings that may move, see ``free_settings``; ``FREE`` or, to follow the root, ``FREE_WITH_TILT`` if left out.
+    nodes
+        Gear nodes of the fit, lengthwise and along the profile.
+    follow_root
+        Whether the blade tips shall also run along the root cone, which the conjugate pinion of a tapered tooth does
+        not let them do. A millimetre off it counts as much as 50 um of ease-off at one node.
+
+    Returns
+    -------
+    Synthesis
+        The settings that leave the smallest sum of squares.
+
+    Raises
+    ------
+    InputError
+        If a free setting has another name.
+    GeometryError
+        If the flanks do not meet on enough of the gear flank.
+    """
+    names = free if free is not None else FREE_WITH_TILT if follow_root else FREE
+    t, h = grid(nodes)
+    gear, pinion = pair.gear.flank(t, h), pair.pinion
+    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    known = compute(gear, pinion.loaded, pinion.section, pair.assembly)
+    root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
+    fit = _Fit(pair, gear, wanted, names, known, root_line)
+    if fit.lever.size < 2 * len(names):
+        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+    # A straight blade has no radius to differentiate by: begin a little curved, and differentiate by long steps, which
+    # a flank that is nearly linear in its blade's curvature allows.
+    curved = np.array([name in CURVATURE for name in names])
+    found = least_squares(
+        fit,
+        np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
+        method="trf",
+        x_scale=1.0,
+        diff_step=np.where(curved, 0.1, 1e-4),
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-12,
+        max_nfev=60,
+    )
+    values, surface = fit.settings(found.x), fit.surface(found.x)
+    moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
+    left = 1e-3 * fit(found.x)[: fit.lever.size]
+    # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
+    fresh = compute(gear, surface, pinion.section, pair.assembly)
+    if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):
+        raise GeometryError(
+            "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
+            f"settings than {', '.join(names)}, or start nearer to the target"
+        )
+    return Synthesis(surface, moved, left, RootLine.of(surface, pinion.section).gap(surface)[0])

@@ -1,0 +1,92 @@
+"""The deviating flank itself: a surface that goes through every step of the geometry like the one that is cut.
+
+A point of the designed flank moves along its normal by the deviation. The normal leans against the deviation's slope:
+with the tangents **r**_k, the deviation d and its derivatives d_k, the new normal is along **n** - **w**, where **w**
+lies in the tangent plane and **w** . (**r**_k + d **n**_k) = d_k. That is exact, not to first order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ..cutting.generating_surface import GeneratingSurface
+from ..pair.gear_pair import GearPair, Member
+from ..vectors import dot
+from .deviation import Deviation
+
+Array = NDArray[Any]
+STEP = 1e-5  # relative; of a central difference in what is of the deviation's own size: an error of 1e-10 of it
+
+
+@dataclass(frozen=True)
+class DeviatedSurface(GeneratingSurface):
+    """A generated flank that departs from its design.
+
+    Parameters
+    ----------
+    deviation
+        By how much; ``None`` for none.
+    """
+
+    deviation: Deviation | None = None
+
+    @property
+    def designed(self) -> GeneratingSurface:
+        """The surface without the deviation."""
+        return GeneratingSurface(**{f.name: getattr(self, f.name) for f in fields(GeneratingSurface)})
+
+    @np.errstate(all="ignore")
+    def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
+        """As ``GeneratingSurface.evaluate``; the place on the blade is that of the designed flank."""
+        position, normal, place = super().evaluate(parameters)
+        if self.deviation is None:
+            return position, normal, place
+        deviation, slope = self.deviation.interpolant(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
+        tangents, stretched, climbs = [], [], []
+        for index, step in enumerate(STEP * self.max_step):
+            shift = np.zeros_like(parameters)
+            shift[index] = step
+            ahead, behind = (super(DeviatedSurface, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
+            tangent, turned = ((a - b) / (2.0 * step) for a, b in zip(ahead[:2], behind[:2], strict=True))
+            radial = (position[0] * tangent[0] + position[1] * tangent[1]) / np.sqrt(
+                position[0] ** 2 + position[1] ** 2
+            )
+            tangents.append(tangent)
+            stretched.append(tangent + deviation * turned)
+            climbs.append(slope[0] * tangent[2] + slope[1] * radial)
+        a, b = (dot(tangents[0], stretched[k]) for k in (0, 1))
+        c, d = (dot(tangents[1], stretched[k]) for k in (0, 1))
+        determinant = a * d - b * c
+        lean = (climbs[0] * d - climbs[1] * c) / determinant * tangents[0]
+        lean = lean + (climbs[1] * a - climbs[0] * b) / determinant * tangents[1]
+        return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), place
+
+
+def deviated_member(member: Member, deviation: Deviation | None) -> Member:
+    """The member with its loaded flank deviating.
+
+    Raises
+    ------
+    InputError
+        If the deviation belongs to a flank on another blank.
+    """
+    if deviation is None:
+        return member
+    if deviation.section != member.section:
+        raise InputError("the deviation was made for another blank: make it with the section of this member")
+    surface = member.loaded.designed
+    own = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
+    return replace(member, loaded=DeviatedSurface(**own, deviation=deviation))
+
+
+def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:
+    """The pair with deviating flanks: all of the geometry, and what follows it, is that of the flanks themselves.
+
+    Raises as ``deviated_member``.
+    """
+    return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))

@@ -1,0 +1,133 @@
+"""Global errors of a flank by the names engineers give them, as a formula and fitted to a measured grid."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ..design.mean_point import angles_of_normal
+from ..flanks.flank import solve_flank
+from ..pair.gear_pair import Member
+from .deviation import Deviation
+
+Array = NDArray[Any]
+HALF = 0.01  # fraction of the flank over which its tangents are taken
+
+
+@dataclass(frozen=True)
+class FlankErrors:
+    """A surface of second order over the whole flank, every coefficient in um of metal along the normal.
+
+    With t and h from -1 to 1 from toe to heel and from root to tip the deviation is ``level + spiral_angle t +
+    pressure_angle h - lengthwise_crowning t^2 - profile_crowning h^2 + twist t h``.
+
+    Parameters
+    ----------
+    spiral_angle
+        Half of what the heel has more than the toe, at mid height.
+    pressure_angle
+        Half of what the tip has more than the root, at mid face.
+    lengthwise_crowning
+        What toe and heel have less than the middle.
+    profile_crowning
+        What root and tip have less than the middle.
+    twist
+        What toe-root and heel-tip have more, and toe-tip and heel-root less, than without it.
+    level
+        In the middle; hardly more than a matter of how the tooth was turned for measuring.
+    """
+
+    spiral_angle: float = 0.0
+    pressure_angle: float = 0.0
+    lengthwise_crowning: float = 0.0
+    profile_crowning: float = 0.0
+    twist: float = 0.0
+    level: float = 0.0
+
+    def __call__(self, lengthwise: Array, profile: Array) -> Array:
+        """Deviation (...) [um] at fractions (...)."""
+        return np.asarray(_terms(lengthwise, profile) @ np.array(astuple(self)))
+
+
+def _terms(lengthwise: Array, profile: Array) -> Array:
+    """What multiplies each error (..., 6), in the order of the fields."""
+    t, h = np.broadcast_arrays(2.0 * lengthwise - 1.0, 2.0 * profile - 1.0)
+    return np.stack([t, h, -(t**2), -(h**2), t * h, np.ones_like(t)], axis=-1)
+
+
+@dataclass(frozen=True)
+class FlankErrorFit:
+    """Global errors of a measured flank.
+
+    Parameters
+    ----------
+    errors
+        The errors.
+    residual
+        What they leave at the nodes (columns, rows) [um].
+    rms_before, rms
+        Root mean square of the deviation, its mean removed, and of what is left [um].
+    """
+
+    errors: FlankErrors
+    residual: Array
+    rms_before: float
+    rms: float
+
+
+def fit_flank_errors(deviation: Deviation) -> FlankErrorFit:
+    """Global errors of a deviation, by least squares on its nodes.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three rows or columns, which know no crowning.
+    """
+    if min(deviation.value.shape) < 3:
+        columns, rows = deviation.value.shape
+        raise InputError(f"{rows} rows x {columns} columns: global errors take at least 3 of each")
+    fractions = deviation.section.fractions(deviation.axial, deviation.radial)
+    terms = _terms(*fractions)
+    value = 1e3 * deviation.value
+    found, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
+    residual = value - terms @ found
+    return FlankErrorFit(
+        FlankErrors(*(float(v) for v in found)),
+        residual,
+        float(np.std(value)),
+        float(np.sqrt(np.mean(residual**2))),
+    )
+
+
+def angle_errors(errors: FlankErrors, member: Member) -> tuple[float, float]:
+    """Changes of spiral angle and pressure angle in the middle of the flank [rad] that stand for these errors.
+
+    From the normal of the flank, which leans against the slope of the deviation; rows and columns of a measuring grid
+    are not at right angles on the flank, so that either error changes both angles.
+
+    Parameters
+    ----------
+    errors
+        The errors.
+    member
+        The member, seen from the flank with the errors.
+    """
+    surface, section = member.loaded.designed, member.section
+    t, h = 0.5 + HALF * np.array([0, -1, 1, 0, 0]), 0.5 + HALF * np.array([0, 0, 0, -1, 1])
+    flank = solve_flank(surface, section, *section.points(t, h))
+    position, normal = flank.position, flank.normal[:, 0]
+    tangents = np.stack([position[:, 2] - position[:, 1], position[:, 4] - position[:, 3]]) / (2.0 * HALF)
+    slopes = 2e-3 * np.array([errors.spiral_angle, errors.pressure_angle])  # t and h run over twice their fractions
+    leaning = normal - np.linalg.solve(np.stack([*tangents, normal]), [*slopes, 0.0])
+    angles = [
+        angles_of_normal(position[:, 0], n / np.linalg.norm(n), section.pitch_angle, surface.hand)
+        for n in (normal, leaning)
+    ]
+    return (
+        angles[1].spiral_angle - angles[0].spiral_angle,
+        angles[1].pressure_angle - angles[0].pressure_angle,
+    )

@@ -1,0 +1,1 @@
+"""Tooth flanks on the nodes of their blanks, and their curvatures."""

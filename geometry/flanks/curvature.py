@@ -1,0 +1,87 @@
+"""Principal curvatures of a generated flank, by fundamental forms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+from ..newton import complex_steps
+from ..vectors import dot
+from .flank import Flank
+from .flank_parts import on_parts
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Curvatures:
+    """Principal curvatures of a flank at n nodes.
+
+    Parameters
+    ----------
+    curvature
+        Both principal curvatures (2, n) [1/mm], the larger one first; positive where the tooth is convex.
+    direction
+        Unit vector (3, n) of the first principal direction, in the member's frame.
+    """
+
+    curvature: Array
+    direction: Array
+
+
+def shape_operator(flank: Flank) -> tuple[Array, Array, Array]:
+    """Tangents and shape operator of a flank.
+
+    Parameters
+    ----------
+    flank
+        Flank at n nodes.
+
+    Returns
+    -------
+    tuple
+        Tangents (3, 2, n) by the two surface parameters, and first and second fundamental form (2, 2, n); the second is
+        taken with the inward normal, so that convex teeth have positive curvature.
+    """
+
+    def derivatives_on(surface: GeneratingSurface, parameters: Array) -> Array:
+        def position_and_normal(values: Array) -> Array:
+            position, normal, _ = surface.evaluate(values)
+            return np.concatenate([position, normal])
+
+        return complex_steps(position_and_normal, parameters)[1]
+
+    with np.errstate(all="ignore"):
+        derivatives = on_parts(
+            flank.surface.flank_parts, flank.part.ravel(), flank.parameters.reshape(2, -1), derivatives_on
+        )
+    tangents, turning = derivatives[:, :3].swapaxes(0, 1), derivatives[:, 3:].swapaxes(0, 1)
+    first = np.einsum("ian,ibn->abn", tangents, tangents)
+    second = np.einsum("ian,ibn->abn", turning, tangents)
+    return tangents, first, 0.5 * (second + second.transpose(1, 0, 2))
+
+
+def principal_curvatures(flank: Flank) -> Curvatures:
+    """Principal curvatures and first principal direction of a flank at its nodes.
+
+    Unusable nodes carry NaN.
+    """
+    tangents, first, second = shape_operator(flank)
+    usable = np.all(np.isfinite(flank.normal.reshape(3, -1)), axis=0)
+    usable &= np.all(np.isfinite(first) & np.isfinite(second), axis=(0, 1))
+    identity = np.eye(2)[..., None]
+    # Orthonormal tangent basis: with I = L L^T the operator L^-1 II L^-T is symmetric.
+    lower = np.linalg.cholesky(np.where(usable, first, identity).transpose(2, 0, 1))
+    inverse = np.linalg.inv(lower)
+    symmetric = inverse @ np.where(usable, second, identity).transpose(2, 0, 1) @ inverse.transpose(0, 2, 1)
+    values, vectors = np.linalg.eigh(symmetric)
+    along = np.einsum("nba,nb->an", inverse, vectors[:, :, 1])
+    direction = np.einsum("ian,an->in", tangents, along)
+    with np.errstate(all="ignore"):
+        direction = direction / np.sqrt(dot(direction, direction))
+    blank = np.where(usable, 1.0, np.nan)
+    return Curvatures(values[:, ::-1].T * blank, direction * blank)

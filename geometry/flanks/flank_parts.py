@@ -1,0 +1,68 @@
+"""A flank of several sections: each section of the blade cuts a surface of its own, and the deepest cut is what stays.
+
+At every node each section's surface is solved on its own. Those whose touched point lies within the section's ends are
+candidates. Where sections join without a kink exactly one is; at a kink, where the blade protrudes on both sides, both
+or neither may be, and the one that has removed more metal decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+
+Array = NDArray[Any]
+
+ON_JOINT = 1e-9  # [mm]
+
+
+def deepest(parts: Sequence[GeneratingSurface], places: Sequence[Array], depths: Sequence[Array]) -> NDArray[np.int8]:
+    """Which part of a flank each of n nodes belongs to.
+
+    Parameters
+    ----------
+    parts
+        Surfaces of the sections that cut the flank, from the tip of the blade upwards.
+    places
+        Place on the blade for each part (n).
+    depths
+        How much each part has removed, in any unit (n); NaN where it has no point.
+
+    Returns
+    -------
+    NDArray
+        Index into ``parts`` (n).
+    """
+    depth = np.stack([np.where(np.isfinite(d), d, -np.inf) for d in depths])
+    within = np.stack(
+        [
+            (place <= part.section.end + ON_JOINT) & ((index == 0) | (place >= part.section.begin - ON_JOINT))
+            for index, (part, place) in enumerate(zip(parts, places, strict=True))
+        ]
+    )
+    within &= np.isfinite(depth)
+    candidates = np.where(within | ~np.any(within, axis=0), depth, -np.inf)
+    return np.asarray(np.argmax(candidates, axis=0), dtype=np.int8)
+
+
+def pick(values: Sequence[Array], choice: NDArray[np.int8]) -> Array:
+    """Of k arrays (..., n), node by node, the one of the given index (n)."""
+    picked = np.array(values[0])
+    for index in range(1, len(values)):
+        mask = choice == index
+        picked[..., mask] = values[index][..., mask]
+    return picked
+
+
+def on_parts(
+    parts: Sequence[GeneratingSurface],
+    choice: NDArray[np.int8],
+    parameters: Array,
+    function: Callable[[GeneratingSurface, Array], Array],
+) -> Array:
+    """A function (..., n) of the surface parameters (2, n), each node on its own part."""
+    return pick([function(part, parameters) for part in parts], choice)

@@ -1,0 +1,236 @@
+"""Measured grids: nominal points, their normals, and what the flank departs from them, and their files."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from ...core.attributes import labelled
+from ...core.errors import InputError
+from ...core.files import whole_file
+from ..deviation.deviation import Deviation, Method
+from ..flanks.flank import solve_flank
+from ..pair.gear_pair import Member
+from ..tooth.tooth_flanks import side
+from . import csv_points as cmm_csv
+from . import dmis
+from . import measuring_points as cmm
+
+FORMAT = "easeoff measured grid"
+DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
+SUFFIXES = (*cmm.SUFFIXES, *DMIS_SUFFIXES)
+# What other programs write and nothing public describes well enough to be read.
+REFUSED = {
+    ".xml": "GDE (VDI/VDE 2610) and vendors' XML: their schema is not public",
+    ".gde": "GDE (VDI/VDE 2610): its schema is not public",
+    ".qif": "QIF (ISO 23952): not supported",
+    ".spa": "Gleason measuring files: their format is not public",
+    ".mes": "Klingelnberg and Zeiss measuring files: their formats are not public",
+}
+RESOLVED = 0.1  # [um]; a grid all of whose deviations are smaller was hardly measured
+LARGEST = 1000.0  # [um]
+NEAR = 0.05  # [mm] between the nominal points of a file and the designed flank
+ASIDE = 0.5  # [mm] between a measured point and the normal of its nominal point
+
+
+def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
+    """A measured grid from nominal points and what was measured there.
+
+    Parameters
+    ----------
+    points
+        From ``cmm_points``.
+    deviation
+        Deviations [um] over (flank, row, column), or (row, column) for points of one flank; along the outward normal,
+        positive where there is more metal.
+
+    Raises
+    ------
+    InputError
+        If the deviations are of another size, no numbers, or of a size that no measured flank has.
+    """
+    sizes = tuple(points.sizes[name] for name in ("flank", "row", "column"))
+    values = np.asarray(deviation, dtype=float)
+    if values.ndim == 2 and sizes[0] == 1:
+        values = values[None]
+    if values.shape != sizes:
+        rows, columns = sizes[1:]
+        turned = values.ndim >= 2 and values.shape[-2:] == (columns, rows)
+        raise InputError(
+            f"deviations of shape {values.shape}: the points are {sizes[0]} flanks x {rows} rows x {columns} columns, "
+            "rows from root to tip" + ("; rows and columns seem to be exchanged: transpose them" if turned else "")
+        )
+    grid = points.assign(deviation=(("flank", "row", "column"), values))
+    grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION, deviation_unit="um")
+    _check_size(grid, "deviations")
+    return labelled(grid)
+
+
+def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a measured grid: ``.csv``, ``.nc`` or, as DMIS, ``.dmi``; complete or not at all.
+
+    Parameters
+    ----------
+    grid
+        From ``measured_grid``; more attributes (such as ``member`` or ``title``) are written, too, but not to DMIS.
+    path
+        The file, replaced if it exists.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another one, or the file cannot be written.
+    """
+    if _suffix(path) in DMIS_SUFFIXES:
+        with whole_file(path) as temporary:
+            temporary.write_text(dmis.text(grid), encoding="utf-8")
+    else:
+        cmm.write_cmm_points(grid, path)
+
+
+def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read a measured grid of this package (``.csv``, ``.nc``) or of DMIS (``.dmi``, ``.dmo``, ``.dmis``).
+
+    A text file may give a column ``deviation`` (in um, or in what ``# deviation_unit: mm`` says), or the measured
+    coordinates; then the deviation is their distance along the normal.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    xr.Dataset
+        ``position``, ``normal`` and ``deviation`` [um] over (flank, row, column).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of a format that is not supported, or its numbers cannot be deviations.
+    """
+    suffix, source = _suffix(path), Path(path)
+    if suffix == ".nc":
+        grid = cmm.opened(source)
+        if "easeoff_version" in grid.attrs and "position" not in grid:
+            raise InputError(
+                f"{source} is a result of an analysis, not a measured grid: give a grid as `easeoff export` writes it "
+                "with deviations filled in, or a file of `easeoff wear`"
+            )
+    else:
+        content = cmm.content(source)
+        grid = (dmis if suffix in DMIS_SUFFIXES else cmm_csv).parsed(content, str(source))
+    grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION)
+    cmm.check_points(grid, source, FORMAT)
+    if "measured_position" in grid:
+        grid = _along_normals(grid, source)
+    if "deviation" not in grid or grid["deviation"].dims != ("flank", "row", "column"):
+        raise InputError(
+            f"{source} holds nominal points but nothing measured: add a column 'deviation' [um], or measured_x, "
+            "measured_y and measured_z [mm]"
+        )
+    unit = str(grid.attrs.get("deviation_unit", "um"))
+    if unit not in ("um", "mm"):
+        raise InputError(f"{source}: deviation_unit = {unit!r}: allowed are um and mm")
+    grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
+    grid = labelled(grid.assign_attrs(deviation_unit="um"))
+    _check_size(grid, str(source))
+    return grid
+
+
+def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline") -> Deviation:
+    """Deviation of a member's loaded flank from a measured grid.
+
+    Parameters
+    ----------
+    grid
+        From ``measured_grid`` or ``read_measured_grid``.
+    member
+        The member as designed.
+    method
+        As in ``Deviation``.
+
+    Raises
+    ------
+    InputError
+        If the grid does not hold this flank, its nominal points are no points of it, or rows and columns are exchanged.
+    """
+    name, known = side(member.loaded), [str(v) for v in grid["flank"].values]
+    if name not in known:
+        raise InputError(
+            f"the measured grid has no {name} flank, which is the one in contact; it has {', '.join(known)}"
+        )
+    position = grid["position"].sel(flank=name).transpose("xyz", "column", "row").values
+    axial, radial = position[2], np.hypot(position[0], position[1])
+    lengthwise, profile = member.section.fractions(axial, radial)
+    designed = solve_flank(member.loaded.designed, member.section, axial.ravel(), radial.ravel())
+    turned = np.arctan2(*position[1::-1]).ravel() - np.arctan2(designed.position[1], designed.position[0])
+    turned = np.mod(turned - turned[0] + np.pi, 2.0 * np.pi) - np.pi
+    off = radial.ravel() * np.abs(turned - np.median(turned))
+    beyond = np.max(np.abs(np.stack([lengthwise, profile]) - 0.5)) - 0.5
+    if not np.all(np.isfinite(off)) or beyond > 0.05 or np.max(off) > NEAR:
+        raise InputError(
+            f"the nominal points of the measured grid are no points of the {name} flank of this case"
+            + (f" (up to {np.max(off):.3g} mm off)" if np.all(np.isfinite(off)) else "")
+            + ": is it the grid of this member and design, and in mm?"
+        )
+    order = [np.sign(np.diff(lengthwise, axis=0).mean()), np.sign(np.diff(profile, axis=1).mean())]
+    if abs(np.diff(lengthwise, axis=1).mean()) > abs(np.diff(lengthwise, axis=0).mean()):
+        raise InputError("rows and columns of the measured grid are exchanged: columns run from toe to heel")
+    for name_of, ends, sign in (("columns", "toe to heel", order[0]), ("rows", "root to tip", order[1])):
+        if not sign > 0.0:
+            raise InputError(f"the {name_of} of the measured grid run the wrong way: they are counted from {ends}")
+    values = grid["deviation"].sel(flank=name).transpose("column", "row").values
+    return Deviation(member.section, axial, radial, 1e-3 * values, method)
+
+
+def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
+    """Deviations from measured coordinates; a tooth turned in the measuring machine is not turned back."""
+    way = (grid["measured_position"] - grid["position"]).transpose("flank", "row", "column", "xyz").values
+    normal = grid["normal"].transpose("flank", "row", "column", "xyz").values
+    along = np.sum(way * normal, axis=-1)
+    aside = np.sqrt(np.maximum(np.sum(way**2, axis=-1) - along**2, 0.0))
+    if np.max(aside) > ASIDE:
+        raise InputError(
+            f"{source}: measured points are up to {np.max(aside):.3g} mm beside the normals of their nominal points: "
+            "both must be in one frame, in mm, and in one order"
+        )
+    deviation = (("flank", "row", "column"), 1e3 * along)
+    return grid.drop_vars("measured_position").assign(deviation=deviation).assign_attrs(deviation_unit="um")
+
+
+def _check_size(grid: xr.Dataset, source: str) -> None:
+    """Refuse numbers that cannot be measured deviations in um."""
+    values = grid["deviation"].values
+    if not np.all(np.isfinite(values)):
+        flank, row, column = (int(v) for v in np.argwhere(~np.isfinite(values))[0])
+        raise InputError(
+            f"{source}: the deviation of the {grid['flank'].values[flank]} flank in row {row + 1}, column {column + 1} "
+            "is no finite number: measure the point again, or leave its row or column out"
+        )
+    largest = float(np.max(np.abs(values)))
+    if 0.0 < largest < RESOLVED:
+        raise InputError(
+            f"{source}: the largest deviation is {largest:g} um, less than can be measured. If the values are in mm, "
+            "say so: '# deviation_unit: mm', or times 1000"
+        )
+    if largest > LARGEST:
+        raise InputError(
+            f"{source}: the largest deviation is {largest:g} um; up to {LARGEST:g} um are allowed. Are the values in "
+            "um, and of this flank?"
+        )
+
+
+def _suffix(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        why = f" ({REFUSED[suffix]})" if suffix in REFUSED else ""
+        raise InputError(
+            f"{path}: measured grids are read and written as {', '.join(SUFFIXES)}{why}. Export the points as text or "
+            "DMIS, or fill the deviations into a file of `easeoff export`"
+        )
+    return suffix

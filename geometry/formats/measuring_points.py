@@ -1,0 +1,298 @@
+"""Nominal points of a member's flanks for coordinate measuring machines, and their files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.attributes import labelled
+from ...core.errors import GeometryError, InputError
+from ...core.files import require_file, whole_file
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank, NodeStatus
+from ..pair.gear_pair import Member
+from ..tooth.tooth_flanks import PlacedFlank, placed_flanks, side
+from . import csv_points as cmm_csv
+
+Array = NDArray[Any]
+
+FORMAT = "easeoff measurement points"
+FORMAT_VERSION = 1
+DEFAULT_SHARE = 0.1  # of the face width at toe and heel, of the mean depth of the flank at root and tip
+ROOT_SHARES = (DEFAULT_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)  # tried in this order where the flank ends early
+SUFFIXES = (".csv", ".nc")
+
+
+@dataclass(frozen=True)
+class EdgeMargins:
+    """Strips of a flank that are not measured [mm], at right angles to its edges in the axial section.
+
+    ``None`` stands for a tenth of the face width (toe, heel) or of the mean depth of the flank (root, tip). At the root
+    it is more, in steps of a twentieth of the depth, where the flank ends above its root line (short blade, undercut).
+    """
+
+    toe: float | None = None
+    heel: float | None = None
+    root: float | None = None
+    tip: float | None = None
+
+    def of(self, section: BlankSection, root_share: float = DEFAULT_SHARE) -> dict[str, float]:
+        """The four margins on a blank [mm].
+
+        Parameters
+        ----------
+        section
+            The blank.
+        root_share
+            Default of the margin at the root, as a share of the mean depth of the flank.
+
+        Raises
+        ------
+        InputError
+            If a margin is negative or no number.
+        """
+        corners = section.corners
+        depth = float(np.mean(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)))
+        margins = {}
+        for name in (field.name for field in fields(self)):
+            value = getattr(self, name)
+            if value is None:
+                share = root_share if name == "root" else DEFAULT_SHARE
+                value = share * (section.face_width if name in ("toe", "heel") else depth)
+            if not 0.0 <= value < np.inf:
+                raise InputError(f"margin at the {name} = {value} mm: must be zero or more")
+            margins[name] = float(value)
+        return margins
+
+
+def cmm_points(
+    member: Member,
+    rows: int = 5,
+    columns: int = 9,
+    edge_margins: EdgeMargins | None = None,
+    *,
+    tooth_angle: float | None = None,
+) -> xr.Dataset:
+    """Nominal points and normals of a member's flanks on a measuring grid.
+
+    Parameters
+    ----------
+    member
+        The member.
+    rows
+        Rows from root to tip, at least 2; row 1 runs along the root.
+    columns
+        Columns from toe to heel, at least 2; column 1 stands at the toe.
+    edge_margins
+        Strips left out at the edges.
+    tooth_angle
+        Angular thickness of the tooth in the middle of the flank [rad], from ``geometry.tooth_flanks.tooth_angle``; it
+        puts both flanks of one tooth into one frame. Without it the loaded flank comes alone, as it does for a member
+        whose other flank is not known.
+
+    Returns
+    -------
+    xr.Dataset
+        ``position`` [mm] and outward unit ``normal`` over (flank, row, column, xyz), in the member's frame.
+
+    Raises
+    ------
+    InputError
+        If the grid is too small or the margins leave no flank.
+    GeometryError
+        If a point of the grid is no point of the flank.
+    """
+    for name, number in (("rows", rows), ("columns", columns)):
+        if number < 2:
+            raise InputError(f"{name} = {number}: at least 2 are needed")
+    given = edge_margins or EdgeMargins()
+    flanks = {side(member.loaded): PlacedFlank(member.section, member.loaded)}
+    attributes: dict[str, Any] = {}
+    if tooth_angle is not None and member.opposite is not None:
+        flanks = placed_flanks(member, tooth_angle)
+        attributes["tooth_angle_rad"] = float(tooth_angle)
+    names = sorted(flanks)
+    for share in ROOT_SHARES:
+        margins = given.of(member.section, share)
+        axial, radial = _grid(member.section, margins, rows, columns)
+        found = [flanks[name].at(axial, radial) for name in names]
+        if given.root is not None or all(np.all(flank.inside) for flank in found):
+            break
+    for name, flank in zip(names, found, strict=True):
+        _check_measurable(name, flank, columns)
+    values = np.stack([np.stack([flank.position, flank.normal]).reshape(2, 3, rows, columns) for flank in found])
+    grid = ("flank", "row", "column", "xyz")
+    dataset = xr.Dataset(
+        {
+            "position": (grid, np.moveaxis(values[:, 0], 1, -1)),
+            "normal": (grid, np.moveaxis(values[:, 1], 1, -1)),
+        },
+        coords={
+            "flank": names,
+            "row": np.arange(1, rows + 1),
+            "column": np.arange(1, columns + 1),
+            "xyz": list("xyz"),
+        },
+        attrs={
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "length_unit": "mm",
+            "frame": "member: z along its axis from the crossing point to the heel, right-handed, tooth near x",
+            "normals": "unit vectors out of the tooth",
+            "deviation": "positive outward, along the normal",
+            "grid": "row 1 at the root, last row at the tip; column 1 at the toe, last column at the heel",
+            "number_of_teeth": member.teeth,
+            "hand_of_spiral": member.loaded.hand,
+            **attributes,
+            **{f"margin_{name}_mm": value for name, value in margins.items()},
+        },
+    )
+    return labelled(dataset)
+
+
+def _grid(section: BlankSection, margins: dict[str, float], rows: int, columns: int) -> tuple[Array, Array]:
+    """Axial and radial coordinates (rows * columns) [mm]: the flank's own quadrilateral, each edge moved inwards."""
+    outer = section.corners
+    middle = outer.mean(axis=(0, 1))
+    edges = {
+        "toe": (outer[0, 0], outer[0, 1]),
+        "heel": (outer[1, 0], outer[1, 1]),
+        "root": (outer[0, 0], outer[1, 0]),
+        "tip": (outer[0, 1], outer[1, 1]),
+    }
+    normals, levels = {}, {}
+    for name, (start, end) in edges.items():
+        along = (end - start) / np.linalg.norm(end - start)
+        inward = np.array([-along[1], along[0]])
+        inward = inward * np.sign(inward @ (middle - start))
+        normals[name], levels[name] = inward, inward @ start + margins[name]
+    inner = np.empty_like(outer)
+    for i, end_name in enumerate(("toe", "heel")):
+        for j, edge in enumerate(("root", "tip")):
+            matrix = np.stack([normals[end_name], normals[edge]])
+            inner[i, j] = np.linalg.solve(matrix, [levels[end_name], levels[edge]])
+    along = np.einsum("jk,jk->j", inner[1] - inner[0], outer[1] - outer[0])
+    up = np.einsum("ik,ik->i", inner[:, 1] - inner[:, 0], outer[:, 1] - outer[:, 0])
+    if min(along.min(), up.min()) <= 1e-6:
+        length = np.linalg.norm(outer[1] - outer[0], axis=-1).min()
+        depth = np.linalg.norm(outer[:, 1] - outer[:, 0], axis=-1).min()
+        given = ", ".join(f"{name} {value:g}" for name, value in margins.items())
+        raise InputError(
+            f"the margins ({given} mm) leave nothing of the flank, which is {length:.3f} mm long and at its lower end "
+            f"{depth:.3f} mm deep: give smaller ones"
+        )
+    t, h = np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows))
+    root = np.multiply.outer(inner[0, 0], 1.0 - t) + np.multiply.outer(inner[1, 0], t)
+    tip = np.multiply.outer(inner[0, 1], 1.0 - t) + np.multiply.outer(inner[1, 1], t)
+    axial, radial = root * (1.0 - h) + tip * h
+    return axial.ravel(), radial.ravel()
+
+
+def _check_measurable(name: str, flank: Flank, columns: int) -> None:
+    """Refuse a grid with points that are none of the flank."""
+    if np.all(flank.inside):
+        return
+    first = int(np.argmin(flank.inside))
+    why = NodeStatus(int(flank.status[first])).name.lower().replace("_", " ")
+    raise GeometryError(
+        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points are no points of the {name} flank, "
+        f"the first in row {first // columns + 1}, column {first % columns + 1} ({why}): choose larger margins"
+    )
+
+
+def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write measuring points: netCDF-4 for ``.nc``, text for ``.csv``; neither loses a digit.
+
+    Parameters
+    ----------
+    dataset
+        What ``cmm_points`` returned; more attributes (such as ``member`` or ``title``) are written, too.
+    path
+        The file, replaced if it exists. It appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another one, or the file cannot be written.
+    """
+    suffix = _suffix(path)
+    with whole_file(path) as temporary:
+        if suffix == ".csv":
+            temporary.write_text(cmm_csv.text(dataset), encoding="utf-8")
+        else:
+            plain = {str(name): {"_FillValue": None} for name in dataset.data_vars}
+            dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=plain)
+
+
+def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read measuring points, identical to those written.
+
+    Parameters
+    ----------
+    path
+        A ``.nc`` or ``.csv`` file of ``write_cmm_points``.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it holds no such points; for a text file with the number of the line.
+    """
+    source = Path(path)
+    text = _suffix(path) == ".csv"
+    dataset = labelled(cmm_csv.parsed(content(source), str(source))) if text else opened(source)
+    check_points(dataset, source, FORMAT)
+    return dataset
+
+
+def content(source: Path) -> str:
+    """A text file. Raises InputError if there is none, or it is no text."""
+    require_file(source)
+    try:
+        return source.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{source} cannot be read as text: {error}") from error
+
+
+def opened(source: Path) -> xr.Dataset:
+    """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
+    require_file(source)
+    try:
+        with xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
+            return file.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{source} is not a netCDF file that can be read: {error}") from error
+
+
+def _suffix(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(f"{path}: measuring points are written as {' or '.join(SUFFIXES)}")
+    return suffix
+
+
+def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
+    """Refuse a dataset that holds no nominal points, or is not of this kind."""
+    if dataset.attrs.get("format") != kind:
+        raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {kind!r}")
+    version = str(dataset.attrs.get("format_version", "not given"))
+    if version not in map(str, range(1, FORMAT_VERSION + 1)):
+        raise InputError(f"{source} is of format version {version}; this program reads up to {FORMAT_VERSION}")
+    dimensions = ("flank", "row", "column", "xyz")
+    for name in ("position", "normal"):
+        if name not in dataset or dataset[name].dims != dimensions or dataset[name].dtype.kind != "f":
+            raise InputError(f"{source} is incomplete: no numbers {name!r} over ({', '.join(dimensions)})")
+        missing = [dimension for dimension in dimensions if dimension not in dataset.coords]
+        if missing or dataset.sizes["xyz"] != 3:
+            raise InputError(
+                f"{source} is incomplete: no coordinate {(missing or ['xyz'])[0]!r}, or not of three values"
+            )
+        if not np.all(np.isfinite(dataset[name].values)):
+            raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
+    if np.max(np.abs(np.linalg.norm(dataset["normal"].values, axis=-1) - 1.0)) > 1e-6:
+        raise InputError(f"{source}: 'normal' holds vectors that are not of length 1")

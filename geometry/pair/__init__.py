@@ -1,0 +1,1 @@
+"""Two members in mesh: assembly, conjugate motion, ease-off, rolling."""

@@ -1,0 +1,134 @@
+"""The conjugate position of a pinion point, and the gear that would be exactly conjugate to the pinion.
+
+A pinion point is in contact with its conjugate gear at the pinion rotation where the relative velocity of the two
+members is at right angles to the normal (Kolivand 2009, Eq. 2.19 and 4.1). That condition is
+A cos q + B sin q = C and has two roots, tens of degrees apart; the right one is chosen once, at the mean point, and
+followed by its sign over the whole flank.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+from ..vectors import column, cos_sin, cross, dot, rotate
+from .assembly import Assembly
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class ConjugateMotion:
+    """Two members turning at a constant ratio, and one pinion flank.
+
+    Parameters
+    ----------
+    surface
+        The generating surface of the pinion flank.
+    assembly
+        The pair.
+    pinion_sense
+        Sense of the drive rotation about the pinion axis, +1 or -1; the gear turns in the opposite sense about its own.
+    branch
+        Sign of the root of the conjugacy equation.
+    center
+        Rotation at the mean point [rad]; roots are counted within half a turn of it.
+    """
+
+    surface: GeneratingSurface
+    assembly: Assembly
+    pinion_sense: float
+    branch: float = 1.0
+    center: float = 0.0
+
+    @property
+    def pinion_axis(self) -> Array:
+        """Unit vector (3) of the pinion axis, oriented so that the drive rotation is positive."""
+        return np.asarray(self.pinion_sense * self.assembly.pinion_frame[:, 2])
+
+    @property
+    def gear_axis(self) -> Array:
+        """Unit vector (3) of the gear axis, oriented so that the drive rotation is positive."""
+        return np.array([0.0, 0.0, -self.pinion_sense])
+
+    def pinion_point(self, parameters: Array) -> tuple[Array, Array]:
+        """Pinion positions [mm] and normals (3, n) in the global frame at zero rotation, from surface parameters."""
+        position, normal, _ = self.surface.evaluate(parameters)
+        return self.assembly.pinion_to_global(position, normal)
+
+    def _coefficients(self, position: Array, normal: Array) -> tuple[Array, Array, Array]:
+        """A, B, C of the conjugacy equation."""
+        ratio = self.assembly.ratio
+        a_p, a_g = self.pinion_axis, self.gear_axis
+        moment = cross(position - column(self.assembly.pinion_origin, position), normal)
+        shift = np.cross(a_g, self.assembly.gear_origin - self.assembly.pinion_origin)
+
+        def split(fixed: Array, vector: Array) -> tuple[Array, Array, Array]:
+            # fixed . Rot(a_p, q) vector = alpha cos q + beta sin q + gamma
+            along = dot(column(a_p, vector), vector)
+            gamma = np.dot(fixed, a_p) * along
+            turned = cross(column(a_p, vector), vector)
+            return dot(column(fixed, vector), vector) - gamma, dot(column(fixed, vector), turned), gamma
+
+        alpha, beta, gamma = split(a_g, moment)
+        alpha_n, beta_n, gamma_n = split(shift, normal)
+        driving = ratio * dot(column(a_p, moment), moment)
+        return alpha - alpha_n, beta - beta_n, driving - gamma + gamma_n
+
+    def roots(self, position: Array, normal: Array) -> tuple[Array, Array]:
+        """Both roots (n) [rad] of the conjugacy equation, within half a turn of ``center``; NaN where there is none."""
+        a, b, c = self._coefficients(position.real, normal.real)
+        with np.errstate(invalid="ignore"):
+            half = np.arccos(c / np.hypot(a, b))
+        phase = np.arctan2(b, a)
+        wrapped = [np.mod(phase + s * half - self.center + np.pi, 2 * np.pi) - np.pi + self.center for s in (1, -1)]
+        return wrapped[0], wrapped[1]
+
+    def rotation(self, position: Array, normal: Array) -> Array:
+        """Pinion rotation (n) [rad] that brings each point into conjugate contact, on the chosen branch.
+
+        Analytic: the real root takes one Newton step in the (possibly complex) coefficients.
+        """
+        plus, minus = self.roots(position, normal)
+        q = plus if self.branch > 0 else minus
+        a, b, c = self._coefficients(position, normal)
+        cosine, sine = cos_sin(q)
+        return np.asarray(q - (a * cosine + b * sine - c) / (b * cosine - a * sine))
+
+    def action_point(self, parameters: Array, rotation: Array) -> tuple[Array, Array]:
+        """Pinion positions [mm] and normals (3, n) in the global frame after the pinion has turned."""
+        position, normal = self.pinion_point(parameters)
+        origin = column(self.assembly.pinion_origin, position)
+        return (
+            rotate(self.pinion_axis, rotation, position - origin) + origin,
+            rotate(self.pinion_axis, rotation, normal),
+        )
+
+    def in_gear(self, vector: Array, rotation: Array) -> Array:
+        """Global positions taken into the gear frame, the gear turned by ``rotation`` over the ratio (Eq. 2.20)."""
+        relative = vector - column(self.assembly.gear_origin, vector)
+        return rotate(self.gear_axis, -rotation / self.assembly.ratio, relative)
+
+    def conjugate_gear(self, parameters: Array) -> tuple[Array, Array]:
+        """Conjugate gear points (3, n) [mm] in the gear frame and the pinion rotations (n) [rad] that make them."""
+        position, normal = self.pinion_point(parameters)
+        rotation = self.rotation(position, normal)
+        origin = column(self.assembly.pinion_origin, position)
+        action = rotate(self.pinion_axis, rotation, position - origin) + origin
+        return self.in_gear(action, rotation), rotation
+
+    def closing_velocity(self, position: Array, normal: Array) -> Array:
+        """Approach of the pinion surface to the gear per pinion rotation, as a gear angle (n).
+
+        The relative normal velocity over the gear's lever arm: zero at conjugate points (Eq. 2.19).
+        """
+        from_pinion = position - column(self.assembly.pinion_origin, position)
+        from_gear = position - column(self.assembly.gear_origin, position)
+        pinion_arm = cross(column(self.pinion_axis, position), from_pinion)
+        gear_arm = cross(column(self.gear_axis, position), from_gear)
+        lever = dot(gear_arm, normal)
+        return np.asarray(dot(pinion_arm, normal) / lever - 1.0 / self.assembly.ratio)

@@ -1,0 +1,338 @@
+"""Ease-off and surface of roll angle of a pair, on the grid of the gear flank.
+
+For every gear node the pinion point is sought whose conjugate gear point has the node's axial and radial coordinates;
+the two then differ by a rotation about the gear axis alone. That rotation is the ease-off as an angle, the pinion
+rotation that makes the conjugate point is the roll angle (Kolivand 2009, sections 2.5 and 4.2). No first-order
+shortcut is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
+from ..flanks.flank_parts import deepest, pick
+from ..newton import NewtonResult, complex_steps, solve
+from .assembly import Assembly
+from .conjugate_motion import ConjugateMotion
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class EaseOff:
+    """Ease-off of a pair at the nodes of the gear flank; all arrays (n) unless said.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion it was computed with.
+    pinion_section
+        Blank of the pinion.
+    pinion_parameters
+        Parameters (2, n) of the pinion point conjugate to each node.
+    pinion_position, pinion_normal
+        That point [mm] and its outward normal (3, n) in the pinion's frame.
+    action_position, action_normal
+        Where it makes conjugate contact [mm], and the pinion's outward normal there (3, n), in the global frame.
+    roll_angle
+        Pinion rotation at which the node is in conjugate contact [rad], zero at the mean point of the pinion.
+    angle
+        Ease-off as a gear rotation [rad], growing with the gap: how far the gear turns against the drive sense from its
+        stored position until the node meets the conjugate surface. Only differences matter.
+    lever_arm
+        Arm of the normal force about the gear axis [mm].
+    separation_curvature
+        Second derivative of the gap (a gear angle) by the pinion rotation at a fixed gear point [1/rad].
+    separation_skew
+        Third derivative of the gap by the pinion rotation at a fixed gear point [1/rad^2].
+    pinion_lengthwise, pinion_profile
+        Fractions of the conjugate point on the pinion flank.
+    blade_distance
+        Distance along the blade from the end of its edge radius [mm], the smaller one of gear and pinion; negative
+        where no flank is cut.
+    status
+        ``NodeStatus`` of the node and of its conjugate point.
+    part
+        Which of the pinion surface's ``flank_parts`` the conjugate point belongs to.
+    """
+
+    motion: ConjugateMotion
+    pinion_section: BlankSection
+    pinion_parameters: Array
+    pinion_position: Array
+    pinion_normal: Array
+    action_position: Array
+    action_normal: Array
+    roll_angle: Array
+    angle: Array
+    lever_arm: Array
+    separation_curvature: Array
+    separation_skew: Array
+    pinion_lengthwise: Array
+    pinion_profile: Array
+    blade_distance: Array
+    status: NDArray[np.int8]
+    part: NDArray[np.int8]
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Where gear node and conjugate pinion point both lie on their flanks (n)."""
+        return np.asarray(self.status == NodeStatus.INSIDE)
+
+
+def conjugate_motion(
+    surface: GeneratingSurface, section: BlankSection, assembly: Assembly, gear_middle: Array
+) -> ConjugateMotion:
+    """Conjugate motion of a pinion flank: sense of drive rotation, and root branch from the pinion's mean point.
+
+    Parameters
+    ----------
+    surface, section
+        The pinion flank and blank.
+    assembly
+        The pair.
+    gear_middle
+        Axial and radial coordinate (2) [mm] of the middle of the gear flank: the root that meets it is the right one.
+
+    Raises
+    ------
+    GeometryError
+        If the mean point has no conjugate position.
+    """
+    # Of the designed flank: a deviation does not move the zero of the roll angle.
+    designed = surface.designed
+    mean = mean_parameters(designed, section)
+    position, normal, _ = designed.evaluate(mean)
+    # The pinion pushes along its outward normal; that is the sense in which this flank drives.
+    sense = float(np.sign(position[0] * normal[1] - position[1] * normal[0])[0])
+    motion = ConjugateMotion(designed, assembly, sense)
+    roots = motion.roots(*motion.pinion_point(mean))
+    if not np.isfinite(roots[0][0]):
+        raise GeometryError(
+            "the middle of the pinion flank never meets a conjugate gear: check shaft_angle, "
+            "hypoid_offset and the hands of the members"
+        )
+    misses = []
+    for root in roots:
+        point = motion.in_gear(motion.action_point(mean, root)[0], root)[:, 0]
+        misses.append(np.hypot(point[2] - gear_middle[0], np.hypot(point[0], point[1]) - gear_middle[1]))
+    choice = int(np.argmin(misses))
+    return replace(motion, surface=surface, branch=(1.0, -1.0)[choice], center=float(roots[choice][0]))
+
+
+SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 of it
+
+
+def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array]:
+    """Second and third derivative of the gap by the pinion rotation, at a fixed place on the gear."""
+    arguments = np.concatenate([parameters, rotation[None]])
+    curvature, first, second = gap_curvature(motion, arguments)
+    along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
+    ahead, behind = (gap_curvature(motion, arguments + sign * along)[0] for sign in (1.0, -1.0))
+    return curvature, (ahead - behind) / (2.0 * SKEW_STEP)
+
+
+def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
+    """Second derivative of the gap by the pinion rotation at a fixed place on the gear, at any rotation.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion.
+    arguments
+        Pinion parameters and pinion rotation (3, n).
+
+    Returns
+    -------
+    tuple
+        The derivative (n), and how both pinion parameters follow the rotation while the place stays fixed (n).
+    """
+
+    def approach_and_place(p: Array) -> Array:
+        position, normal = motion.action_point(p[:2], p[2])
+        relative = position - motion.assembly.gear_origin.reshape(3, 1)
+        radial = np.sqrt(relative[0] ** 2 + relative[1] ** 2)
+        return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
+
+    _, d = complex_steps(approach_and_place, arguments)
+    determinant = d[0][1] * d[1][2] - d[1][1] * d[0][2]
+    first = -(d[2][1] * d[1][2] - d[1][1] * d[2][2]) / determinant
+    second = -(d[0][1] * d[2][2] - d[2][1] * d[0][2]) / determinant
+    return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second)), first, second
+
+
+def compute(
+    gear: Flank,
+    pinion_surface: GeneratingSurface,
+    pinion_section: BlankSection,
+    assembly: Assembly,
+) -> EaseOff:
+    """Ease-off and roll angle of a pair at the nodes of the gear flank.
+
+    Parameters
+    ----------
+    gear
+        Gear flank on its nodes (n).
+    pinion_surface, pinion_section
+        The pinion flank and blank.
+    assembly
+        The pair, with its misalignment.
+
+    Returns
+    -------
+    EaseOff
+        Nodes without a conjugate point carry NaN and a status.
+
+    Raises
+    ------
+    GeometryError
+        If no node of the gear has a conjugate point on the pinion.
+    """
+    target, usable = _targets(gear)
+    if not np.any(usable):
+        raise GeometryError("no node of the gear flank exists: check the gear's machine settings and blank")
+    middle = target[:, usable].mean(axis=1)
+    motion = conjugate_motion(pinion_surface.on("profile"), pinion_section, assembly, middle)
+    surfaces = []
+    for part in pinion_surface.flank_parts:
+        on_part = replace(motion, surface=part)
+        start, side = _seeds(on_part, pinion_section, target)
+        found = solve(partial(_place, on_part), start, target, part.max_step)
+        surfaces.append(_classified(on_part, pinion_section, gear, found, side, usable))
+    result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
+    result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
+    if not np.any(result.inside):
+        raise GeometryError(
+            "no part of the gear flank meets the pinion flank: check the blanks, the hands, "
+            "hypoid_offset and shaft_angle"
+        )
+    return result
+
+
+def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) -> tuple[Array, Array]:
+    """Ease-off alone, for settings near others whose solution is known: no search for the tooth.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion, with the pinion flank of the new settings.
+    start
+        Pinion parameters (2, n) of the known solution.
+    side
+        Orientation sign of the valid side of the pinion's surface.
+    gear
+        Gear flank on its nodes (n).
+
+    Returns
+    -------
+    tuple
+        Ease-off as a gear rotation (n) [rad], up to a constant and NaN where there is none, and the parameters.
+    """
+    target, usable = _targets(gear)
+    with np.errstate(all="ignore"):
+        found = solve(partial(_place, motion), start, target, motion.surface.max_step)
+        point, _ = motion.conjugate_gear(found.parameters)
+        valid_side = motion.surface.orientation(found.parameters) * side > 0.0
+    known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
+    return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
+
+
+def _targets(gear: Flank) -> tuple[Array, NDArray[np.bool_]]:
+    """Axial and radial coordinate of the gear nodes (2, n) [mm], and which nodes exist; the middle for the others."""
+    target = np.stack([gear.position[2], np.hypot(gear.position[0], gear.position[1])])
+    usable = np.all(np.isfinite(target), axis=0)
+    return np.where(usable, target, target[:, usable].mean(axis=1, keepdims=True)) if np.any(usable) else target, usable
+
+
+def _turned(gear: Flank, point: Array, known: NDArray[np.bool_]) -> Array:
+    """Azimuth of the gear nodes beyond that of the conjugate points (n) [rad], without jumps by a turn."""
+    turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
+    reference = turned[np.argmax(known)]
+    return np.asarray(np.mod(turned - reference + np.pi, 2 * np.pi) - np.pi + reference)
+
+
+def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
+    """Ease-off with a pinion flank of several sections: at every node the section with the largest gap."""
+    first = surfaces[0].angle
+    whole_turns = [np.round(np.nanmedian((s.angle - first) / (2 * np.pi))) for s in surfaces]
+    angles = [s.angle - 2 * np.pi * turns for s, turns in zip(surfaces, whole_turns, strict=True)]
+    parts = motion.surface.flank_parts
+    choice = deepest(parts, [s.blade_distance for s in surfaces], angles)
+    whole = ("motion", "pinion_section", "angle", "part")
+    arrays = [field.name for field in fields(EaseOff) if field.name not in whole]
+    picked = {name: pick([getattr(s, name) for s in surfaces], choice) for name in arrays}
+    section = surfaces[0].pinion_section
+    return EaseOff(motion=motion, pinion_section=section, angle=pick(angles, choice), part=choice, **picked)
+
+
+def _place(motion: ConjugateMotion, parameters: Array) -> Array:
+    """Axial and radial coordinate (2, n) [mm] of conjugate gear points."""
+    point, _ = motion.conjugate_gear(parameters)
+    return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
+
+
+def _seeds(motion: ConjugateMotion, section: BlankSection, target: Array) -> tuple[Array, float]:
+    """First guess of the pinion parameters (2, n) for each target, and the orientation of the valid side."""
+    lattice, orientation = seed_lattice(motion.surface, section)
+    with np.errstate(all="ignore"):
+        return nearest_seeds(_place(motion, lattice), lattice, target), orientation
+
+
+def _classified(
+    motion: ConjugateMotion,
+    section: BlankSection,
+    gear: Flank,
+    found: NewtonResult,
+    side: float,
+    usable: NDArray[np.bool_],
+) -> EaseOff:
+    """Evaluate everything at the pinion points found, and give every node a status."""
+    parameters = found.parameters
+    with np.errstate(all="ignore"):
+        point, roll_angle = motion.conjugate_gear(parameters)
+        action_position, action_normal = motion.action_point(parameters, roll_angle)
+        position, normal, distance = motion.surface.evaluate(parameters)
+        valid_side = motion.surface.orientation(parameters) * side > 0.0
+        # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
+        turned = _turned(gear, point, found.converged & usable)
+        curvature, skew = _separation(motion, parameters, roll_angle)
+    lengthwise, profile = section.fractions(position[2], np.hypot(position[0], position[1]))
+
+    on_pinion = (lengthwise >= 0.0) & (lengthwise <= 1.0) & (profile >= 0.0) & (profile <= 1.0)
+    status = np.where(on_pinion, gear.status, NodeStatus.OUTSIDE_BLANK).astype(np.int8)
+    status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
+    status[~valid_side] = NodeStatus.UNDERCUT
+    status[~(found.converged & usable & np.isfinite(turned))] = NodeStatus.NO_SOLUTION
+    missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
+
+    def known(values: Array) -> Array:
+        return np.where(missing, np.nan, values)
+
+    return EaseOff(
+        motion=motion,
+        pinion_section=section,
+        pinion_parameters=parameters,
+        pinion_position=known(position),
+        pinion_normal=known(normal),
+        action_position=known(action_position),
+        action_normal=known(action_normal),
+        roll_angle=known(roll_angle - motion.center),
+        angle=known(-motion.pinion_sense * turned),
+        lever_arm=known(np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])),
+        separation_curvature=known(curvature),
+        separation_skew=known(skew),
+        pinion_lengthwise=known(lengthwise),
+        pinion_profile=known(profile),
+        blade_distance=known(distance),
+        status=status,
+        part=np.zeros(status.shape, dtype=np.int8),
+    )

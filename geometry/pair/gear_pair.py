@@ -1,0 +1,234 @@
+"""A gear pair, and the three results of its geometry: flanks, ease-off and teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank, solve_flank
+from .assembly import Assembly, Misalignment
+from .datasets import ease_off_dataset, flank_dataset, flanks_dataset, teeth_dataset
+from .ease_off import EaseOff, compute
+from .tooth_body import ToothBody, middle_angle, opposite_surface, tooth_body
+
+Array = NDArray[Any]
+FlankName = Literal["drive", "coast"]
+DEFAULT_NODES = (31, 21)
+
+
+@dataclass(frozen=True)
+class Member:
+    """One member of a pair, seen from the flank that carries the load.
+
+    Parameters
+    ----------
+    teeth
+        Number of teeth.
+    section
+        Axial section of the blank.
+    loaded
+        What generates the loaded flank.
+    opposite
+        What generates the other flank; ``None`` if not known: the other blade in the same machine is assumed then.
+    mean_thickness
+        Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
+    """
+
+    teeth: int
+    section: BlankSection
+    loaded: GeneratingSurface
+    opposite: GeneratingSurface | None = None
+    mean_thickness: float | None = None
+
+    @property
+    def one_set_up(self) -> bool:
+        """Whether both flanks are cut in one machine set-up, so that the cutter fixes the width of the slot.
+
+        Not so for face hobbing: there the slot comes from the timing of the blades within their group.
+        """
+        settings = self.loaded.settings
+        return self.opposite is not None and self.opposite.settings == settings and settings.indexing_ratio == 0.0
+
+    def flank(self, lengthwise: Array, profile: Array) -> Flank:
+        """The loaded flank on a grid of fractions (nt) and (nh); nodes in lengthwise-major order."""
+        t, h = np.meshgrid(lengthwise, profile, indexing="ij")
+        axial, radial = self.section.points(t.ravel(), h.ravel())
+        return solve_flank(self.loaded, self.section, axial, radial)
+
+    def middle(self) -> Flank:
+        """The loaded flank at its middle, one node."""
+        return self.flank(np.array([0.5]), np.array([0.5]))
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """A pinion and a gear in mesh.
+
+    Parameters
+    ----------
+    pinion, gear
+        The members, seen from the flanks in contact.
+    assembly
+        Axes and misalignment.
+    """
+
+    pinion: Member
+    gear: Member
+    assembly: Assembly
+
+    def misaligned(self, misalignment: Misalignment) -> GearPair:
+        """The same pair with other assembly errors."""
+        return replace(self, assembly=self.assembly.misaligned(misalignment))
+
+
+def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
+    """Even fractions along the face and up the profile.
+
+    Raises
+    ------
+    InputError
+        If there are too few nodes for a smooth surface.
+    """
+    if min(nodes) < 5:
+        raise InputError(f"grid = {nodes}: at least 5 nodes are needed in each direction")
+    return np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1])
+
+
+@dataclass(frozen=True)
+class PairGeometry:
+    """The three results of a pair's geometry, on one grid of the gear flank.
+
+    Parameters
+    ----------
+    flanks
+        Both flanks, each on its own blank.
+    ease_off
+        Ease-off and surface of roll angle.
+    teeth
+        Both teeth as plates, and where contact forces meet them.
+    """
+
+    flanks: xr.Dataset
+    ease_off: xr.Dataset
+    teeth: xr.Dataset
+
+
+def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> PairGeometry:
+    """Everything the contact needs to know of a pair, computed once.
+
+    Parameters
+    ----------
+    pair
+        The gear pair, with its misalignment.
+    nodes
+        Grid nodes lengthwise and along the profile.
+
+    Raises
+    ------
+    InputError
+        If the grid is too coarse.
+    GeometryError
+        If a cutter meets no tooth of its blank, the flanks do not meet, or they leave no tooth between them.
+    """
+    t, h = grid(nodes)
+    gear = pair.gear.flank(t, h)
+    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return PairGeometry(
+        flanks_dataset(t, h, pair.pinion.flank(t, h), gear),
+        ease_off_dataset(t, h, surface),
+        _teeth(pair, t, h, gear, surface),
+    )
+
+
+def flank(member: Member, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Dataset:
+    """The loaded flank of one member on its own blank: positions, normals, curvatures over (lengthwise, profile).
+
+    Raises as ``pair_geometry``.
+    """
+    t, h = grid(nodes)
+    return flank_dataset(t, h, member.flank(t, h))
+
+
+def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Dataset:
+    """Ease-off and surface of roll angle over (lengthwise, profile) of the gear (Kolivand 2009, chapter 2).
+
+    Raises as ``pair_geometry``.
+    """
+    t, h = grid(nodes)
+    gear = pair.gear.flank(t, h)
+    return ease_off_dataset(t, h, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+
+
+def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surface: EaseOff) -> xr.Dataset:
+    """Where contact forces meet both teeth, on the gear's grid."""
+    pinion_body, gear_body = bodies(pair)
+    coordinates = (
+        pinion_body.shell_coordinates(surface.pinion_position, surface.pinion_normal),
+        gear_body.shell_coordinates(gear.position, gear.normal),
+    )
+    return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)
+
+
+def tooth_angles(pair: GearPair) -> tuple[float, float]:
+    """Angular thickness of the teeth of pinion and gear in the middle of the flank [rad].
+
+    The gear's is the one given, or what its cutter leaves if one set-up cuts both flanks, or half the pitch. The
+    pinion's is the one given, or else it fills the gear's slot without backlash.
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of its blank.
+    """
+    gear, pinion = pair.gear, pair.pinion
+    gear_angle = _given(gear) or (_left_by_cutter(gear) if gear.one_set_up else np.pi / gear.teeth)
+    return _given(pinion) or (2.0 * np.pi - gear.teeth * gear_angle) / pinion.teeth, gear_angle
+
+
+def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
+    """Teeth of pinion and gear between their flanks, as thick as ``tooth_angles`` says.
+
+    Raises
+    ------
+    GeometryError
+        If the flanks of a member leave no tooth.
+    """
+    pinion_angle, gear_angle = tooth_angles(pair)
+    return _body(pair.pinion, pinion_angle), _body(pair.gear, gear_angle)
+
+
+def _body(member: Member, mean_angle: float) -> ToothBody:
+    opposite = member.opposite or opposite_surface(member.loaded)
+    return tooth_body(member.section, member.loaded, opposite, mean_angle)
+
+
+def _left_by_cutter(member: Member) -> float:
+    """Angular thickness [rad] of the tooth between two slots of one set-up."""
+    opposite = member.opposite or opposite_surface(member.loaded)
+    _, angle = middle_angle(member.section, member.loaded, opposite)
+    return float(np.mod(angle, 2.0 * np.pi / member.teeth))
+
+
+def _given(member: Member) -> float | None:
+    """Angular thickness [rad] from the given normal thickness, or ``None``."""
+    return None if member.mean_thickness is None else member.mean_thickness / thickness_per_angle(member)
+
+
+def thickness_per_angle(member: Member) -> float:
+    """Normal circular thickness per angle about the member's axis, in the middle of the flank [mm/rad]."""
+    middle = member.middle()
+    position, normal = middle.position[:, 0], middle.normal[:, 0]
+    radius = float(np.hypot(position[0], position[1]))
+    # Circumferential arc to normal arc: the flank's normal without its part along the pressure angle.
+    circumferential = (position[0] * normal[1] - position[1] * normal[0]) / radius
+    up = np.array([-np.sin(member.section.pitch_angle), np.cos(member.section.pitch_angle)])
+    outward = np.array([position[0] / radius * up[1], position[1] / radius * up[1], up[0]])
+    in_pitch_plane = np.sqrt(1.0 - float(normal @ outward) ** 2)
+    return float(radius * abs(circumferential) / in_pitch_plane)

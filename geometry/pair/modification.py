@@ -1,0 +1,143 @@
+"""A low-order surface added to the ease-off, and how its terms are called."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from .datasets import first_contact
+
+Array = NDArray[Any]
+
+ORDERS = (2, 3, 4)
+#: What the terms up to second order are called; the same as those of ``EaseOffTarget``.
+NAMED = {
+    "spiral_angle_error": (1, 0),
+    "pressure_angle_error": (0, 1),
+    "lengthwise_crowning": (2, 0),
+    "bias": (1, 1),
+    "profile_crowning": (0, 2),
+}
+
+
+def terms(order: int) -> tuple[str, ...]:
+    """Names of the terms t^a h^b of the total order a + b = 1 ... ``order``.
+
+    Raises
+    ------
+    InputError
+        If the order is not offered.
+
+    Examples
+    --------
+    >>> terms(3)[5:]
+    ('lengthwise_3', 'lengthwise_2_profile_1', 'lengthwise_1_profile_2', 'profile_3')
+    """
+    if order not in ORDERS:
+        raise InputError(f"order = {order}: allowed are {', '.join(map(str, ORDERS))}")
+    higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
+    return (*NAMED, *higher)
+
+
+def _name(a: int, b: int) -> str:
+    return "_".join(f"{word}_{n}" for word, n in (("lengthwise", a), ("profile", b)) if n)
+
+
+#: Powers (a, b) of every term by its name.
+POWERS: Mapping[str, tuple[int, int]] = NAMED | {
+    _name(total - b, b): (total - b, b) for total in range(3, max(ORDERS) + 1) for b in range(total + 1)
+}
+
+
+def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
+    """Each term by itself, a coefficient of one.
+
+    Parameters
+    ----------
+    names
+        Terms (p).
+    lengthwise, profile
+        Fractions (...) on the gear flank.
+
+    Returns
+    -------
+    Array
+        Values (..., p). With t and h from -1 to 1 lengthwise and up the profile a term is t^a h^b; the bias is -t h,
+        so that it is positive where ``EaseOffTarget.bias`` is.
+    """
+    t, h = 2.0 * np.asarray(lengthwise) - 1.0, 2.0 * np.asarray(profile) - 1.0
+    columns = [(-1.0 if name == "bias" else 1.0) * t ** POWERS[name][0] * h ** POWERS[name][1] for name in names]
+    return np.stack(columns, axis=-1)
+
+
+@dataclass(frozen=True)
+class Modification:
+    """An addition to the ease-off along the normal: the sum of low-order terms.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficient of each term [um] by its name, see ``terms``.
+
+    Raises
+    ------
+    InputError
+        If there is no such term, or a coefficient is not finite.
+
+    Examples
+    --------
+    Ten micrometres more of lengthwise crowning open the gap at toe and heel, mid height, by as much:
+
+    >>> import numpy as np
+    >>> more = Modification({"lengthwise_crowning": 10.0})
+    >>> [float(v) for v in more(np.array([0.0, 0.5, 1.0]), np.full(3, 0.5))]
+    [10.0, 0.0, 10.0]
+    """
+
+    coefficients: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        for name, value in self.coefficients.items():
+            if name not in POWERS:
+                raise InputError(f"modification term {name!r}: allowed are {', '.join(POWERS)}")
+            if not np.isfinite(value):
+                raise InputError(f"modification term {name} = {value}: must be a finite number of um")
+
+    def __call__(self, lengthwise: Array, profile: Array) -> Array:
+        """Addition to the ease-off [um] at fractions (...) on the gear flank."""
+        values = np.array(list(self.coefficients.values()), dtype=float)
+        return np.asarray(basis(tuple(self.coefficients), lengthwise, profile) @ values)
+
+
+def modified_ease_off(ease_off: xr.Dataset, modification: Modification) -> xr.Dataset:
+    """The ease-off with a modification added, zero again at first contact.
+
+    Parameters
+    ----------
+    ease_off
+        What ``geometry.ease_off`` returned.
+    modification
+        What is added along the normal; it acts on the angle through the lever arm.
+
+    Returns
+    -------
+    xr.Dataset
+        The same with other ``ease_off`` and ``ease_off_angle``. The surface of roll angle and the contact lines stay:
+        what a few micrometres change of them is of second order.
+    """
+    added = 1e-3 * modification(*np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij"))
+    grid = ("lengthwise", "profile")
+    lever_arm = ease_off["lever_arm"].transpose(*grid).values
+    angle = ease_off["ease_off_angle"].transpose(*grid).values + added / lever_arm
+    zero = first_contact(angle, ease_off["inside"].transpose(*grid).values == 1)
+    changed = ease_off.assign(
+        ease_off_angle=(grid, angle - zero, ease_off["ease_off_angle"].attrs),
+        ease_off=(grid, 1e3 * (angle - zero) * lever_arm, ease_off["ease_off"].attrs),
+    )
+    return changed.assign_attrs(first_contact_rad=ease_off.attrs["first_contact_rad"] + zero)

@@ -1,0 +1,154 @@
+"""How both flanks move past the contact line: sliding, and how fast the line crosses either flank.
+
+All velocities are by the pinion rotation [mm/rad], at points in conjugate contact. Times the pinion's angular velocity
+they are velocities in space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.flank_parts import on_parts
+from ..newton import complex_steps
+from ..vectors import column, cross, dot
+from .conjugate_motion import ConjugateMotion
+from .ease_off import SKEW_STEP, EaseOff, gap_curvature
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """Motion of the flanks past the contact line, at the nodes of an ease-off (n).
+
+    Parameters
+    ----------
+    sliding
+        Speed of the pinion flank relative to the gear flank [mm/rad].
+    pinion_speed, gear_speed
+        Speed of the contact line across either flank, at right angles to the line [mm/rad].
+    """
+
+    sliding: Array
+    pinion_speed: Array
+    gear_speed: Array
+
+
+def relative_velocity(motion: ConjugateMotion, position: Array) -> Array:
+    """Velocity of the pinion relative to the gear (3, n) [mm/rad] at points (3, n) [mm] in space."""
+    pinion = cross(column(motion.pinion_axis, position), position - column(motion.assembly.pinion_origin, position))
+    gear = cross(column(motion.gear_axis, position), position - column(motion.assembly.gear_origin, position))
+    return np.asarray(pinion - gear / motion.assembly.ratio)
+
+
+def rolling(ease_off: EaseOff) -> Rolling:
+    """Sliding and rolling at the nodes of an ease-off.
+
+    The speed of the line across a flank is one over the slope of the roll angle on that flank.
+
+    Parameters
+    ----------
+    ease_off
+        From ``ease_off_surface.compute``.
+    """
+
+    def on_part(surface: GeneratingSurface, parameters: Array) -> Array:
+        motion = replace(ease_off.motion, surface=surface)
+
+        def places(p: Array) -> Array:
+            gear, rotation = motion.conjugate_gear(p)
+            return np.concatenate([surface.evaluate(p)[0], gear, rotation[None]])
+
+        value, slopes = complex_steps(places, parameters)
+        space, _ = motion.action_point(parameters, value[6])
+        speeds = [_across(slopes[:, k : k + 3], slopes[:, 6]) for k in (0, 3)]
+        return np.stack([np.linalg.norm(relative_velocity(motion, space), axis=0), *speeds])
+
+    with np.errstate(all="ignore"):
+        values = on_parts(ease_off.motion.surface.flank_parts, ease_off.part, ease_off.pinion_parameters, on_part)
+    return Rolling(*np.where(np.isfinite(ease_off.angle), values, np.nan))
+
+
+def _across(tangents: Array, slopes: Array) -> Array:
+    """One over the gradient (n) on a surface with tangents (2, 3, n) of a function with derivatives (2, n)."""
+    first, second, mixed = dot(tangents[0], tangents[0]), dot(tangents[1], tangents[1]), dot(tangents[0], tangents[1])
+    squared = second * slopes[0] ** 2 - 2.0 * mixed * slopes[0] * slopes[1] + first * slopes[1] ** 2
+    return np.asarray(np.sqrt((first * second - mixed**2) / squared))
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How what the pinion shows to a fixed place of the gear changes by the pinion rotation, at the nodes (n).
+
+    Parameters
+    ----------
+    axial, radial
+        Coordinates of the pinion point there [mm/rad].
+    lengthwise, profile
+        First and second derivative of that point's fractions on the pinion flank (2, n) [1/rad, 1/rad^2].
+    lever_arm
+        Arm about the gear axis of a force along its normal [mm/rad].
+    """
+
+    axial: Array
+    radial: Array
+    lengthwise: Array
+    profile: Array
+    lever_arm: Array
+
+
+def drift(ease_off: EaseOff) -> Drift:
+    """Rates of what the pinion shows to the nodes of the gear flank, by central differences as the separation skew.
+
+    Parameters
+    ----------
+    ease_off
+        From ``ease_off_surface.compute``.
+    """
+
+    def on_part(surface: GeneratingSurface, arguments: Array) -> Array:
+        motion = replace(ease_off.motion, surface=surface)
+        _, first, second = gap_curvature(motion, arguments)
+        along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
+
+        def shown(a: Array) -> Array:
+            own, _, _ = surface.evaluate(a[:2])
+            position, normal = motion.action_point(a[:2], a[2])
+            relative = position - column(motion.assembly.gear_origin, position)
+            lever = np.abs(relative[0] * normal[1] - relative[1] * normal[0])
+            radial = np.hypot(own[0], own[1])
+            return np.stack([own[2], radial, lever, *ease_off.pinion_section.fractions(own[2], radial)])
+
+        ahead, behind = (shown(_opposite(motion, arguments, arguments + sign * along)) for sign in (1.0, -1.0))
+        rates = (ahead - behind) / (2.0 * SKEW_STEP)
+        return np.concatenate([rates, (ahead - 2.0 * shown(arguments) + behind)[3:] / SKEW_STEP**2])
+
+    arguments = np.concatenate([ease_off.pinion_parameters, (ease_off.roll_angle + ease_off.motion.center)[None]])
+    with np.errstate(all="ignore"):
+        found = on_parts(ease_off.motion.surface.flank_parts, ease_off.part, arguments, on_part)
+    found = np.where(np.isfinite(ease_off.angle), found, np.nan)
+    return Drift(found[0], found[1], found[[3, 5]], found[[4, 6]], found[2])
+
+
+def _opposite(motion: ConjugateMotion, arguments: Array, near: Array) -> Array:
+    """Pinion parameters and rotations (3, n) that face the same places of the gear as ``arguments`` do.
+
+    One step of Newton's method from ``near``, which is off by the second order of ``SKEW_STEP``: that leaves an error
+    of 1e-5 in second derivatives.
+    """
+
+    def place(a: Array) -> Array:
+        position, _ = motion.action_point(a[:2], a[2])
+        relative = position - motion.assembly.gear_origin.reshape(3, 1)
+        return np.stack([relative[2], np.sqrt(relative[0] ** 2 + relative[1] ** 2)])
+
+    there, d = complex_steps(place, near)
+    miss = place(arguments) - there
+    determinant = d[0][0] * d[1][1] - d[1][0] * d[0][1]
+    step = np.stack([miss[0] * d[1][1] - miss[1] * d[1][0], miss[1] * d[0][0] - miss[0] * d[0][1]]) / determinant
+    return np.concatenate([near[:2] + step, near[2:]])

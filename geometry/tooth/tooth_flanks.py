@@ -1,0 +1,112 @@
+"""Both flanks of one tooth in one frame.
+
+Each flank is solved in the position its own machine cuts it in. The loaded one stays there; the other one is turned
+about the axis until the tooth has the thickness the pair gives it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError, InputError
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank, solve_flank
+from ..pair.gear_pair import GearPair, Member, tooth_angles
+from ..pair.tooth_body import middle_angle, opposite_surface
+from ..vectors import rotate_z
+
+Array = NDArray[Any]
+Side = Literal["concave", "convex"]
+MemberName = Literal["pinion", "gear"]
+
+
+def side(surface: GeneratingSurface) -> Side:
+    """Which flank a blade cuts: the outside blade the concave one, the inside blade the convex one."""
+    return "concave" if surface.blade.side == "outside" else "convex"
+
+
+@dataclass(frozen=True)
+class PlacedFlank:
+    """A flank turned about the member's axis.
+
+    Parameters
+    ----------
+    section
+        Axial section of the blank.
+    surface
+        What generates the flank.
+    rotation
+        Angle about z from where the machine cuts it to its place [rad].
+    """
+
+    section: BlankSection
+    surface: GeneratingSurface
+    rotation: float = 0.0
+
+    def at(self, axial: Array, radial: Array) -> Flank:
+        """The flank at axial and radial coordinates (n) [mm], in its place in the member's frame."""
+        found = solve_flank(self.surface, self.section, axial, radial)
+        if self.rotation == 0.0:
+            return found
+        angle = np.full(found.position.shape[1], self.rotation)
+        return replace(found, position=rotate_z(angle, found.position), normal=rotate_z(angle, found.normal))
+
+
+def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]:
+    """Both flanks of one tooth of a member.
+
+    Parameters
+    ----------
+    member
+        The member; where it does not know its other flank, the other blade in the same machine is assumed.
+    tooth_angle
+        Angular thickness of the tooth in the middle of the flank [rad], see ``tooth_angle``.
+
+    Raises
+    ------
+    GeometryError
+        If a cutter meets no tooth of the blank.
+    """
+    loaded = PlacedFlank(member.section, member.loaded)
+    opposite = PlacedFlank(member.section, member.opposite or opposite_surface(member.loaded))
+    turn, as_cut = middle_angle(member.section, member.loaded, opposite.surface)
+    rotation = float(np.mod(turn * (tooth_angle - as_cut) + np.pi, 2.0 * np.pi) - np.pi)
+    return {side(member.loaded): loaded, side(opposite.surface): replace(opposite, rotation=rotation)}
+
+
+def named_member(pair: GearPair, name: str) -> Member:
+    """The pinion or the gear of a pair.
+
+    Raises
+    ------
+    InputError
+        If it is called anything else.
+    """
+    if name not in ("pinion", "gear"):
+        raise InputError(f"member = {name!r}: allowed are 'pinion' and 'gear'")
+    return pair.pinion if name == "pinion" else pair.gear
+
+
+def tooth_angle(pair: GearPair, name: str) -> float:
+    """Angular thickness of a member's tooth in the middle of the flank [rad], see ``pair.tooth_angles``.
+
+    Raises
+    ------
+    InputError
+        If the member is neither ``pinion`` nor ``gear``.
+    GeometryError
+        If the flanks leave no tooth.
+    """
+    named_member(pair, name)
+    angle = tooth_angles(pair)[("pinion", "gear").index(name)]
+    if angle <= 0.0:
+        raise GeometryError(
+            f"the tooth of the {name} would be {np.degrees(angle):.3f} degrees thick in its middle: check the "
+            "thickness, the point radii and the blade angles of both flanks"
+        )
+    return angle

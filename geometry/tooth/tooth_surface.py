@@ -1,0 +1,289 @@
+"""The real tooth as a surface: both flanks with their fillets, the top land, and half of the root land on either side.
+
+A flank ends where the blade's edge radius begins to cut; from there the edge radius cuts the fillet down to the root.
+Lines of equal lengthwise fraction run from the root land over fillet, flank and top land, so that all patches share
+their borders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import GeometryError, InputError
+from ..cutting.generating_surface import GeneratingSurface
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import into_tooth, solve_flank
+from ..newton import solve
+from ..pair.gear_pair import GearPair
+from ..pair.tooth_body import Z_AXIS
+from ..vectors import cross, rotate
+from .tooth_flanks import Side, named_member, placed_flanks, side, tooth_angle
+
+Array = NDArray[Any]
+
+FILLET_NODES = 9
+ROOT_LAND_NODES = 5
+TOP_LAND_NODES = 5
+SMALL_STEP = np.array([0.05, 0.05])  # of both parameters, in Newton steps along the fillet
+
+
+@dataclass(frozen=True)
+class ToothSide:
+    """Fillet and flank of one side of a tooth, in the member's frame.
+
+    Parameters
+    ----------
+    fillet
+        Points (3, nt, nf) [mm] from the root land to the end of the flank.
+    fillet_normal
+        Their outward unit normals (3, nt, nf).
+    flank
+        Points (3, nt, nh) [mm] from the end of the fillet to the tip; the first ones are the last of the fillet.
+    flank_normal
+        Their outward unit normals (3, nt, nh).
+    """
+
+    fillet: Array
+    fillet_normal: Array
+    flank: Array
+    flank_normal: Array
+
+    def turned(self, angle: float) -> ToothSide:
+        """The same side turned about the member's axis [rad]."""
+        turn = np.asarray(angle)
+        return ToothSide(
+            *(rotate(Z_AXIS, turn, v) for v in (self.fillet, self.fillet_normal, self.flank, self.flank_normal))
+        )
+
+
+def tooth_side(
+    surface: GeneratingSurface,
+    section: BlankSection,
+    lengthwise: Array,
+    flank_nodes: int,
+    fillet_nodes: int = FILLET_NODES,
+) -> ToothSide:
+    """Fillet and flank that one blade cuts.
+
+    Parameters
+    ----------
+    surface
+        What generates the flank.
+    section
+        The blank.
+    lengthwise
+        Fractions from toe to heel (nt).
+    flank_nodes, fillet_nodes
+        Nodes up the flank and up the fillet.
+
+    Raises
+    ------
+    GeometryError
+        If the cutter meets no tooth of the blank, or flank or fillet are undercut or missing somewhere.
+    """
+    fillet, fillet_normal = _fillet(surface, section, lengthwise, np.linspace(-1.0, 0.0, fillet_nodes))
+    joint = fillet[:, :, -1]
+    _, start = section.fractions(joint[2], np.hypot(joint[0], joint[1]))
+    if np.any(start > 0.9):
+        raise GeometryError(
+            f"the fillet of the {side(surface)} flank reaches {100 * start.max():.0f} % of the way to the tip: check "
+            "tool_edge_radius and toprem_depth"
+        )
+    up = np.linspace(0.0, 1.0, flank_nodes)[1:]
+    heights = start[:, None] + (1.0 - start[:, None]) * up
+    t = np.broadcast_to(lengthwise[:, None], heights.shape)
+    axial, radial = section.points(t.ravel(), heights.ravel())
+    flank = solve_flank(surface, section, axial, radial)
+    missing = ~np.all(np.isfinite(flank.position), axis=0)
+    if np.any(missing):
+        raise GeometryError(
+            f"the {side(surface)} flank is undercut or missing on {100 * missing.mean():.1f} % of the tooth between "
+            "fillet and tip: there is no whole tooth to show; check the blank and the machine settings"
+        )
+
+    def whole(first: Array, rest: Array) -> Array:
+        return np.concatenate([first[:, :, None], rest.reshape(3, *heights.shape)], axis=2)
+
+    return ToothSide(
+        fillet,
+        fillet_normal,
+        whole(joint, flank.position),
+        whole(fillet_normal[:, :, -1], flank.normal),
+    )
+
+
+def _fillet(surface: GeneratingSurface, section: BlankSection, lengthwise: Array, places: Array) -> tuple[Array, Array]:
+    """Points and normals (3, nt, nf) cut by the edge radius at given places within it, at given fractions."""
+    lowest = surface.flank_parts[0]
+    axial, radial = section.points(lengthwise, np.zeros_like(lengthwise))
+    # On the joint, where both surfaces touch; then downwards, as the place changes ever faster towards the root land.
+    parameters = solve_flank(lowest, section, axial, radial).parameters
+    parameters = _at_place(lowest, section, lengthwise, 0.0, parameters)
+    points: list[Array] = []
+    normals: list[Array] = []
+    for place in places[::-1]:
+        parameters = _at_place(surface.on("edge"), section, lengthwise, place, parameters)
+        position, normal, _ = surface.on("edge").evaluate(parameters)
+        points.insert(0, position)
+        normals.insert(0, normal)
+    return np.stack(points, axis=2), np.stack(normals, axis=2)
+
+
+def _at_place(
+    surface: GeneratingSurface, section: BlankSection, lengthwise: Array, place: float, start: Array
+) -> Array:
+    """Parameters (2, nt) of the points that one place of the blade cuts, at given lengthwise fractions."""
+
+    def fraction_and_place(parameters: Array) -> Array:
+        position, _, where = surface.evaluate(parameters)
+        fraction, _ = section.fractions(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
+        return np.stack([fraction, where])
+
+    target = np.stack([lengthwise, np.full_like(lengthwise, place)])
+    if not surface.settings.generated:
+        start = np.stack([start[0], target[1]])
+    found = solve(fraction_and_place, start, target, SMALL_STEP, iterations=60)
+    if not np.all(found.converged):
+        raise GeometryError(
+            f"the end of the blade cuts no fillet on {100 * np.mean(~found.converged):.0f} % of the {side(surface)} "
+            "flank's root: it is undercut, or the blade tip runs far from the root cone; check the machine settings "
+            "and tool_edge_radius"
+        )
+    return found.parameters
+
+
+@dataclass(frozen=True)
+class ToothSurface:
+    """A whole tooth of a member, in the member's frame.
+
+    Parameters
+    ----------
+    loaded, opposite
+        Its two sides.
+    names
+        Which of them is ``concave`` and which ``convex``, the loaded one first.
+    top_land
+        Points (3, nt, nw) [mm] from the tip of the loaded side to that of the opposite one.
+    root_lands
+        Points (3, nt, nw) [mm] from the middle of the slot to the fillet, on the loaded and on the opposite side.
+    """
+
+    loaded: ToothSide
+    opposite: ToothSide
+    names: tuple[Side, ...]
+    top_land: Array
+    root_lands: tuple[Array, Array]
+
+
+def tooth_surface(
+    pair: GearPair, member: str, nodes: tuple[int | Array, int] = (31, 21), fillet_nodes: int = FILLET_NODES
+) -> ToothSurface:
+    """The real tooth of one member, with the thickness of its teeth as in ``pair.bodies``.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    member
+        ``"pinion"`` or ``"gear"``.
+    nodes
+        Nodes lengthwise, or their lengthwise fractions, and number of nodes up the flank.
+    fillet_nodes
+        Nodes up the fillet.
+
+    Raises
+    ------
+    GeometryError
+        As ``tooth_side``; if the fillets of a slot overlap; if the tooth is pointed below its tip.
+    InputError
+        If the member has another name, or there are too few nodes.
+    """
+    which = named_member(pair, member)
+    t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
+    if min(t.size, nodes[1]) < 5:
+        raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
+    placed = placed_flanks(which, tooth_angle(pair, member))
+    front, back = (
+        tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()
+    )
+    turn = into_tooth(front.flank, front.flank_normal)
+    tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)
+    if np.any(tips <= 0.0):
+        raise GeometryError(
+            f"the {member}'s tooth is pointed: its flanks meet below the tip on {100 * np.mean(tips <= 0):.0f} % of "
+            "the face; lower the face cone or make the tooth thicker"
+        )
+    pitch = 2.0 * np.pi / which.teeth
+    roots = pitch - _between(front.fillet[:, :, 0], back.fillet[:, :, 0], turn)
+    if np.any(roots <= 0.0):
+        raise GeometryError(
+            f"the fillets of the {member}'s slot overlap on {100 * np.mean(roots <= 0):.0f} % of the face: make "
+            "tool_edge_radius smaller"
+        )
+    width = np.linspace(0.0, 1.0, TOP_LAND_NODES)
+    half = np.linspace(0.5, 0.0, ROOT_LAND_NODES)
+    return ToothSurface(
+        front,
+        back,
+        tuple(placed),
+        _land(front.flank[:, :, -1], back.flank[:, :, -1], turn * tips, width),
+        (
+            _land(front.fillet[:, :, 0], back.fillet[:, :, 0], -turn * roots, half),
+            _land(back.fillet[:, :, 0], front.fillet[:, :, 0], turn * roots, half),
+        ),
+    )
+
+
+def _azimuth(points: Array) -> Array:
+    return np.asarray(np.arctan2(points[1], points[0]))
+
+
+def _between(front: Array, back: Array, turn: float) -> Array:
+    """Angle from the loaded side through the tooth to the other one (nt) [rad], within half a turn."""
+    angle = turn * (_azimuth(back) - _azimuth(front))
+    return np.asarray(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def _land(start: Array, end: Array, swing: Array, share: Array) -> Array:
+    """Points (3, nt, nw) from ``start`` to the place of ``end`` turned to ``swing`` [rad] away, evenly in all."""
+    azimuth = _azimuth(start)[:, None] + swing[:, None] * share
+    radius, axial = (
+        (1.0 - share) * a[:, None] + share * b[:, None]
+        for a, b in ((np.hypot(*start[:2]), np.hypot(*end[:2])), (start[2], end[2]))
+    )
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), axial])
+
+
+def tooth_patches(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> dict[str, Array]:
+    """The tooth of ``tooth_surface`` as grids of points by name, sharing their borders.
+
+    A fillet without width, of a sharp Formate blade, is left out.
+
+    Parameters
+    ----------
+    pair, member, nodes
+        As ``tooth_surface``, which also says what is raised.
+
+    Returns
+    -------
+    dict
+        Points (m, n, 3) [mm] of the patches. Of both flanks the derivative along the first index times the one along
+        the second points out of the tooth.
+    """
+    tooth = tooth_surface(pair, member, nodes)
+    patches: dict[str, Array] = {}
+    for name, on_side, land in zip(tooth.names, (tooth.loaded, tooth.opposite), tooth.root_lands, strict=True):
+        points = on_side.flank
+        along, up = points[:, 1:, :-1] - points[:, :-1, :-1], points[:, :-1, 1:] - points[:, :-1, :-1]
+        outward = float(np.sum(cross(along, up) * on_side.flank_normal[:, :-1, :-1]))
+        order = slice(None) if outward > 0.0 else slice(None, None, -1)
+        patches[f"{name}_flank"] = points[:, order]
+        if np.max(np.ptp(on_side.fillet, axis=2)) > 1e-9:
+            patches[f"{name}_fillet"] = on_side.fillet[:, order]
+        patches[f"{name}_root_land"] = land[:, order]
+    patches["top_land"] = tooth.top_land
+    return {name: np.ascontiguousarray(np.moveaxis(points, 0, -1)) for name, points in patches.items()}

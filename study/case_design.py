@@ -1,0 +1,227 @@
+"""From a design to a whole case: blanks, Formate or generated gear, a pinion fitted to the ease-off of both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from ..cases.conversion import blank_design, ease_off_target, misalignment
+from ..cases.mistakes import mistakes
+from ..cases.recording import blank_table, flank_settings
+from ..cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
+from ..cases.schema.design_schema import Design
+from ..core.errors import GeometryError
+from ..geometry.design.blank import BlankDimensions
+from ..geometry.design.pair_design import SIDES, DesignedPair, design_pair
+from ..geometry.flanks.flank import NodeStatus
+from ..geometry.pair.assembly import Assembly
+from ..geometry.pair.ease_off import compute
+from ..geometry.pair.gear_pair import FlankName, bodies, grid
+
+Array = NDArray[Any]
+NODES = (15, 11)
+NARROW = 0.2  # top land over module below which a tooth counts as narrow
+UNDERCUT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
+COARSE_FIT = 0.1  # of the target's range, above which the fit is said to miss it
+
+
+@dataclass(frozen=True)
+class SideReport:
+    """What the fit of one pinion flank came to.
+
+    Parameters
+    ----------
+    moved
+        Start and end of every free setting [mm, rad or per rad].
+    left
+        Ease-off less target at the nodes of the fit (n), up to a rotation of the gear [mm].
+    wanted_range
+        Range of the target over the gear flank [mm].
+    greatest_ease_off
+        Greatest ease-off over the common flank [mm].
+    common_flank
+        Share of the gear flank that the pinion meets.
+    uncut
+        Share of the pinion's flank that is undercut or out of the cutter's reach.
+    root_gap
+        How far above the root cone the pinion's blade tip stays at toe, middle and heel (3) [mm]; negative where it
+        cuts deeper.
+    """
+
+    moved: Mapping[str, tuple[float, float]]
+    left: Array
+    wanted_range: float
+    greatest_ease_off: float
+    common_flank: float
+    uncut: float
+    root_gap: Array
+
+    @property
+    def greatest_left(self) -> float:
+        """Greatest part of the ease-off the settings could not give [mm]."""
+        return float(np.abs(self.left).max())
+
+    @property
+    def rms_left(self) -> float:
+        """Root mean square of it [mm]."""
+        return float(np.sqrt(np.mean(self.left**2)))
+
+
+@dataclass(frozen=True)
+class DesignReport:
+    """What a designer wants to know of a design beyond its case file.
+
+    Parameters
+    ----------
+    blank
+        Dimensions of the blanks.
+    sides
+        The fits of drive and coast side.
+    warnings
+        What is doubtful, in sentences.
+    """
+
+    blank: BlankDimensions
+    sides: Mapping[FlankName, SideReport]
+    warnings: tuple[str, ...]
+
+
+def design_case(design: Design) -> tuple[Case, DesignReport]:
+    """Make a whole case from a design.
+
+    Parameters
+    ----------
+    design
+        A checked design, see ``cases.read_design``.
+
+    Returns
+    -------
+    tuple
+        The case, with drive and coast flanks of both members, and a report.
+
+    Raises
+    ------
+    InputError
+        If values of the design do not fit together.
+    GeometryError
+        If there are no such blanks, no cutter fits them, or the flanks do not meet.
+    """
+    teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
+    basic_data = blank_design(design.blank_design, teeth, design.pair)
+    assembly = Assembly(
+        *teeth,
+        design.pinion.hand_of_spiral,
+        basic_data.shaft_angle,
+        basic_data.hypoid_offset,
+        misalignment(design.misalignment),
+    )
+    designed = design_pair(
+        basic_data,
+        assembly,
+        {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
+        free=design.pinion.free_settings,
+        follow_root=design.pinion.follow_root,
+        generated=design.gear.generation == "generated",
+        corrected=design.gear.basic_settings == "mean_point",
+        edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
+    )
+    try:
+        case = _case(design, designed)
+    except ValidationError as error:
+        raise GeometryError(
+            "this design leads to values that a case file does not allow; change its basic data or its target:\n"
+            + mistakes(Case, error)
+        ) from error
+    return case, _report(design, designed)
+
+
+def _case(design: Design, designed: DesignedPair) -> Case:
+    blank, (convex, concave) = designed.blank, designed.gear
+    teeth = designed.assembly.pinion_teeth, designed.assembly.gear_teeth
+    thickness = designed.gear_thickness
+    return Case(
+        easeoff_case=1,
+        title=design.title,
+        description=design.description,
+        pair=design.pair,
+        pinion=PinionTable(
+            number_of_teeth=teeth[0],
+            hand_of_spiral=design.pinion.hand_of_spiral,
+            blank=blank_table(blank.pinion, blank.clearance),
+            concave=flank_settings(designed.pinion["drive"].surface, teeth[0]),
+            convex=flank_settings(designed.pinion["coast"].surface, teeth[0]),
+            material=design.pinion.material,
+        ),
+        gear=MemberTable(
+            number_of_teeth=teeth[1],
+            mean_normal_circular_thickness=None if thickness is None else round(thickness, 10),
+            blank=blank_table(blank.gear, blank.clearance),
+            concave=flank_settings(concave, teeth[1]),
+            convex=flank_settings(convex, teeth[1]),
+            material=design.gear.material,
+        ),
+        misalignment=design.misalignment,
+        contact=design.contact,
+        compliance=design.compliance,
+        friction=design.friction,
+        target=TargetsTable(drive=design.target.drive, coast=design.target.coast),
+    )
+
+
+def _report(design: Design, designed: DesignedPair) -> DesignReport:
+    sides = {side: _side(design, designed, side) for side in SIDES}
+    warnings = [
+        f"{side}: the settings leave {1e3 * item.greatest_left:.1f} um of the wanted ease-off; free other settings of "
+        "the pinion with free_settings, or ask for another form"
+        for side, item in sides.items()
+        if item.greatest_left > max(1e-3, COARSE_FIT * item.wanted_range)
+    ]
+    warnings += [
+        f"{side}: {100 * item.uncut:.0f} % of the pinion's flank, at its root, is undercut or out of the cutter's reach"
+        for side, item in sides.items()
+        if item.uncut > UNDERCUT
+    ]
+    warnings += [
+        f"{side}: the tips of the pinion's blades run up to {np.abs(item.root_gap).max():.2f} mm off its root cone; "
+        "follow_root = true in [pinion] lets the fit tilt the cutter"
+        for side, item in sides.items()
+        if np.abs(item.root_gap).max() > designed.blank.clearance
+    ]
+    return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed)))
+
+
+def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"]) -> SideReport:
+    pair, fit = designed.pair(side), designed.pinion[side]
+    t, h = grid(NODES)
+    found = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    inside = found.status == NodeStatus.INSIDE
+    gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
+    wanted = ease_off_target(getattr(design.target, side))(*np.meshgrid(t, h, indexing="ij"))
+    return SideReport(
+        moved=fit.moved,
+        left=fit.residual,
+        wanted_range=float(np.ptp(wanted)),
+        greatest_ease_off=float(gap.max()),
+        common_flank=float(inside.mean()),
+        uncut=float(np.mean(np.isin(pair.pinion.flank(t, h).status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION)))),
+        root_gap=fit.root_gap,
+    )
+
+
+def _narrow(designed: DesignedPair) -> list[str]:
+    """Members whose teeth have a narrow top land, or that have no teeth at all between these flanks."""
+    try:
+        both = bodies(designed.pair())
+    except GeometryError as error:
+        return [str(error)]
+    found = []
+    for name, body in zip(("pinion", "gear"), both, strict=True):
+        for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
+            if thickness < NARROW * designed.blank.mean_normal_module:
+                found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")
+    return found

@@ -1,0 +1,90 @@
+"""The command that wears a pair, or laps it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .analysis_options import pair_options, with_defaults
+from .exit_codes import EXIT_UNCERTIFIED
+from .options import coefficients, duty_cycle
+
+
+@click.command()
+@pair_options
+@click.option(
+    "--torque",
+    callback=duty_cycle,
+    required=True,
+    metavar="T or T1=SHARE1,T2=SHARE2,...",
+    help="Torque at the pinion in N m, or several with their shares of the revolutions.",
+)
+@click.option("--revolutions", type=float, required=True, help="Revolutions of the pinion after which to stop.")
+@click.option(
+    "--coefficient",
+    callback=coefficients,
+    default="1e-12",
+    show_default=True,
+    metavar="K or PINION/GEAR",
+    help="Archard's coefficient in mm^2/N; larger by orders for lapping.",
+)
+@click.option(
+    "--largest-step",
+    type=float,
+    default=0.5,
+    show_default=True,
+    help="Depth in um after which the contact is computed anew.",
+)
+@click.option("--largest-depth", type=float, help="Depth in um at which to stop before that.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
+def wear(
+    case: str,
+    torque: dict[float, float],
+    revolutions: float,
+    coefficient: tuple[float, float],
+    largest_step: float,
+    largest_depth: float | None,
+    output: Path,
+    **options: Any,
+) -> None:
+    """Wear the flanks of CASE, a shipped name or a file, and write how they change.
+
+    The flanks it leaves are a deviation: `--deviation pinion=FILE --deviation gear=FILE`, here to go on, or in `easeoff
+    run`.
+    """
+    from tqdm import tqdm
+
+    from ...core.files import check_writable, whole_file
+    from ..wear import WearLaw
+    from ..wear import wear as worn
+
+    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
+    law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
+    with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
+        history = worn(case, law, torque=torque, progress=lambda done: _moved(bar, done), **with_defaults(options))
+    with whole_file(output) as temporary:
+        history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
+    last = history.isel(step=-1)
+    depths = ", ".join(f"{m} {float(last['largest_depth'].sel(member=m)):.2f} um" for m in ("pinion", "gear"))
+    click.echo(
+        f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps"
+    )
+    click.echo(f"largest depth: {depths}")
+    for torque_value in torque:
+        both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
+        click.echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
+    click.echo(f"wrote {output}")
+    if not history.attrs["completed"]:
+        click.echo(
+            f"the wear stopped before its time, after {100 * float(last['revolutions']) / revolutions:.3g} % of the "
+            "revolutions; the file holds what was solved. A smaller --largest-step may lead further",
+            err=True,
+        )
+        sys.exit(EXIT_UNCERTIFIED)
+
+
+def _moved(bar: Any, done: float) -> None:
+    bar.update(done - bar.n)

@@ -1,0 +1,148 @@
+"""The table of a comparison: one row an attempt, labelled, as netCDF and CSV."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ...contact.problem.certificate import Certificate
+from ...core.attributes import labelled
+from ...core.errors import InputError
+from ...core.files import require_file, whole_file
+from .attempt import Attempt
+
+FORMAT = "easeoff comparison of solvers"
+RESIDUALS = tuple(field.name for field in fields(Certificate))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One attempt, with what it was made on.
+
+    Attributes
+    ----------
+    problem_name, kind : str
+        Labels ``name`` and ``kind`` of the file; empty if it has none.
+    gear_torque : float
+        [N m].
+    reference_rotation : float
+        Certified rotation beyond first contact [rad]; NaN if there is none.
+    """
+
+    problem_file: str
+    problem: int
+    problem_name: str
+    kind: str
+    size: int
+    gear_torque: float
+    solver: str
+    settings: str
+    start: str
+    repetition: int
+    attempt: Attempt
+    reference_rotation: float
+
+
+def table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Return the table.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    tolerance : float
+        Largest violation of a certified answer.
+    attributes : mapping
+        What else is to be said of the whole.
+
+    Returns
+    -------
+    Dataset
+        Variables along the dimension ``attempt``, with units and meaning. Residuals are NaN without an answer.
+    """
+    given = ("problem_file", "problem", "problem_name", "kind", "size", "gear_torque")
+    columns: dict[str, list[Any]] = {
+        name: [getattr(row, name) for row in rows] for name in (*given, "solver", "settings", "start", "repetition")
+    }
+    attempts = [row.attempt for row in rows]
+    columns["run_time"] = [a.run_time for a in attempts]
+    columns["claim"] = [a.claim for a in attempts]
+    columns["certified"] = [int(a.certificate.passes(tolerance)) for a in attempts]
+    for name in RESIDUALS:
+        columns[name] = [_finite(getattr(a.certificate, name)) for a in attempts]
+    columns["worst_residual"] = [_finite(a.certificate.worst) for a in attempts]
+    columns["rotation_error"] = [rotation_error(row.attempt.elastic_rotation, row.reference_rotation) for row in rows]
+    columns["iterations"] = [a.iterations for a in attempts]
+    columns["polished"] = [int(a.polished) for a in attempts]
+    columns["message"] = [a.message for a in attempts]
+    whole = {"problem", "size", "repetition", "iterations"}
+    dataset = xr.Dataset(
+        {name: ("attempt", _column(values, name in whole)) for name, values in columns.items()},
+        attrs={"format": FORMAT, "format_version": 1, "Conventions": "CF-1.11", "tolerance": tolerance, **attributes},
+    )
+    for name in ("certified", "polished"):
+        dataset[name] = dataset[name].astype(np.int8)
+        dataset[name].attrs = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
+    return labelled(dataset)
+
+
+def rotation_error(rotation: float, reference: float) -> float:
+    """Relative error of a rotation beyond first contact; NaN without an answer, a reference, or a load.
+
+    >>> rotation_error(1.5, 1.0), rotation_error(0.0, 0.0)
+    (0.5, nan)
+    """
+    if not (math.isfinite(rotation) and math.isfinite(reference)) or reference == 0.0:
+        return math.nan
+    return abs(rotation - reference) / abs(reference)
+
+
+def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
+    """Write the table as ``results.nc`` and ``results.csv``; each file is complete or not there at all.
+
+    Raises
+    ------
+    InputError
+        A file cannot be written.
+    """
+    paths = [folder / "results.nc", folder / "results.csv"]
+    with whole_file(paths[0]) as temporary:
+        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
+    frame: Any = dataset.to_dataframe()
+    with whole_file(paths[1]) as temporary:
+        frame.to_csv(temporary, index=False)
+    return paths
+
+
+def read_table(path: Path) -> xr.Dataset:
+    """Read a table back from ``results.nc``.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or it is no table of a comparison.
+    """
+    require_file(path)
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as opened:
+            dataset = opened.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path} is not a netCDF file: {error}") from error
+    if dataset.attrs.get("format") != FORMAT:
+        raise InputError(f"{path} holds no comparison of solvers: make one with 'easeoff compare'")
+    return dataset
+
+
+def _finite(value: float) -> float:
+    return value if math.isfinite(value) else math.nan
+
+
+def _column(values: list[Any], whole: bool) -> Any:
+    if whole:
+        return np.array(values, dtype=np.int32)
+    return np.array(values, dtype=np.float64 if values and isinstance(values[0], float) else None)

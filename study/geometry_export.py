@@ -1,0 +1,140 @@
+"""The geometry of a case as a file: points for measuring machines, surfaces for CAD, meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ..cases.conversion import gear_pair
+from ..cases.schema.case_schema import Case
+from ..core.errors import InputError
+from ..core.files import check_writable
+from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
+from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
+from ..geometry.formats.mesh import FORMATS as MESH_FORMATS
+from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES
+from ..geometry.formats.step import require_opencascade
+from ..geometry.pair.gear_pair import GearPair
+from ..geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
+from ..geometry.tooth.tooth_surface import tooth_patches
+
+FlankChoice = Literal["concave", "convex", "both"]
+SURFACE_NODES = (61, 31)  # splines through them are within 0.02 um of the flanks of the shipped cases
+
+
+def pair_of(case: Case) -> GearPair:
+    """The pair of a case, from whichever side it describes, the drive side first."""
+    described = case.pinion.concave is not None and case.gear.convex is not None
+    return gear_pair(case, "drive" if described else "coast")
+
+
+def export_points(
+    case: Case,
+    path: Path,
+    member: MemberName,
+    flank: FlankChoice = "both",
+    *,
+    rows: int = 5,
+    columns: int = 9,
+    margins: EdgeMargins | None = None,
+) -> str:
+    """Write the measuring points of a member; returns what was written.
+
+    Raises
+    ------
+    InputError
+        If the grid or a margin cannot be used, the case does not know the flank, or the file cannot be written.
+    GeometryError
+        If a point of the grid is no point of the flank.
+    """
+    pair = pair_of(case)
+    points = cmm_points(
+        named_member(pair, member), rows, columns, margins, tooth_angle=tooth_angle(pair, member)
+    ).assign_attrs({"member": member, "title": case.title})
+    known = [str(name) for name in points["flank"].values]
+    if flank != "both":
+        if flank not in known:
+            raise InputError(f"flank = {flank!r}: the case describes only the {known[0]} flank of the {member}")
+        points = points.sel(flank=[flank])
+        known = [flank]
+    write_cmm_points(points, path)
+    return f"{rows} x {columns} points of the {member}, {' and '.join(known)} flank"
+
+
+def export_surfaces(
+    case: Case,
+    path: Path,
+    member: MemberName,
+    flank: FlankChoice = "both",
+    *,
+    teeth: int | None = 1,
+    nodes: tuple[int, int] = SURFACE_NODES,
+) -> str:
+    """Write the surface of one or more teeth, with ``teeth = None`` of all of them; returns what was written.
+
+    Raises
+    ------
+    InputError
+        If a number cannot be used or the file cannot be written.
+    GeometryError
+        If part of the surface does not exist.
+    MissingPackageError
+        If the format needs a package that is not installed.
+    """
+    step = path.suffix.lower() in STEP_SUFFIXES
+    if step:
+        require_opencascade()
+    pair = pair_of(case)
+    number = named_member(pair, member).teeth
+    wanted = number if teeth is None else teeth
+    if not 1 <= wanted <= number:
+        raise InputError(f"teeth = {wanted}: the {member} has {number}")
+    patches = tooth_patches(pair, member, nodes)
+    if flank != "both":
+        patches = {name: points for name, points in patches.items() if name.startswith(flank)}
+    pitch = 2.0 * np.pi / number
+    if step:
+        write_step(patches, path, teeth=wanted, pitch=pitch, name=f"{case.title}, {member}")
+    else:
+        write_mesh(patches, path, teeth=wanted, pitch=pitch)
+    return f"{wanted} of {number} teeth of the {member}: {', '.join(patches)}"
+
+
+def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, options: dict[str, Any]) -> str:
+    """Write the file whose kind its suffix tells; returns what was written.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    path
+        The file.
+    member
+        ``pinion`` or ``gear``.
+    flank
+        Which flanks.
+    options
+        What was asked for: ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces.
+
+    Raises
+    ------
+    InputError
+        If no format has this suffix, or an option belongs to another one; and as the two functions above.
+    """
+    suffix = path.suffix.lower()
+    surfaces = (*STEP_SUFFIXES, *MESH_FORMATS)
+    if suffix not in (*POINT_SUFFIXES, *surfaces):
+        raise InputError(
+            f"{path}: the suffix decides what is written: {', '.join(POINT_SUFFIXES)} for measuring points, "
+            f"{', '.join(surfaces)} for surfaces"
+        )
+    points = suffix in POINT_SUFFIXES
+    foreign = set(options) & ({"teeth", "nodes"} if points else {"rows", "columns", "margins"})
+    if foreign:
+        kind = "surfaces" if points else "measuring points"
+        raise InputError(f"{', '.join(f'--{name}' for name in sorted(foreign))}: for {kind}, not for a {suffix} file")
+    check_writable(path)
+    write = export_points if points else export_surfaces
+    return write(case, path, member, flank, **options)

@@ -1,0 +1,193 @@
+"""What the problem library holds: every problem by name, declared, nothing computed.
+
+A problem is a `Source`, an instant of a shipped case, or one made from it by a change of `changes.CHANGES`. Any change
+of what a name stands for is a new version of the library; a comparison names the version it was made with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from ...geometry.pair.gear_pair import FlankName
+
+LIBRARY_VERSION = 1
+
+#: Pinion rotations that divide one pitch; a source stands at one of them.
+MESH_POSITIONS = 32
+#: Files of the library: the most segments a line of their problems.
+PARTS = {"small": 31, "medium": 150, "large": 2000}
+
+#: Kinds of problems, and why they are in the library.
+KINDS = {
+    "load": "each shipped case, drive and coast, under light, design and heavy load, aligned: everyday problems",
+    "misaligned": "each shipped case at the design torque, misaligned both ways: contact moves, in some onto an edge",
+    "cycle": "one mesh cycle in sequence: warm starts, lines that enter and leave",
+    "fine": "ever more segments a line, to thousands: growth of time and memory",
+    "weak": "the local compliance scaled down: nearly singular, ever more so",
+    "dense": "the compliance as a dense matrix, everyday and nearly singular: what solvers do without the structure",
+    "degenerate": "ties, duplicates, the brink of contact, extremes of load and distance, singular compliance",
+}
+
+#: Torques at the pinion by case [N m]: light, design (a torque of the case file), heavy (twice its greatest).
+TORQUES = {
+    "nasa-12x36": (5.0, 150.0, 600.0),
+    "fm-11x41": (5.0, 250.0, 1000.0),
+    "fh-12x41-45": (5.0, 200.0, 1000.0),
+    "fh-design-a": (5.0, 100.0, 1000.0),
+    "fh-design-b": (5.0, 100.0, 1000.0),
+}
+#: Assembly errors E and P [mm] of `fm-11x41`, and their opposites.
+MISALIGNMENTS = ((-0.15, 0.12), (0.15, -0.12))
+SEGMENTS_PER_LINE = (21, 51, 131, 333, 667, 1667)
+FLANKS: tuple[FlankName, ...] = ("drive", "coast")
+
+
+@dataclass(frozen=True)
+class Source:
+    """An instant of a shipped case.
+
+    Parameters
+    ----------
+    case
+        Name of the shipped case.
+    flank
+        ``drive`` or ``coast``.
+    torque
+        At the pinion [N m].
+    offset_error, pinion_axial_error
+        Assembly errors E and P [mm]; the others are zero, whatever the case file says.
+    mesh_position
+        Number of the pinion rotation, 0 to `MESH_POSITIONS` - 1.
+    segments_per_line
+        Segments of a contact line.
+    """
+
+    case: str
+    flank: FlankName
+    torque: float
+    offset_error: float = 0.0
+    pinion_axial_error: float = 0.0
+    mesh_position: int = 0
+    segments_per_line: int = 31
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A problem of the library.
+
+    Parameters
+    ----------
+    name
+        Its name, which stays.
+    kind
+        A key of `KINDS`.
+    source
+        The instant it comes from.
+    change
+        A key of `changes.CHANGES`; empty for the real problem itself.
+    amount
+        What the change takes; zero where it takes nothing.
+    dense
+        Whether the compliance is given as a matrix, not as diagonal plus factor.
+    """
+
+    name: str
+    kind: str
+    source: Source
+    change: str = ""
+    amount: float = 0.0
+    dense: bool = False
+
+    @property
+    def part(self) -> str:
+        """The file it is in."""
+        return next(part for part, most in PARTS.items() if self.source.segments_per_line <= most)
+
+
+#: Two everyday instants that the made problems come from: a spiral bevel pair, and a hypoid pair off its centre.
+BASES = {
+    "nasa-12x36": Source("nasa-12x36", "drive", 150.0, mesh_position=12),
+    "fh-12x41-45": Source("fh-12x41-45", "coast", 200.0, *MISALIGNMENTS[0], mesh_position=3),
+}
+
+
+#: Change, amount and whether the compliance is dense, of the degenerate problems made from each base.
+DEGENERATE = (
+    ("zero_separation", 0.0, False),
+    ("zero_separation", 0.0, True),
+    ("tied_separations", 0.002, False),
+    ("next_contact", 0.0, False),
+    ("next_contact", 0.0, True),
+    ("scaled_torque", 1e-9, False),
+    ("scaled_torque", 1e6, False),
+    ("remote_segment", 1e6, False),
+    ("shifted_rotation", 1e3, False),
+    ("twin_segments", 0.0, False),
+    ("copied_segments", 0.0, True),
+    ("copied_tooth_pairs", 0.0, False),
+    ("copied_tooth_pairs", 0.0, True),
+    ("rigid_segment", 0.0, False),
+    ("rigid_half", 0.0, False),
+    ("no_local_compliance", 0.0, False),
+    ("single_segment", 0.0, False),
+)
+
+
+def entries() -> tuple[Entry, ...]:
+    """All problems of the library, in the order of its files: part after part, sequences together."""
+    found = [*_loads(), *_misaligned(), *_cycle(), *_fine(), *_weak(), *_dense(), *_degenerate()]
+    return tuple(sorted(found, key=lambda entry: list(PARTS).index(entry.part)))
+
+
+def _loads() -> Iterator[Entry]:
+    for number, (case, torques) in enumerate(TORQUES.items()):
+        for flank in FLANKS:
+            for level, torque in zip(("light", "design", "heavy"), torques, strict=True):
+                position = 5 * number % MESH_POSITIONS
+                yield Entry(f"{case}-{flank}-{level}", "load", Source(case, flank, torque, mesh_position=position))
+
+
+def _misaligned() -> Iterator[Entry]:
+    for case, (_, torque, _) in TORQUES.items():
+        for flank in FLANKS:
+            for number, errors in enumerate(MISALIGNMENTS, start=1):
+                source = Source(case, flank, torque, *errors, mesh_position=16)
+                yield Entry(f"{case}-{flank}-misaligned-{number}", "misaligned", source)
+
+
+def _cycle() -> Iterator[Entry]:
+    for position in range(0, MESH_POSITIONS, 2):
+        source = Source("fh-design-a", "drive", 100.0, mesh_position=position)
+        yield Entry(f"fh-design-a-cycle-{position:02d}", "cycle", source)
+
+
+def _fine() -> Iterator[Entry]:
+    for base, source in (*BASES.items(), ("fm-11x41", Source("fm-11x41", "drive", 250.0, mesh_position=20))):
+        for count in SEGMENTS_PER_LINE:
+            yield Entry(f"{base}-fine-{count}", "fine", replace(source, segments_per_line=count))
+
+
+def _weak() -> Iterator[Entry]:
+    for base, source in BASES.items():
+        for count in (31, 131):
+            for exponent in (-2, -4, -6, -8):
+                name = f"{base}-weak-{count}-1e{exponent}"
+                fine = replace(source, segments_per_line=count)
+                yield Entry(name, "weak", fine, "scaled_local_compliance", 10.0**exponent)
+
+
+def _dense() -> Iterator[Entry]:
+    for case, (_, torque, _) in TORQUES.items():
+        source = Source(case, "drive", torque, mesh_position=8)
+        yield Entry(f"{case}-dense", "dense", source, dense=True)
+    for base, source in BASES.items():
+        yield Entry(f"{base}-dense-131", "dense", replace(source, segments_per_line=131), dense=True)
+        yield Entry(f"{base}-dense-weak-1e-4", "dense", source, "scaled_local_compliance", 1e-4, dense=True)
+
+
+def _degenerate() -> Iterator[Entry]:
+    for base, source in BASES.items():
+        for change, amount, dense in DEGENERATE:
+            name = f"{base}-{change.replace('_', '-')}" + (f"-{amount:g}" if amount else "")
+            yield Entry(name + ("-dense" if dense else ""), "degenerate", source, change, amount, dense)

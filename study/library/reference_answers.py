@@ -1,0 +1,191 @@
+"""Reference answers of the problem library: the shipped table, and how it is proved without our own solver.
+
+An answer is the rotation beyond first contact, theta - min S/r over r > 0, which every solution of a problem shares,
+and the number of segments in contact where that is determined. Two methods that have nothing in common with the native
+solver stand behind it:
+
+- the conditions on the touching segments as a linear system, solved by iterative refinement in extended precision, and
+  the sign of every force and gap there: what satisfies all conditions is the solution;
+- Lemke's pivoting, for problems of up to `LEMKE_SIZE` segments.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+from ...contact.problem.contact_problem import ContactProblem
+from ...contact.solvers import solve
+from ...core.files import whole_file
+
+Wide = NDArray[np.longdouble]
+
+TABLE = "answers.csv"
+LEMKE_SIZE = 600
+#: A segment whose force and gap both lie below this, over their scales, may be counted either way.
+BRINK = 1e-6
+#: Largest wrong sign of a force or gap, over its scale, that is taken for rounding of the data.
+ROUNDING = 1e-13
+REFINEMENT_STEPS = 30
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a solver must find.
+
+    Parameters
+    ----------
+    name
+        Of the problem.
+    size
+        Number of segments.
+    elastic_rotation
+        Rotation beyond first contact [rad].
+    touching
+        Number of segments that carry load; -1 where segments at the brink or a singular compliance leave it open.
+    condition_number
+        Of the compliance; infinite where its least eigenvalue is rounding.
+    refined_difference, lemke_difference
+        Relative difference between the native solver's rotation and that of the refinement and of Lemke's method; NaN
+        where the method has no answer or was not tried.
+    """
+
+    name: str
+    size: int
+    elastic_rotation: float
+    touching: int
+    condition_number: float
+    refined_difference: float
+    lemke_difference: float
+
+
+def reference_answers() -> dict[str, Answer]:
+    """The shipped table, by name."""
+    text = resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8")
+    kinds = {field.name: {"str": str, "int": int, "float": float}[str(field.type)] for field in fields(Answer)}
+    rows = csv.DictReader(text.splitlines())
+    return {row["name"]: Answer(**{key: kinds[key](value) for key, value in row.items()}) for row in rows}
+
+
+def write_answers(answers: Iterable[Answer], path: Path) -> None:
+    """Write the table, complete or not at all."""
+    with whole_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Answer)], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({key: _shown(key, value) for key, value in asdict(answer).items()} for answer in answers)
+
+
+def proved_answer(name: str, problem: ContactProblem) -> Answer:
+    """Solve a problem natively and by the independent methods.
+
+    Raises
+    ------
+    ArithmeticError
+        The native answer is not certified, or no independent method has an answer.
+    """
+    solution = solve(problem, "native")
+    if not solution.certified:
+        raise ArithmeticError(f"{name}: {solution.status.name}")
+    rotation = solution.elastic_rotation
+    refined = refined_rotation(problem, solution.active)
+    by_lemke = solve(problem, "lemke") if problem.size <= LEMKE_SIZE else None
+    pivoted = by_lemke.elastic_rotation if by_lemke is not None and by_lemke.certified else math.nan
+    best = next((value for value in (refined, pivoted) if math.isfinite(value)), None)
+    if best is None:
+        raise ArithmeticError(f"{name}: no independent method has an answer")
+    scale = solution.force.max(), float(solution.force @ problem.deflection(solution.force)) / solution.force.sum()
+    margin = np.maximum(solution.force / scale[0], solution.gap / scale[1]).min()
+    determined = math.isfinite(refined) and margin > BRINK
+    return Answer(
+        name,
+        problem.size,
+        best,
+        int(solution.active.sum()) if determined else -1,
+        condition_number(problem.dense_compliance),
+        abs(rotation / refined - 1.0),
+        abs(rotation / pivoted - 1.0),
+    )
+
+
+def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> float:
+    """Rotation beyond first contact in extended precision [rad], if just these segments touch.
+
+    Parameters
+    ----------
+    problem
+        A problem.
+    active
+        The segments thought to touch (n).
+
+    Returns
+    -------
+    float
+        NaN if the conditions on these segments are singular, or another force or gap has the wrong sign by more than
+        `ROUNDING`.
+    """
+    touching = np.flatnonzero(active)
+    arm, separation = problem.lever_arm.astype(np.longdouble), problem.separation.astype(np.longdouble)
+    positive = arm > 0.0
+    separation = separation - (separation[positive] / arm[positive]).min() * arm
+    torque = np.longdouble(problem.torque)
+    compliance, lever = problem.dense_compliance[np.ix_(touching, touching)], problem.lever_arm[touching]
+    stiff, long = float(compliance.diagonal().mean()), float(np.abs(lever).mean())
+    force_unit, angle_unit = problem.torque / long, problem.torque * stiff / long**2
+    scaled = np.block([[compliance / stiff, -lever[:, None] / long], [lever[None] / long, np.zeros((1, 1))]])
+    factors, pivots, singular = dgetrf(scaled)
+    if singular:
+        return math.nan
+    force, rotation = np.zeros(problem.size, dtype=np.longdouble), np.longdouble(0.0)
+    last = math.inf
+    for _ in range(REFINEMENT_STEPS):
+        gap = _deflection(problem, force) + separation - rotation * arm
+        missing = np.r_[-gap[touching] / (stiff * force_unit), (torque - arm @ force) / torque]
+        step = dgetrs(factors, pivots, missing.astype(np.float64))[0]
+        force[touching] += step[:-1] * np.longdouble(force_unit)
+        rotation += step[-1] * np.longdouble(angle_unit)
+        size = float(np.abs(step).max() / max(np.abs(force).max() / force_unit, abs(rotation) / angle_unit))
+        if not size < 0.1 * last:
+            break
+        last = size
+    gap = _deflection(problem, force) + separation - rotation * arm
+    gap_scale = float(force @ _deflection(problem, force) / force.sum())
+    residual = float(np.abs(gap[touching]).max())
+    wrong = max(-float(force.min() / force.max()), (residual - min(float(gap.min()), 0.0)) / gap_scale)
+    return float(rotation) if wrong <= ROUNDING else math.nan
+
+
+def condition_number(compliance: NDArray[np.float64]) -> float:
+    """Greatest over least eigenvalue; infinite where the least is rounding.
+
+    >>> condition_number(np.diag([1.0, 4.0])), condition_number(np.ones((2, 2)))
+    (4.0, inf)
+    """
+    eigenvalues = np.linalg.eigvalsh(compliance)
+    floor = np.finfo(float).eps * compliance.shape[0] * eigenvalues[-1]
+    return float(eigenvalues[-1] / eigenvalues[0]) if eigenvalues[0] > 10.0 * floor else math.inf
+
+
+def _deflection(problem: ContactProblem, force: Wide) -> Wide:
+    """C F in extended precision, without the columns of segments that carry nothing."""
+    loaded = np.flatnonzero(force)
+    if isinstance(problem.compliance, tuple):
+        diagonal, factor = problem.compliance
+        modes = factor[loaded].astype(np.longdouble)
+        return np.asarray(diagonal * force + factor.astype(np.longdouble) @ (force[loaded] @ modes))
+    return np.asarray(problem.compliance[:, loaded].astype(np.longdouble) @ force[loaded])
+
+
+def _shown(key: str, value: Any) -> Any:
+    """Rotations with all digits, the others with as many as mean something."""
+    if isinstance(value, float):
+        return repr(value) if key == "elastic_rotation" else f"{value:.1e}" if math.isfinite(value) else str(value)
+    return value

@@ -1,0 +1,259 @@
+"""The low-order modification of a case's ease-off that makes its loads small or even, proved by a fresh analysis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..cases.conversion import elastic_model, finite_elements
+from ..cases.reading import read_case
+from ..cases.schema.case_schema import Case
+from ..contact.modification.convex_programme import (
+    Goal,
+    Objective,
+    checked_objective,
+    end_loads,
+    figures,
+    peak_to_peaks,
+    worst_assembly,
+)
+from ..contact.modification.load_response import LinearLoads, stacked
+from ..contact.modification.modification_search import Search, optimal_modification
+from ..contact.modification.modified_contact import ModifiedContact
+from ..contact.solvers import require_solver
+from ..core.attributes import labelled
+from ..core.errors import GeometryError, InputError
+from ..geometry.pair.assembly import Misalignment
+from ..geometry.pair.gear_pair import FlankName, GearPair, pair_geometry
+from ..geometry.pair.modification import Modification, basis, terms
+from .analysis import analyze_in_full, prepared_pair
+
+Array = NDArray[Any]
+
+STAGES = ("before", "after")
+
+
+def optimize(
+    case: Case | str | Path,
+    *,
+    flank: FlankName = "drive",
+    torques: Sequence[float] | None = None,
+    misalignments: Sequence[Misalignment] = (),
+    objective: str = "peak_load",
+    order: int = 3,
+    transmission_error: float | None = None,
+    end_load: float | None = None,
+    largest: float = 50.0,
+    programmes: int = 40,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+) -> xr.DataTree:
+    """Find the modification of a case's ease-off that is best under load, and analyse the case with it.
+
+    Parameters
+    ----------
+    case
+        A checked case, or what ``read_case`` takes.
+    flank
+        ``drive`` or ``coast``.
+    torques
+        Torques at the pinion [N m]; the case's own if left out. All count in relation to what they have at the start;
+        the one that fares worst decides.
+    misalignments
+        Further assemblies that count as much as the case's own.
+    objective
+        ``peak_load``: the greatest line load over the mesh cycle; ``peak_pressure``: the greatest contact pressure;
+        ``even_load``: the mean square of the line load.
+    order
+        Greatest total order of the surface's terms: 2, 3 or 4.
+    transmission_error
+        Limit of the loaded transmission error's peak to peak at every torque and assembly [urad]; none if left out.
+    end_load
+        Limit of the line load at the ends of the contact lines, on the edges of the flanks [N/mm]. If left out, no
+        torque may load the edges more than it did; infinite for no limit.
+    largest
+        Limit of the modification anywhere on the flank [um].
+    programmes
+        The most convex programmes to solve in each of the two searches.
+    solver
+        Name of the contact solver.
+    progress
+        Called after every programme.
+
+    Returns
+    -------
+    xr.DataTree
+        The analysis of the modified case, with the groups ``modification`` (terms and surface) and ``optimization``
+        (before and after for each assembly and torque, and every programme).
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range.
+    GeometryError
+        If the pair cannot be analysed as it is.
+    """
+    checked = case if isinstance(case, Case) else read_case(case)
+    _check(transmission_error, end_load, largest, programmes)
+    chosen, names = checked_objective(objective), terms(order)
+    require_solver(solver)
+    # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
+    before = analyze_in_full(checked, flank=flank, torques=torques, edge_contact=False, solver=solver)
+    loaded = before.tree["loaded"].to_dataset()
+    torque = loaded["torque"].values
+    assemblies = [prepared_pair(checked, flank, other) for other in (None, *misalignments)]
+    contacts = [_contact(checked, pair, torque, names, solver) for pair in assemblies]
+
+    def solved(coefficients: Array) -> LinearLoads | None:
+        parts = [contact.loads(coefficients, i * torque.size) for i, contact in enumerate(contacts)]
+        known = [part for part in parts if part is not None]
+        return stacked(known) if len(known) == len(parts) else None
+
+    none = np.zeros(len(names))
+    start = solved(none)
+    if start is None:
+        raise GeometryError(
+            "the case as it is has mesh positions without a certified solution: see 'easeoff run', and choose other "
+            "torques or misalignments"
+        )
+    goal = _goal(start, chosen, torque.size, names, transmission_error, end_load, largest)
+    held = stacked([contact.held(none, i * torque.size) for i, contact in enumerate(contacts)])
+    found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
+    best = contacts[0].modification(found.coefficients)
+    after = analyze_in_full(checked, flank=flank, torques=torques, modification=best, edge_contact=False, solver=solver)
+    tree = after.tree
+    record = _compared(checked, start, found, loaded, assemblies)
+    record.attrs |= {
+        "objective": chosen,
+        "transmission_error_limit_urad": math.inf if transmission_error is None else transmission_error,
+        "end_load_limit_N_per_mm": goal.end_load,
+        "largest_modification_um": largest,
+        "converged": int(found.converged),
+    }
+    tree["optimization"] = xr.DataTree(record)
+    tree["modification"] = xr.DataTree(_surface(best, tree["ease_off"].to_dataset()))
+    return tree
+
+
+def _check(transmission_error: float | None, end_load: float | None, largest: float, programmes: int) -> None:
+    if transmission_error is not None and not transmission_error > 0.0:
+        raise InputError(f"transmission_error = {transmission_error}: must be a peak to peak above 0 urad")
+    if end_load is not None and not end_load >= 0.0:
+        raise InputError(f"end_load = {end_load}: must be a line load of 0 N/mm or more; infinite for no limit")
+    if not 0.0 < largest <= 1000.0:
+        raise InputError(f"largest = {largest}: must be above 0 and up to 1000 um")
+    if programmes < 1:
+        raise InputError(f"programmes = {programmes}: at least one is needed")
+
+
+def _contact(case: Case, pair: GearPair, torques: Array, names: tuple[str, ...], solver: str) -> ModifiedContact:
+    settings = case.contact
+    return ModifiedContact.of(
+        pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes)),
+        pair.assembly.pinion_teeth,
+        pair.assembly.ratio,
+        settings.mesh_positions,
+        torques=torques,
+        model=elastic_model(case, finite_elements(case, pair)),
+        segments_per_line=settings.segments_per_line,
+        names=names,
+        solver=solver,
+    )
+
+
+def _goal(
+    start: LinearLoads,
+    objective: Objective,
+    torques: int,
+    names: tuple[str, ...],
+    transmission_error: float | None,
+    end_load: float | None,
+    largest: float,
+) -> Goal:
+    load = worst_assembly(figures(start, "peak_load"), torques)
+    at_ends = worst_assembly(end_loads(start), torques)
+    places = np.meshgrid(np.linspace(0.0, 1.0, 15), np.linspace(0.0, 1.0, 11), indexing="ij")
+    return Goal(
+        objective=objective,
+        reference=worst_assembly(figures(start, objective), torques),
+        load_reference=load,
+        transmission_error=math.inf if transmission_error is None else transmission_error,
+        end_load=np.maximum(at_ends, 0.0) if end_load is None else np.full(torques, end_load),
+        surface=basis(names, places[0].ravel(), places[1].ravel()),
+        largest=largest,
+    )
+
+
+def _compared(
+    case: Case, start: LinearLoads, found: Search, before: xr.Dataset, assemblies: Sequence[GearPair]
+) -> xr.Dataset:
+    """The group ``optimization``."""
+    torque = before["torque"].values
+    stages = (start, found.loads)
+    shape = (len(assemblies), torque.size)
+
+    def both(of: Callable[[LinearLoads], Array]) -> Array:
+        return np.stack([of(loads).reshape(shape) for loads in stages])
+
+    model = elastic_model(case)
+    flexibility = 1.0 / model.pinion.plane_strain_modulus + 1.0 / model.gear.plane_strain_modulus
+    grid = ("stage", "assembly", "torque")
+    # Were the load even along all contact lines of the worst mesh position, no surface could do better.
+    arms = (before["lever_arm"] * before["length"]).sum("segment")
+    ratio = case.gear.number_of_teeth / case.pinion.number_of_teeth
+    data: dict[str, Any] = {
+        "max_line_load": (grid, both(lambda loads: figures(loads, "peak_load"))),
+        "max_pressure": (grid, both(lambda loads: figures(loads, "peak_pressure")) / math.sqrt(math.pi * flexibility)),
+        "load_norm": (grid, both(lambda loads: figures(loads, "even_load"))),
+        "max_end_load": (grid, np.maximum(both(end_loads), 0.0)),
+        "peak_to_peak": (grid, both(peak_to_peaks)),
+        "least_line_load": ("torque", (1e3 * ratio * before["torque"] / arms).max("mesh_position").values),
+    }
+    errors = [pair.assembly.misalignment for pair in assemblies]
+    data |= {
+        "offset_error": ("assembly", [e.offset for e in errors]),
+        "pinion_axial_error": ("assembly", [e.pinion_axial for e in errors]),
+        "gear_axial_error": ("assembly", [e.gear_axial for e in errors]),
+        "shaft_angle_error": ("assembly", [e.shaft_angle for e in errors]),
+    }
+    steps = found.steps
+    by_step = {
+        "reach": [s.reach for s in steps],
+        "promised_objective": [s.promised.objective for s in steps],
+        "fresh_objective": [s.fresh.objective for s in steps],
+        "promised_violation": [s.promised.violation for s in steps],
+        "fresh_violation": [s.fresh.violation for s in steps],
+        "accepted": np.array([s.accepted for s in steps], dtype=np.int8),
+        "mending": np.array([s.mending for s in steps], dtype=np.int8),
+        "search": [s.search for s in steps],
+        "programme_status": [s.status for s in steps],
+    }
+    data |= {name: ("programme", values) for name, values in by_step.items()}
+    coords = {
+        "stage": list(STAGES),
+        "assembly": np.arange(len(assemblies)),
+        "torque": torque,
+        "programme": np.arange(1, 1 + len(steps)),
+    }
+    return labelled(xr.Dataset(data, coords=coords))
+
+
+def _surface(modification: Modification, ease_off: xr.Dataset) -> xr.Dataset:
+    """The group ``modification``."""
+    lengthwise, profile = ease_off["lengthwise"].values, ease_off["profile"].values
+    values = modification(*np.meshgrid(lengthwise, profile, indexing="ij"))
+    return labelled(
+        xr.Dataset(
+            {
+                "coefficient": ("term", list(modification.coefficients.values())),
+                "modification": (("lengthwise", "profile"), values),
+            },
+            coords={"term": list(modification.coefficients), "lengthwise": lengthwise, "profile": profile},
+        )
+    )

@@ -1,0 +1,130 @@
+"""Picture of power loss and efficiency: over the mesh cycle, and over every operating condition that varies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ...friction.operation import named_models
+from .friction_maps import chosen_condition, roughness_name
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes
+from .transmission_error_chart import two_cycles
+
+Array = NDArray[Any]
+
+AXES = {
+    "speed": "speed of the pinion [1/min]",
+    "torque": "torque at the pinion [N m]",
+    "temperature": "oil temperature [°C]",
+    "roughness": "RMS roughness [µm]",
+}
+UNITS = {"speed": "/ min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
+PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures", "roughness": "roughnesses"}
+COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
+MOST_CURVES = 5
+MOST_TICKS, APART = 6, 0.12  # roughnesses that are ticked themselves, and their least distance, part of the axis
+LEAST_SPAN = 0.2  # of an axis of efficiencies [%]; less would make much of nothing
+
+
+def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float]) -> None:
+    """Curves of a quantity along one operating condition, one for each value of another, the rest as given."""
+    fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
+    here = quantity.isel(fixed).transpose(by, along)
+    order = np.argsort(here[along].values)
+    chosen = evenly_chosen(here[by].values, MOST_CURVES)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
+    for index, colour in zip(chosen, shades, strict=True):
+        label = value_name(quantity, by, int(index))
+        axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
+    plain_axes(axes)
+    low, high = axes.get_ylim()
+    more = max(0.0, 0.5 * (LEAST_SPAN - (high - low)))
+    axes.set_ylim(low - more, high + more)
+    axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
+    if along == "roughness":
+        name_pairs(axes, quantity)
+    legend_beside(axes, how_many(chosen.size, here.sizes[by], by))
+
+
+def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
+    """Say on an axis of roughnesses what both flanks have, if they differ."""
+    values, indices = np.unique(quantity["roughness"].values, return_index=True)
+    names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
+    if not any("/" in name for name in names):
+        return
+    label = "quadratic mean of both flanks' RMS roughnesses [µm]"
+    if values.size <= MOST_TICKS and np.all(np.diff(values) > APART * np.ptp(values)):
+        axes.set_xticks(values, names)
+        label = "RMS roughness, pinion/gear where they differ [µm]"
+    axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+
+
+def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
+    """One of the values of an operating condition with its unit."""
+    value = float(quantity[condition].values[index])
+    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {UNITS[condition]}"
+
+
+def how_many(drawn: int, count: int, condition: str) -> str:
+    """How many values have a curve, where some have none."""
+    return "" if drawn == count else f"{drawn} of {count} {PLURALS[condition]}"
+
+
+def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> None:
+    """Power loss over two mesh cycles, as part of the input power, one curve a torque."""
+    fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
+    loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
+    torques = friction["torque"].values
+    chosen = evenly_chosen(torques, MOST_CURVES)
+    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
+    for index, colour in zip(chosen, shades, strict=True):
+        times, values = two_cycles(loss[index])
+        axes.plot(times, values, color=colour, linewidth=1.6, label=f"{torques[index]:.4g} N m")
+    plain_axes(axes)
+    axes.set_xlim(0, 2)
+    axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+    axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
+    legend_beside(axes, how_many(chosen.size, torques.size, "torque"))
+
+
+def draw(tree: xr.DataTree) -> Figure:
+    """Draw the picture of a result with friction; what is not on an axis is at the middle one of its values."""
+    friction = tree["friction"].to_dataset()
+    at = chosen_condition(friction)
+    varied = [name for name in AXES if friction.sizes[name] > 1]
+    count = 1 + len(varied)
+    rows = -(-count // 2)
+    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, named_models(friction.attrs))
+    panels = figure.subplots(rows, 2, squeeze=False)
+    for axes in panels.flat[count:]:
+        axes.set_visible(False)
+    over_the_cycle(panels.flat[0], friction, at)
+    title(panels.flat[0], friction, at, ("torque",))
+    for axes, along in zip(panels.flat[1:], varied, strict=False):
+        by = COMPANION[along]
+        curves(axes, 100.0 * friction["efficiency"], along, by, at)
+        axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
+        title(axes, friction, at, (along, by))
+    return figure
+
+
+def legend_beside(axes: Axes, heading: str) -> None:
+    """A legend to the right of the axes."""
+    legend = axes.legend(
+        fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
+        handlelength=1.6, borderaxespad=0.4, title=heading or None, title_fontsize=SMALL_SIZE, alignment="left",
+    )  # fmt: skip
+    legend.get_title().set_color(GREY)
+
+
+def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
+    """The conditions that are held, above a panel."""
+    index = {name: int(np.argmax(friction[name].values == at[name])) for name in AXES}
+    held = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
+    axes.set_title(held, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

@@ -1,0 +1,99 @@
+"""Picture of the load sharing: what part of the torque each tooth pair carries, over two mesh cycles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator, PercentFormatter
+from numpy.typing import NDArray
+
+from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_name
+from .tooth_passage import Passage, pairs_in_view, passage
+
+Array = NDArray[Any]
+
+CYCLES = 2
+NAME_ROOM = 0.15  # cycles that a curve's crest needs for its name
+COLOURS = (BLUE, VERMILION, GREEN)
+
+
+def share_passage(at_torque: xr.Dataset) -> Passage:
+    """Share of the torque of one tooth pair over its passage, NaN outside contact.
+
+    The last step without load before and after contact is kept as zero, so that a curve starts and ends there.
+    """
+    course = passage(at_torque["pair"].values, at_torque["load_share"].transpose("pair", "mesh_position").values)
+    share = course.values
+    loaded = share > 0.0
+    beside = loaded.copy()
+    beside[1:] |= loaded[:-1]
+    beside[:-1] |= loaded[1:]
+    return Passage(course.first, course.per_cycle, np.where(beside, share, np.nan))
+
+
+def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
+    """Tooth pairs under load at the same time, on average over the mesh cycle; NaN if a position has no solution."""
+    share = at_torque["load_share"].transpose("pair", "mesh_position").values
+    if np.any(np.all(np.isnan(share), axis=0)):
+        return float("nan")
+    return float(np.mean(np.sum(share > 0.0, axis=0)))
+
+
+def draw(tree: xr.DataTree) -> Figure:
+    """Draw the picture of a result."""
+    loaded = tree["loaded"].to_dataset()
+    torques = loaded["torque"].values
+    chosen = evenly_chosen(torques)
+    columns = 1 if chosen.size <= 3 else 2
+    rows = -(-chosen.size // columns)
+    note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
+    figure = page(tree, "Load sharing between tooth pairs", 1.75 * rows + 0.4, note)
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    for number, index in enumerate(chosen):
+        draw_shares(panels.flat[number], loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
+    for axes in panels.flat[chosen.size :]:
+        axes.set_visible(False)
+    for axes in panels[-1]:
+        axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("share of the torque", fontsize=SMALL_SIZE + 1, color=INK)
+    return figure
+
+
+def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:
+    """Curves of the tooth pairs at one torque, with their numbers if ``named``."""
+    course = share_passage(at_torque)
+    for pair in pairs_in_view(course, CYCLES):
+        times = course.steps / course.per_cycle + pair
+        colour = COLOURS[pair % len(COLOURS)]
+        axes.fill_between(times, 0.0, course.values, color=colour, alpha=0.10, linewidth=0)
+        axes.plot(times, course.values, color=colour, linewidth=1.6)
+        if named:
+            _name(axes, pair, times, course.values, colour)
+    plain_axes(axes)
+    axes.set_xlim(0, CYCLES)
+    axes.set_ylim(0, 1.05)
+    axes.xaxis.set_major_locator(MultipleLocator(0.5))
+    axes.yaxis.set_major_locator(MultipleLocator(0.25))
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+    axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    pairs = mean_pairs_in_contact(at_torque)
+    missing = "some mesh positions missing" if np.any(np.isfinite(course.values)) else "no certified solution"
+    text = f"{pairs:.2f} pairs under load on average" if np.isfinite(pairs) else missing
+    axes.set_title(text, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def _name(axes: Axes, pair: int, times: Array, share: Array, colour: str) -> None:
+    """Write a pair's number under the crest of its curve, if there is room for it in view."""
+    seen = np.isfinite(share) & (times >= 0.0) & (times <= CYCLES)
+    if not np.any(seen):
+        return
+    height = float(np.max(share[seen]))
+    crest = times[seen][share[seen] >= 0.9 * height]
+    if height >= 0.5 and np.ptp(crest) >= NAME_ROOM:
+        text = f"pair {pair}".replace("-", "−")
+        axes.text(crest.mean(), 0.9 * height - 0.02, text, ha="center", va="top", fontsize=SMALL_SIZE, color=colour)

@@ -1,0 +1,1 @@
+"""Results as text: summaries, notes, and reports of designs and corrections."""

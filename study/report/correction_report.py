@@ -1,0 +1,56 @@
+"""Global errors and corrective settings of a measured flank, as text for people."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+
+from tabulate import tabulate
+
+from ...geometry.cutting.named_settings import BLADE, MACHINE, get_setting
+from ...geometry.deviation.corrective_settings import corrective_settings
+from ...geometry.deviation.deviation import Deviation
+from ...geometry.deviation.global_errors import angle_errors, fit_flank_errors
+from ...geometry.deviation.measurement import zeroed
+from ...geometry.pair.gear_pair import Member
+from ...geometry.tooth.tooth_flanks import side
+
+
+def correction_text(name: str, member: Member, deviation: Deviation) -> str:
+    """What a measured flank departs from its design in, and what to change on the machine.
+
+    Parameters
+    ----------
+    name
+        ``pinion`` or ``gear``.
+    member
+        The member, seen from the measured flank.
+    deviation
+        What was measured.
+    """
+    turned = zeroed(deviation, member.loaded)
+    found, correction = fit_flank_errors(turned), corrective_settings(member, turned)
+    angles = dict(zip(("spiral_angle", "pressure_angle"), angle_errors(found.errors, member), strict=True))
+    errors = [
+        (key, f"{value:+.1f}", f"{60.0 * math.degrees(angles[key]):+.2f}" if key in angles else "")
+        for key, value in asdict(found.errors).items()
+    ]
+    changes = []
+    for key, change in correction.changes.items():
+        angle = (key in BLADE or key in MACHINE) and (key.endswith("angle") or key in ("cutter_tilt", "cutter_swivel"))
+        unit = 180.0 / math.pi if angle else 1.0
+        start = get_setting(member.loaded, key)
+        changes.append((key, f"{unit * start:.6f}", f"{unit * change:+.6f}", f"{unit * (start + change):.6f}"))
+    return "\n".join(
+        [
+            f"{name}, {side(member.loaded)} flank: global errors, um of metal at the edges of the flank",
+            tabulate(errors, headers=["error", "um", "minutes"], disable_numparse=True),
+            f"rms {found.rms_before:.2f} um, without these {found.rms:.2f} um",
+            "",
+            "corrective settings, mm and degrees",
+            tabulate(changes, headers=["setting", "designed", "change", "to set"], disable_numparse=True),
+            f"rms {1e3 * correction.rms_before:.2f} um, after the correction {1e3 * correction.rms:.2f} um; a rotation "
+            "of the tooth is left out",
+            "",
+        ]
+    )

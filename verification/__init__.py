@@ -1,0 +1,1 @@
+"""Independent methods that check the product; the product imports nothing from here."""

@@ -1,0 +1,159 @@
+"""The ease-off method beside conventional contact analysis: error, path, direction and length of the contact line.
+
+Conventional analysis knows the flanks and nothing of ease-off or roll angle: five equations give the point of contact,
+both members' curvatures the line through it, as the major axis of an ellipse. The ellipse is of second order: by the
+flanks' symmetric third-order terms both direction and length of a true line differ from it in proportion to the
+separation at which the line ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..contact.lines.closest_approach import closest_approach
+from ..contact.lines.contact_lines import contact_fields
+from ..contact.lines.flank_splines import FlankFields
+from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
+from ..contact.unloaded import unloaded_contact
+from ..geometry.flanks.flank import seed_lattice
+from ..geometry.pair.conjugate_motion import ConjugateMotion
+from ..geometry.pair.ease_off import compute
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, grid, pair_geometry
+from ..geometry.vectors import dot
+from .point_contact import PointContact, path_of_contact
+from .relative_curvature import RelativeCurvature, relative_curvature
+
+Array = NDArray[Any]
+MARGIN = 0.02  # of face and profile; nearer to an edge the contact already leaves the clipped contact line
+BLADE_MARGIN = 0.1  # [mm]
+
+
+@dataclass(frozen=True)
+class BothMethods:
+    """A pair analysed both ways at n rotations, tooth pair by tooth pair.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion of the ease-off method.
+    fields, mesh
+        Its splines and contact lines.
+    contact
+        Conventional points of contact; NaN where they did not converge.
+    relative
+        Relative curvature there.
+    inside
+        Where the point of contact lies within both flanks, by a margin (n).
+    first_contact
+        Closing angle at which the ease-off method counts its error zero [rad].
+    """
+
+    motion: ConjugateMotion
+    fields: FlankFields
+    mesh: MeshLines
+    contact: PointContact
+    relative: RelativeCurvature
+    inside: NDArray[np.bool_]
+    first_contact: float
+
+    def unloaded(self, separation: float = 6.0) -> xr.Dataset:
+        """The ease-off method's unloaded contact, lines ending at a separation [um]."""
+        return unloaded_contact(self.fields, self.mesh, separation=separation)
+
+
+def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
+    """Analyse a pair by the ease-off method and conventionally.
+
+    Parameters
+    ----------
+    pair
+        The pair, with its misalignment.
+    nodes
+        Grid of the ease-off method.
+    mesh_positions
+        Rotations in a pitch; every tooth pair counts.
+
+    Raises
+    ------
+    GeometryError
+        As ``geometry.pair_geometry``.
+    """
+    geometry = pair_geometry(pair, nodes)
+    gear = pair.gear.flank(*grid(nodes))
+    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, mesh_positions)
+    pairs = np.unique(mesh.pair)
+    rotation = (mesh.rotations[None, :] - pairs[:, None] * pair.assembly.pinion_pitch).ravel()
+    contact = path_of_contact(gear, surface, rotation)
+    on_gear = _on_flank(pair.gear, contact.gear_position, contact.gear_parameters)
+    on_pinion = _on_flank(pair.pinion, contact.pinion_position, contact.pinion_parameters)
+    inside = contact.converged & on_gear & on_pinion
+    relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
+    zero = geometry.ease_off.attrs["first_contact_rad"]
+    return BothMethods(surface.motion, fields, mesh, contact, relative, inside, zero)
+
+
+def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
+    """Where points (3, n) with surface parameters (2, n) lie within a flank by the margins, and are not undercut."""
+    fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
+    with np.errstate(invalid="ignore"):
+        valid_side = member.loaded.orientation(parameters) * seed_lattice(member.loaded, member.section)[1] > 0.0
+        cut = member.loaded.evaluate(parameters)[2] > BLADE_MARGIN
+    return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - MARGIN, axis=0) & valid_side & cut)
+
+
+def point_differences(both: BothMethods) -> tuple[Array, Array]:
+    """Differences of transmission error (n) [rad] and of the place of contact on the gear flank (n) [mm].
+
+    NaN where the point of contact is not inside both flanks.
+    """
+    own = both.unloaded()
+    error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
+    place = both.fields("position", np.stack([t, h]))
+    away = np.linalg.norm(place - both.contact.gear_position, axis=0)
+    difference = 1e-6 * error - (both.contact.closing_angle - both.first_contact)
+    return np.where(both.inside, difference, np.nan), np.where(both.inside, away, np.nan)
+
+
+def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array]:
+    """How the contact line differs from the major axis of the contact ellipse.
+
+    Parameters
+    ----------
+    both
+        From ``both_methods``.
+    separation
+        Of the flanks at the ends of the line [um].
+
+    Returns
+    -------
+    tuple
+        Angle about the gear's normal (n) [rad] from the major axis to the chord between the places of closest approach
+        at both ends, and length over that of the major axis, less one (n). NaN where the edge of a flank ends the line.
+    """
+    own = both.unloaded(separation)
+    ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])
+    smallest, length = 1e-6 * _flat(own, "transmission_error")[0], _flat(own, "line_length")[0]
+    closest = closest_approach(both.fields, ends)
+    gap = 1e3 * (closest.separation_angle - smallest) * closest.lever_arm
+    whole = both.inside & np.all(np.abs(gap / separation - 1.0) < 0.01, axis=0)
+    start, end = both.fields("position", ends + closest.shift).swapaxes(0, 1)
+    chord = end - start
+    relative = both.relative
+    with np.errstate(invalid="ignore"):
+        chord = chord * np.sign(dot(chord, relative.line))
+        angle = np.arctan2(dot(chord, relative.across), dot(chord, relative.line))
+        longer = length / (2.0 * relative.half_length(1e-3 * separation)) - 1.0
+    return np.where(whole, angle, np.nan), np.where(whole, longer, np.nan)
+
+
+def _flat(dataset: xr.Dataset, name: str) -> Array:
+    """A variable over tooth pairs and mesh positions as (1 or 2, n)."""
+    variable = dataset[name].transpose("pair", "mesh_position", ...).values
+    return np.asarray(variable.reshape(variable.shape[0] * variable.shape[1], -1).T)

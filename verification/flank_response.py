@@ -1,0 +1,125 @@
+"""How a flank yields under pressures on it, indentation and bending in one, from the finite elements of its tooth.
+
+Between two points a distance r apart the compliance is that of a half space, (1 - nu^2) / (pi E r), plus what the real
+body adds. The latter is smooth and is interpolated between nodes; the former is integrated in closed form over the
+cells of a pressure field by whoever has such cells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from ..contact.compliance.finite_elements.array_store import kept, key_of
+from ..contact.compliance.finite_elements.elastic_members import unfilled
+from ..contact.compliance.material import Material
+from ..core.errors import GeometryError
+from ..geometry.pair.gear_pair import GearPair
+from ..geometry.tooth.lattice_spacing import LatticePlaces
+from ..geometry.tooth.tooth_flanks import MemberName
+from ..geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from .surface_compliance import surface_compliance
+
+Array = NDArray[Any]
+EDGE = 0.2  # thickness of the bricks at tip, toe and heel over that of the others
+LOWEST_PROFILE = 0.02  # of the nodes that are loaded; the fillet below is too strongly curved for a half space
+FORMAT = 1  # of what is kept; raise it when the same input gives other arrays
+
+
+@dataclass(frozen=True)
+class FlankResponse:
+    """What a tooth's body adds to the half space under normal forces on its loaded flank.
+
+    Parameters
+    ----------
+    lengthwise
+        Lengthwise fractions (nt) of the loaded nodes.
+    profile
+        Their profile fractions (nt, nh).
+    beyond_half_space
+        (nt nh, nt nh) [mm/N], symmetric.
+    """
+
+    lengthwise: Array
+    profile: Array
+    beyond_half_space: Array
+
+    def shares(self, points: Array) -> csr_array:
+        """Nodes' shares (n, nt nh) in points (2, n) of the flank, by cubics; beyond the outermost nodes, theirs."""
+        count, rows = self.profile.shape
+        sections, along = cubic_shares(np.broadcast_to(self.lengthwise, (points.shape[1], count)), points[0])
+        nodes, shares = [], []
+        for k in range(sections.shape[1]):
+            levels, up = cubic_shares(self.profile[sections[:, k]], points[1])
+            nodes.append(sections[:, [k]] * rows + levels)
+            shares.append(along[:, [k]] * up)
+        index = np.concatenate(nodes, axis=1)
+        points_of = np.repeat(np.arange(points.shape[1]), index.shape[1])
+        values = np.concatenate(shares, axis=1).ravel()
+        return csr_array((values, (points_of, index.ravel())), shape=(points.shape[1], self.profile.size))
+
+
+def cubic_shares(places: Array, wanted: Array) -> tuple[NDArray[np.int64], Array]:
+    """Indices and shares (n, 4) of the four of each row's increasing places (n, m) around the wanted ones (n)."""
+    inside = np.clip(wanted, places[:, 0], places[:, -1])
+    first = np.clip(np.sum(places <= inside[:, None], axis=1) - 2, 0, places.shape[1] - 4)
+    index = first[:, None] + np.arange(4)
+    four = np.take_along_axis(places, index, axis=1)
+    shares = np.ones_like(four)
+    for j in range(4):
+        for m in range(4):
+            if m != j:
+                shares[:, j] *= (inside - four[:, m]) / (four[:, j] - four[:, m])
+    return index.astype(np.int64), shares
+
+
+def flank_response(
+    pair: GearPair, member: MemberName, material: Material, size: LatticeSize, rim_depth: float | None = None
+) -> FlankResponse:
+    """Response of one member's loaded flank; made once and kept on disk, see ``store.cache_folder``.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    member
+        ``"pinion"`` or ``"gear"``.
+    material
+        Its material.
+    size
+        Number of bricks; those at tip, toe and heel are thin.
+    rim_depth
+        As ``tooth_lattice``.
+
+    Raises
+    ------
+    GeometryError
+        As ``tooth_lattice``, or if a brick is turned inside out.
+    """
+    lattice = tooth_lattice(pair, member, size, rim_depth, LatticePlaces.of_size(size).thinner_edges(EDGE))
+    key = key_of("flank_response", FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
+    found = kept(key, lambda: _response(lattice, material, member))
+    return FlankResponse(found["lengthwise"], found["profile"], found["beyond_half_space"])
+
+
+def _response(lattice: ToothLattice, material: Material, member: str) -> dict[str, Array]:
+    lowest = int(np.argmax(np.all(lattice.profile > LOWEST_PROFILE, axis=0)))
+    chosen = (slice(1, -1), slice(lowest, -1))  # nothing is known of a force on the edge itself
+    loaded, normal = lattice.flank[chosen].ravel(), lattice.flank_normal[chosen].reshape(-1, 3)
+    try:
+        whole = surface_compliance(lattice.nodes, lattice.cells, lattice.held, material, loaded, normal)
+    except GeometryError as error:
+        raise unfilled(member, error) from error
+    place = lattice.nodes[loaded]
+    distance = np.linalg.norm(place[:, None] - place, axis=2)
+    np.fill_diagonal(distance, np.inf)
+    beyond = whole - 1.0 / (np.pi * material.plane_strain_modulus * distance)
+    return {
+        "lengthwise": lattice.lengthwise[chosen[0]],
+        "profile": lattice.profile[chosen],
+        "beyond_half_space": 0.5 * (beyond + beyond.T),
+    }

@@ -1,0 +1,103 @@
+"""A cheap estimate of the root stress from the shell: section forces in its root springs, with a notch factor.
+
+The springs along the root line carry moment M, shear force V and axial force N per length of it. The nominal stress of
+the plate's section on the loaded side is 6 M / t^2 + N / t; the fillet raises it by the factor of Dolan and Broghamer
+(1942), in the form of AGMA 908-B89,
+
+    K = H + (t / r)^L (t / h)^M,  h = M / V,  H = 0.331 - 0.436 a,  L = 0.324 - 0.492 a,  M = 0.261 + 0.545 a,
+
+with the radius r of the fillet, taken as the cutter's edge radius, and the pressure angle a [rad].
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contact.compliance import Shell
+from ..contact.compliance.shell_kinematics import (
+    NUMBER_OF_ROOT_QUANTITIES,
+    ROOT_DEFLECTION,
+    ROOT_HEIGHT_SHIFT,
+    ROOT_ROTATION,
+)
+from ..core.errors import InputError
+
+Array = NDArray[Any]
+
+
+def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
+    """Forces and moments with which the root springs hold the tooth, per length of the root line.
+
+    Parameters
+    ----------
+    shell
+        A shell on root springs.
+    arc
+        Arc lengths from the toe (s) [mm].
+    load_vectors
+        Loads (n, n_dof), see ``Shell.load_vectors``.
+
+    Returns
+    -------
+    Array
+        (5, s, n), in the order of ``compliance.kinematics`` [N/mm and N].
+
+    Raises
+    ------
+    InputError
+        If the root is clamped.
+    """
+    if shell.foundation is None:
+        raise InputError("a clamped root has no springs whose forces could be read")
+    functions = shell.functions
+    along = functions.along_trace(arc)[0]
+    shape = (NUMBER_OF_ROOT_QUANTITIES, arc.size, len(functions.root_powers))
+    vectors = np.zeros((*shape, functions.height_count, functions.length_count))
+    for term in shell.kinematics.root_terms:
+        powers = functions.root_powers[term.field]
+        up = functions.over_height(np.zeros(1), powers, term.x_derivative)[term.x_derivative, 0]
+        vectors[term.quantity, :, term.field] += term.sign * up[:, None] * along[:, None, :]
+    motion = shell.whiten(vectors.reshape(-1, shell.size)).T @ shell.whiten(load_vectors)
+    springs = shell.foundation.stiffness(shell.dimensions.thickness(0.0, arc), shell.material)
+    motion = motion.reshape(NUMBER_OF_ROOT_QUANTITIES, arc.size, -1)
+    return np.asarray(np.einsum("sab,bsn->asn", springs, motion))
+
+
+def notch_factor(thickness: Array, radius: float, height: Array, pressure_angle: float) -> Array:
+    """Dolan and Broghamer's factor on the nominal stress, from lengths [mm] and an angle [rad]."""
+    base, by_radius, by_height = (a + b * pressure_angle for a, b in ((0.331, -0.436), (0.324, -0.492), (0.261, 0.545)))
+    return np.asarray(base + (thickness / radius) ** by_radius * (thickness / height) ** by_height)
+
+
+def shell_root_stress(
+    shell: Shell, arc: Array, load_vectors: Array, fillet_radius: float, pressure_angle: float
+) -> Array:
+    """Estimated tensile stress (s, n) [MPa] in the root of the loaded side.
+
+    Parameters
+    ----------
+    shell, arc, load_vectors
+        As ``root_section_forces``.
+    fillet_radius
+        [mm].
+    pressure_angle
+        Of the loaded flank [rad].
+
+    Raises
+    ------
+    InputError
+        If the root is clamped or the fillet has no radius.
+    """
+    if not fillet_radius > 0.0:
+        raise InputError(f"tool_edge_radius = {fillet_radius!r}: a sharp root has no notch factor")
+    forces = root_section_forces(shell, arc, load_vectors)
+    thickness = shell.dimensions.thickness(0.0, arc)[:, None]
+    moment, shear = np.abs(forces[ROOT_ROTATION]), np.abs(forces[ROOT_DEFLECTION])
+    height = np.maximum(moment, 1e-12) / np.maximum(shear, 1e-12)
+    # Far from the load moment and shear lose touch; heights above the tooth's own, or none, make no notch.
+    height = np.clip(height, 0.2 * shell.dimensions.largest_height, shell.dimensions.largest_height)
+    nominal = 6.0 * moment / thickness**2 + forces[ROOT_HEIGHT_SHIFT] / thickness
+    return np.asarray(notch_factor(thickness, fillet_radius, height, pressure_angle) * np.maximum(nominal, 0.0))

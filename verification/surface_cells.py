@@ -1,0 +1,194 @@
+"""Cells of a pressure field on the flank of the gear, around one potential contact line, with their gap.
+
+The line of the ease-off method only says where to lay the cells. Their places and normals are those of the generated
+gear flank, their gap is that to the generated pinion flank, both at their position of the mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contact.lines.closest_approach import closest_approach
+from ..contact.lines.contact_lines import arc_length, contact_fields
+from ..contact.lines.flank_splines import FlankFields
+from ..geometry.flanks.flank import solve_flank
+from ..geometry.pair.conjugate_motion import ConjugateMotion
+from ..geometry.pair.datasets import ease_off_dataset, flanks_dataset
+from ..geometry.pair.ease_off import compute
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, grid
+from .flank_gap import flank_gap
+
+Array = NDArray[Any]
+FACING = 0.9  # smallest cosine between the normals of flanks that meet
+
+
+@dataclass(frozen=True)
+class FlanksInMesh:
+    """The flanks of a pair and where they meet.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    motion
+        Axes, senses and the pinion flank.
+    fields
+        Splines of ``curves.contact_fields``, and of the ``pinion_parameters`` of conjugate points.
+    first_contact
+        Closing angle at which the transmission error counts zero [rad].
+    """
+
+    pair: GearPair
+    motion: ConjugateMotion
+    fields: FlankFields
+    first_contact: float
+
+
+def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
+    """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
+    t, h = grid(nodes)
+    gear = pair.gear.flank(t, h)
+    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    ease_off = ease_off_dataset(t, h, surface)
+    flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
+    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)
+    usable = np.isfinite(surface.angle).reshape(t.size, h.size, 1)
+    fields = contact_fields(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
+    return FlanksInMesh(pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells (n) of one tooth pair at one mesh position.
+
+    Parameters
+    ----------
+    station, row
+        Where a cell stands along the contact line and across it, zero on the line.
+    along, across
+        Unit vectors (n, 3) of its sides.
+    sides
+        Its lengths along and across the line (n, 2) [mm].
+    position
+        Its middle (n, 3) in the gear's frame [mm].
+    gear_place, pinion_place
+        Lengthwise and profile fractions (2, n) on both members.
+    separation
+        Normal gap at first contact's closing angle [mm].
+    lever_arm
+        Of a normal force about the gear's axis [mm].
+    """
+
+    station: NDArray[np.int64]
+    row: NDArray[np.int64]
+    along: Array
+    across: Array
+    sides: Array
+    position: Array
+    gear_place: Array
+    pinion_place: Array
+    separation: Array
+    lever_arm: Array
+
+    @property
+    def area(self) -> Array:
+        """Areas (n) [mm^2]."""
+        return np.asarray(self.sides[:, 0] * self.sides[:, 1])
+
+
+def cells_on_line(
+    flanks: FlanksInMesh,
+    line: Array,
+    rotation: float,
+    *,
+    step: tuple[float, float],
+    half_band: float,
+    reach: float,
+    widest_gap: float,
+) -> Cells:
+    """Cells around one contact line.
+
+    Parameters
+    ----------
+    flanks
+        The pair.
+    line
+        Points (2, m) of the contact line, or of one not far from it: lengthwise and profile fractions.
+    rotation
+        Pinion rotation from its middle [rad].
+    step
+        Lengths of a cell along and across the line [mm].
+    half_band
+        How far the cells reach to either side of the line [mm].
+    reach
+        How far beyond its ends, where a band still has cells on both flanks [mm].
+    widest_gap
+        Cells with a wider gap are left out [mm].
+    """
+    middle, slope = _stations(flanks.fields, line, step[0], reach)
+    half = int(np.ceil(half_band / step[1]))
+    across = step[1] * np.arange(-half, half + 1)
+    place = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
+    shape = place.shape[1:]
+    gear = flanks.pair.gear
+    axial, radial = gear.section.points(place[0].ravel(), place[1].ravel())
+    found = solve_flank(gear.loaded, gear.section, axial, radial)
+    position = found.position.reshape(3, *shape)
+    sides = [np.gradient(position, axis=1), np.gradient(position, axis=2)]
+    lengths = [np.linalg.norm(side, axis=0) for side in sides]
+    start = flanks.fields("pinion_parameters", np.clip(place, 0.0, 1.0)).reshape(2, -1)
+    gap = flank_gap(
+        flanks.motion,
+        found.position,
+        found.normal,
+        rotation + flanks.motion.center,
+        flanks.first_contact,
+        start,
+    )
+    pinion = flanks.pair.pinion.section
+    on_pinion = np.stack(pinion.fractions(gap.pinion_position[2], np.hypot(*gap.pinion_position[:2])))
+    on_gear = place.reshape(2, -1)
+    with np.errstate(invalid="ignore"):
+        both = np.all((on_gear >= 0) & (on_gear <= 1) & (on_pinion >= 0) & (on_pinion <= 1), axis=0)
+        chosen = found.inside & both & (gap.facing > FACING) & (gap.gap < widest_gap)
+    arm = np.abs(found.position[0] * found.normal[1] - found.position[1] * found.normal[0])
+
+    def flat(vectors: Array) -> Array:
+        return np.asarray(vectors.reshape(vectors.shape[0], -1).T[chosen])
+
+    station, row = np.indices(shape).reshape(2, -1)[:, chosen]
+    along, across_line = (flat(side / length) for side, length in zip(sides, lengths, strict=True))
+    return Cells(
+        station,
+        row - half,
+        along,
+        across_line,
+        flat(np.stack(lengths)),
+        flat(position),
+        on_gear[:, chosen],
+        on_pinion[:, chosen],
+        gap.gap[chosen],
+        arm[chosen],
+    )
+
+
+def _stations(fields: FlankFields, points: Array, step: float, reach: float) -> tuple[Array, Array]:
+    """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
+    closest = np.clip(points + closest_approach(fields, points).shift, 0.0, 1.0)
+    length = arc_length(fields, closest[:, None])[0]
+    count = max(int(np.ceil((length[-1] + 2.0 * reach) / step)), 2)
+    wanted = 0.5 * length[-1] + step * (np.arange(count) - 0.5 * (count - 1))
+    inside = np.clip(wanted, 0.0, length[-1])
+    middle = np.stack([np.interp(inside, length, one) for one in closest])
+    tangent = np.stack([np.interp(inside, length, np.gradient(one, length)) for one in closest])
+    surface = [fields("position", middle, d) for d in ((1, 0), (0, 1))]
+    along = tangent[0] * surface[0] + tangent[1] * surface[1]
+    # In the tangent plane, at right angles to the line: one fraction follows from the other.
+    dots = [np.sum(along * one, axis=0) for one in surface]
+    slope = np.stack([dots[1], -dots[0]])
+    slope /= np.linalg.norm(slope[0] * surface[0] + slope[1] * surface[1], axis=0)
+    return middle + tangent * (wanted - inside), slope

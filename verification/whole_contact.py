@@ -1,0 +1,155 @@
+"""Contact of a whole pair at one mesh position without the split: every tooth pair that can touch, edges included."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contact.compliance.material import Material
+from ..contact.lines.mesh_lines import MeshLines
+from ..core.errors import InputError
+from .flank_response import FlankResponse
+from .surface_cells import Cells, FlanksInMesh, cells_on_line
+from .surface_contact import solve_surface_contact, surface_contact_compliance
+
+Array = NDArray[Any]
+CELLS_PER_HALF_WIDTH = 8
+ALONG = 4.8  # cells' length along the line times their number in a half-width [mm]
+BAND = 1.6  # half-widths to either side of the line, to begin with
+REACH = 2.0  # [mm]
+WIDEST_BAND = 8.0  # half-widths
+NO_CONTACT = 0.1  # [rad]; a rotation at which flanks that can touch at all have cells
+NEAR_LINE = 0.25  # of a pitch: how far a line may be that lends its place to a position without one
+
+
+@dataclass(frozen=True)
+class FlankContact:
+    """Solved contact of one mesh position.
+
+    Parameters
+    ----------
+    rotation
+        Transmission error [rad]; NaN if not solved, or if nothing can touch.
+    pairs
+        Tooth pairs, as ``segments.MeshLines`` counts them.
+    cells, force
+        Their cells and the normal forces on them [N].
+    """
+
+    rotation: float
+    pairs: list[int]
+    cells: list[Cells]
+    force: list[Array]
+
+    @property
+    def load_share(self) -> Array:
+        """Part of the torque that every tooth pair carries."""
+        moment = np.array([force @ cells.lever_arm for force, cells in zip(self.force, self.cells, strict=True)])
+        return np.asarray(moment / moment.sum())
+
+
+def contact_of_flanks(
+    flanks: FlanksInMesh,
+    responses: tuple[FlankResponse, FlankResponse],
+    materials: tuple[Material, Material],
+    mesh: MeshLines,
+    position: int,
+    torque: float,
+    *,
+    half_width: float,
+    rotation: float,
+    cells_per_half_width: float = CELLS_PER_HALF_WIDTH,
+    beyond_lines: bool = True,
+) -> FlankContact:
+    """Solve one mesh position.
+
+    Parameters
+    ----------
+    flanks
+        The pair.
+    responses, materials
+        Of pinion and gear.
+    mesh
+        Contact lines of the pair, one a tooth pair; they only say where to lay cells.
+    position
+        Index of the mesh position.
+    torque
+        At the pinion [N m].
+    half_width, rotation
+        About how wide the contact and how great the transmission error will be [mm, rad]; both are widened until the
+        contact ends within the cells.
+    cells_per_half_width
+        Resolution across the line.
+    beyond_lines
+        Whether edges may touch where there is no contact line: beyond its ends, and on teeth just before and after
+        their passage.
+
+    Raises
+    ------
+    InputError
+        If torque, half-width, rotation or resolution is not a positive number.
+    """
+    for name, value in (
+        ("torque", torque),
+        ("half_width", half_width),
+        ("rotation", rotation),
+        ("cells_per_half_width", cells_per_half_width),
+    ):
+        if not (np.isfinite(value) and value > 0.0):
+            raise InputError(f"{name} = {value!r}: must be a positive number")
+    lines = _lines_at(mesh, position, NEAR_LINE if beyond_lines else 0.0)
+    pitch = flanks.pair.assembly.pinion_pitch
+    across = half_width / cells_per_half_width
+    step = (ALONG / cells_per_half_width, across)
+    greatest_arm = float(np.max(flanks.fields.spline.c[..., flanks.fields.columns["lever_arm"][0]]))
+    band, allowed = BAND * half_width, 1.15 * rotation
+    while True:
+        found = {
+            pair: cells_on_line(
+                flanks,
+                line,
+                float(mesh.rotations[position] - pair * pitch),
+                step=step,
+                half_band=band,
+                reach=REACH if beyond_lines else 0.0,
+                widest_gap=allowed * greatest_arm,
+            )
+            for pair, line in lines.items()
+        }
+        found = {pair: cells for pair, cells in found.items() if cells.row.size}
+        if not found:
+            if allowed > NO_CONTACT:
+                return FlankContact(np.nan, [], [], [])
+            allowed *= 2.0
+            continue
+        cells = list(found.values())
+        solved = solve_surface_contact(
+            [one.separation for one in cells],
+            [one.lever_arm for one in cells],
+            [surface_contact_compliance(one, responses, materials) for one in cells],
+            1e3 * torque * flanks.pair.assembly.ratio,
+        )
+        border = np.ceil(band / across)
+        touches = any(np.any(f[np.abs(c.row) == border] > 0.0) for f, c in zip(solved.force, cells, strict=True))
+        if touches and band < WIDEST_BAND * half_width:
+            band *= 1.5
+        elif solved.rotation > allowed:
+            allowed = 1.15 * solved.rotation
+        else:
+            return FlankContact(solved.rotation, list(found), cells, solved.force)
+
+
+def _lines_at(mesh: MeshLines, position: int, near: float) -> dict[int, Array]:
+    """A line for every tooth pair; within a part of a pitch before and after its passage the nearest it has."""
+    count = mesh.rotations.size
+    step = mesh.position - mesh.pair * count
+    lines: dict[int, Array] = {}
+    for pair in range(int(mesh.pair.min()) - 1, int(mesh.pair.max()) + 2):
+        away = np.abs(step - (position - pair * count))
+        nearest = int(np.argmin(away))
+        if away[nearest] <= near * count:
+            lines[pair] = mesh.lines.points[:, nearest]
+    return lines
