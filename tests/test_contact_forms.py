@@ -27,7 +27,8 @@ from easeoff.contact import (
 )
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.problem.recovered import RecoveredAnswer
-from easeoff.contact.solvers import SOLVERS, lemke
+from easeoff.contact.solvers import SOLVERS
+from easeoff.contact.solvers.adapters import lemke
 from easeoff.contact.solvers.backend import chosen_form
 from easeoff.core.errors import InputError
 from easeoff.study.analysis import analyze_in_full

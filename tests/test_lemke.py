@@ -9,7 +9,7 @@ import pytest
 
 from easeoff.contact import ContactProblem, lcp, solve
 from easeoff.contact.solvers import Status
-from easeoff.contact.solvers.lemke import lemke
+from easeoff.contact.solvers.adapters.lemke import lemke
 from easeoff.contact.solvers.solver_table import PIVOTING
 from easeoff.core.errors import InputError
 from easeoff.verification.problem_classes import problems
@@ -49,7 +49,7 @@ def test_rule_for_ties_breaks_a_cycle(monkeypatch: pytest.MonkeyPatch) -> None:
     result = lemke(matrix, vector, 10)
     assert result.ended == "solved"
     np.testing.assert_allclose(result.z, np.full(3, 1.0 / 3.0), rtol=1e-15)
-    monkeypatch.setattr("easeoff.contact.solvers.lemke._lexicographic_row", lambda tableau, rows, column: int(rows[0]))
+    monkeypatch.setattr(f"{lemke.__module__}._lexicographic_row", lambda tableau, rows, column: int(rows[0]))
     assert lemke(matrix, vector, 1000).ended == "pivot limit"
 
 
@@ -67,7 +67,7 @@ def test_semidefinite_problems_full_of_ties_all_end(monkeypatch: pytest.MonkeyPa
         return ends.count("pivot limit")
 
     assert unfinished() == 0
-    monkeypatch.setattr("easeoff.contact.solvers.lemke._lexicographic_row", lambda tableau, rows, column: int(rows[0]))
+    monkeypatch.setattr(f"{lemke.__module__}._lexicographic_row", lambda tableau, rows, column: int(rows[0]))
     assert unfinished() > 0
 
 

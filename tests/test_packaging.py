@@ -12,7 +12,7 @@ from pathlib import Path
 import easeoff
 
 ROOT = Path(__file__).parents[1]
-CODE = ("geometry", "contact", "friction", "cases", "study", "core")
+CODE = ("geometry", "contact", "friction", "cases", "study", "core", "verification")
 
 
 def test_every_folder_with_code_is_listed_as_a_package() -> None:

@@ -19,13 +19,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
-from ..problem.complementarity_form import eliminated_system, forces_and_rotation
-from ..problem.scaling import ScaledProblem
-from .backend import NoAnswerError
-from .scaled_answer import ScaledAnswer
-from .solution import Status
-from .solver_table import PIVOTING
+from ....core.errors import InputError
+from ...problem.complementarity_form import eliminated_system, forces_and_rotation
+from ...problem.scaling import ScaledProblem
+from ..backend import NoAnswerError
+from ..scaled_answer import ScaledAnswer
+from ..solution import Status
+from ..solver_table import PIVOTING
 
 #: An entry of the entering column below this, relative to the largest, is rounding.
 PIVOT_TOLERANCE = 1e-11
