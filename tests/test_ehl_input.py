@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from friction_studies import stored_studies
 
 from easeoff.core.errors import EaseoffError, InputError
 from easeoff.friction.ehl import (
@@ -28,7 +29,7 @@ from easeoff.friction.ehl import (
 )
 from easeoff.friction.ehl.study import parameter_study as study_module
 from easeoff.friction.ehl.study import study_case as cases_module
-from easeoff.friction.ehl.study.formula_regression import compare, fit_friction, shipped_studies
+from easeoff.friction.ehl.study.formula_regression import compare, fit_friction
 from easeoff.friction.ehl.study.friction_formula import SHIPPED_FORMULA, read_formula, shipped_formula
 from easeoff.friction.ehl.study.parameter_study import run_study
 from easeoff.friction.ehl.study.study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
@@ -403,7 +404,7 @@ def test_formula_with_a_wrong_shape_inside_is_refused(name: str, value: Any, tmp
 
 
 def test_fit_refuses_what_is_no_study_or_does_not_fit_together() -> None:
-    study = shipped_studies()[1].isel(combination=slice(0, 600))
+    study = stored_studies()[1].isel(combination=slice(0, 600))
     other = study.assign_attrs(boundary_friction=0.2)
     bare = study.copy()
     del bare.attrs["boundary_friction"]
@@ -420,9 +421,9 @@ def test_fit_refuses_what_is_no_study_or_does_not_fit_together() -> None:
 def test_own_formula_is_compared_as_any_other() -> None:
     """Over both studies its error is the one it states."""
     formula = shipped_formula()
-    regimes = [regime for study in shipped_studies() for regime in compare(study, formula)]
+    regimes = [regime for study in stored_studies() for regime in compare(study, formula)]
     assert sum(regime.cases for regime in regimes) == formula.cases
     total = sum(regime.cases * regime.rms**2 for regime in regimes)
     assert math.sqrt(total / formula.cases) == pytest.approx(formula.fit_error, rel=1e-2)
-    refused("^formula", lambda: compare(shipped_studies()[1], None))  # type: ignore[arg-type]
+    refused("^formula", lambda: compare(stored_studies()[1], None))  # type: ignore[arg-type]
     refused("no study", lambda: compare(xr.Dataset(), formula))

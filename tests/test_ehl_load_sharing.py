@@ -11,9 +11,9 @@ from scipy.integrate import quad
 
 from easeoff.core.errors import InputError
 from easeoff.friction.ehl import Asperities, LineContact, Oil, Status, film_dataset, mixed_film, smooth_film, traction
-from easeoff.friction.ehl.film_complementarity import evaluate
-from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
-from easeoff.friction.ehl.load_sharing import mean_power
+from easeoff.friction.ehl.equations.film_complementarity import evaluate
+from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
+from easeoff.friction.ehl.rolling_contact.asperities import mean_power
 
 OIL = Oil(0.0139, 10.4e-9, law="two_slope")
 GEAR = LineContact(0.7e9, 0.02, 2.2, OIL, slide_to_roll=0.45)

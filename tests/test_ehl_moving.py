@@ -21,9 +21,9 @@ from easeoff.friction.ehl import (
     smooth_film,
     wave,
 )
-from easeoff.friction.ehl.film_complementarity import ROUGH
+from easeoff.friction.ehl.equations.film_complementarity import ROUGH
+from easeoff.friction.ehl.film import domain, touching_start
 from easeoff.friction.ehl.rough_passage import FLOODED, TOUCHING_FILM, _March
-from easeoff.friction.ehl.steady_film import domain, touching_start
 
 OIL = Oil(0.0139, 10.4e-9)
 GEAR = LineContact(0.7e9, 0.01, 2.2, OIL, slide_to_roll=0.45)

@@ -16,11 +16,11 @@ from scipy.stats import qmc
 from easeoff.core.errors import InputError
 from easeoff.friction import lubricant
 from easeoff.friction.ehl import Film, LineContact, Oil, State, Status, smooth_film
-from easeoff.friction.ehl.film_certificate import certify
-from easeoff.friction.ehl.film_complementarity import evaluate
-from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
-from easeoff.friction.ehl.reynolds_equation import History, balance
-from easeoff.friction.ehl.steady_film import RESOLVED
+from easeoff.friction.ehl.equations.film_certificate import certify
+from easeoff.friction.ehl.equations.film_complementarity import evaluate
+from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
+from easeoff.friction.ehl.equations.reynolds_equation import History, balance
+from easeoff.friction.ehl.film import RESOLVED
 
 MODULUS = 2.273e11
 NEWTONIAN = math.inf

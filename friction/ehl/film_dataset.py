@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from ...core.attributes import flag_attributes, labelled
-from .film_certificate import Status
-from .film_complementarity import State
+from .equations.film_certificate import Status
+from .equations.film_complementarity import State
+from .film import Film
 from .rough_passage import Passage
-from .steady_film import Film
 
 _STATES = {int(state): state.name for state in State}
 

@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core import checks
 from ...core.errors import InputError
-from . import checks
-from .elastic_deflection import Deflection
-from .film_certificate import Status, certify, judge
-from .film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
-from .line_contact_conditions import LineContact
-from .reynolds_equation import Array, History, fluid_part
+from .equations.elastic_deflection import Deflection
+from .equations.film_certificate import Status, certify, judge
+from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
+from .equations.reynolds_equation import Array, History, fluid_part
+from .film import Film, domain, touching_start
+from .rolling_contact.lubricated_contact import LineContact
+from .rolling_contact.surface_roughness import Profile, smooth
 from .shear_traction import BOUNDARY_FRICTION, traction
-from .steady_film import Film, domain, touching_start
-from .surface_roughness import Profile, smooth
 
 #: Film left between touching asperities [m]: a few layers of molecules.
 TOUCHING_FILM = 4e-9

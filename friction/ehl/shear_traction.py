@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core import checks
 from ...core.errors import InputError
-from . import checks
-from .line_contact_conditions import LineContact
-from .reynolds_equation import Array
+from .equations.reynolds_equation import Array
+from .rolling_contact.lubricated_contact import LineContact
 
 #: Root of conductivity, density and specific heat of steel (46 W/(m K), 7850 kg/m^3, 460 J/(kg K)) [J/(m^2 K s^0.5)].
 STEEL_EFFUSIVITY = 12890.0

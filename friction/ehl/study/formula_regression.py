@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ....core import checks
 from ....core.errors import InputError
-from .. import checks
-from ..film_certificate import Status
-from ..line_contact_conditions import STEEL
+from ..equations.film_certificate import Status
+from ..rolling_contact.lubricated_contact import STEEL
 from .friction_formula import (
     TERMS,
     FrictionFormula,
@@ -52,16 +51,6 @@ _FEWEST_CASES = 3 * len(TERMS)
 _LEAST_SHARE, _STEPS, _SETTLED = 1e-4, 20, 1e-4
 #: Keeps products that the cases do not tell apart from growing against each other.
 _RIDGE = 1e-7
-
-#: Space-filling subsets of the design of the dissertation and of `design.REFINED`, run with the defaults.
-SHIPPED = tuple(Path(__file__).with_name(name) for name in ("study.nc", "study_refined.nc"))
-#: A subset of the former with moving profiles instead, which the formula is not fitted to.
-SHIPPED_RIDGES = Path(__file__).with_name("study_ridges.nc")
-
-
-def shipped_studies() -> tuple[xr.Dataset, ...]:
-    """Return the studies that come with the package, see `SHIPPED`."""
-    return tuple(xr.load_dataset(path, engine="netcdf4") for path in SHIPPED)
 
 
 def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:

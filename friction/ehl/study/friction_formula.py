@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ....core import checks
 from ....core.errors import InputError
 from ....core.files import check_writable, whole_file
 from ...conditions import ContactConditions
-from .. import checks
-from ..line_contact_conditions import STEEL
+from ..rolling_contact.lubricated_contact import STEEL
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ....core import checks
 from ....core.attributes import labelled
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.files import check_writable, whole_file
-from .. import checks
-from ..film_certificate import Status
-from ..load_sharing import Asperities
+from ..equations.film_certificate import Status
+from ..rolling_contact.asperities import Asperities
 from .study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
 from .study_design import Condition, Design, numbers
 

@@ -10,15 +10,15 @@ from typing import Literal
 
 import numpy as np
 
+from ....core import checks
 from ....core.errors import EaseoffError
-from .. import checks
-from ..film_certificate import Status
-from ..line_contact_conditions import LineContact
-from ..load_sharing import Asperities
+from ..equations.film_certificate import Status
+from ..film import _FEWEST, _MOST, Film, domain, mixed_film, smooth_film
+from ..rolling_contact.asperities import Asperities
+from ..rolling_contact.lubricated_contact import LineContact
+from ..rolling_contact.surface_roughness import generated_profile
 from ..rough_passage import FLOODED, TOUCHING_FILM, rough_passage
 from ..shear_traction import BOUNDARY_FRICTION, traction
-from ..steady_film import _FEWEST, _MOST, Film, domain, mixed_film, smooth_film
-from ..surface_roughness import generated_profile
 from .study_design import Condition
 
 #: Of the model and its numerics. To be raised with every change that changes results: rows of another version that a

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from ....core import checks
 from ....core.errors import InputError
 from ...lubricant import lubricant
-from .. import checks
-from ..film_oil import Oil
-from ..line_contact_conditions import STEEL, LineContact
+from ..rolling_contact.lubricated_contact import STEEL, LineContact
+from ..rolling_contact.oil import Oil
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
 _EYRING_STRESS = 5e6

@@ -11,7 +11,7 @@ from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
-from ...core.stored_status import StoredStatus
+from ....core.stored_status import StoredStatus
 from .film_complementarity import LOAD, Problem, evaluate
 from .reynolds_equation import THINNEST, Array
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from ...core.errors import InputError
-from . import checks
+from ....core import checks
+from ....core.errors import InputError
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]

@@ -6,9 +6,9 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-from ...core.errors import InputError
-from ..rolling_traction import THERMAL_FACTORS
-from .line_contact_conditions import LineContact
+from ....core.errors import InputError
+from ...rolling_traction import THERMAL_FACTORS
+from .lubricated_contact import LineContact
 
 #: Those of the factors that were made for the film thickness.
 FACTORS = ("gupta_cheng", "murch_wilson")

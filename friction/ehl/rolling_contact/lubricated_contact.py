@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ...core.errors import InputError
-from . import checks
-from .film_oil import Oil
+from ....core import checks
+from ....core.errors import InputError
+from .oil import Oil
 
 #: Reduced modulus of steel on steel, 2 / sum((1 - nu^2) / E) [Pa].
 STEEL = 2.27e11

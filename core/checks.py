@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from .errors import InputError
 
 
 def number(name: str, value: Any, unit: str) -> float:

@@ -9,9 +9,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
-from ..lubricant import OilState
-from . import checks
+from ....core import checks
+from ....core.errors import InputError
+from ...lubricant import OilState
 
 Array = NDArray[np.float64]
 

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.special import gamma, ndtr, pbdv
 
-from ...core.errors import InputError
-from . import checks
+from ....core import checks
+from ....core.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .line_contact_conditions import LineContact
+from ..rolling_contact.lubricated_contact import LineContact
 
 Array = NDArray[np.float64]
 

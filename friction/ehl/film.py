@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
+from ...core import checks
 from ...core.errors import InputError
-from . import checks
-from .elastic_deflection import Deflection
-from .film_certificate import Certificate, Status, certify, judge
-from .film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
-from .line_contact_conditions import LineContact
-from .load_sharing import Asperities
-from .reynolds_equation import Array
+from .equations.elastic_deflection import Deflection
+from .equations.film_certificate import Certificate, Status, certify, judge
+from .equations.film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
+from .equations.reynolds_equation import Array
+from .rolling_contact.asperities import Asperities
+from .rolling_contact.lubricated_contact import LineContact
 
 #: The inlet lies where the gap of the rigid surfaces is as many times the film.
 _FLOODED = 120.0

@@ -28,10 +28,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ..rolling_contact.asperities import Asperities
+from ..rolling_contact.lubricated_contact import LineContact
 from . import hierarchical_matrix as hierarchical
 from .elastic_deflection import Deflection
-from .line_contact_conditions import LineContact
-from .load_sharing import Asperities
 from .reynolds_equation import Balance, History, balance, chained
 
 Array = NDArray[np.float64]
