@@ -56,7 +56,7 @@ def friction(
         out of the oil's range.
     """
     model = checked_model(operation, model)
-    potential = potential_segments(tree, model.radius_direction)
+    potential = potential_segments(tree)
     contacts = loaded_contacts(tree, potential)
     loaded = tree["loaded"].to_dataset()
     segments = loaded.sizes["segment"]
@@ -65,8 +65,6 @@ def friction(
     result = losses_dataset(contacts, operation, model, segments if keep else 0)
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
     result = result.assign_coords(coords).merge(velocities_dataset(potential, operation, model))
-    if potential.radius_along is not None:
-        result["radius_along_line"] = (("mesh_position", "segment"), 1e3 * potential.spread(potential.radius_along))
     return labelled(result.assign_attrs(_provenance(operation, model)))
 
 
@@ -186,6 +184,6 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, str]:
         "film": model.film,
         "thermal_factor": model.thermal_factor,
         "rolling_frame": model.rolling_frame,
-        "sliding_of_ratio": model.sliding_of_ratio,
-        "radius_direction": model.radius_direction,
+        "sliding_of_ratio": "across",
+        "radius_direction": "across",
     }

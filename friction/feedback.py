@@ -97,7 +97,7 @@ def _one_operation(
     """Friction with feedback at one speed, temperature and roughness."""
     loaded = loaded_segments(tree)
     ratio = float(tree["ease_off"].attrs["ratio"])
-    potential = potential_segments(tree, model.radius_direction)
+    potential = potential_segments(tree)
     contacts = loaded_contacts(tree, potential)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
     effective, current = given, tree

@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.checks import one_of
 
 Array = NDArray[Any]
 
@@ -42,6 +42,4 @@ def film(name: str) -> Callable[[Array, Array, Array], Array]:
     InputError
         If there is none of that name.
     """
-    if name not in tuple(FILMS):  # a tuple takes what cannot be a key, too
-        raise InputError(f"film = {name!r}: must be one of {', '.join(FILMS)}")
-    return FILMS[name]
+    return FILMS[one_of("film", name, FILMS)]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.checks import one_of
 from .conditions import ContactConditions
 
 Array = NDArray[Any]
@@ -79,6 +79,5 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     InputError
         If there is no factor of that name.
     """
-    if thermal_factor not in THERMAL_FACTORS:
-        raise InputError(f"thermal_factor = {thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
-    return np.asarray(isothermal_traction(conditions) * THERMAL_FACTORS[thermal_factor](conditions))
+    factor = THERMAL_FACTORS[one_of("thermal_factor", thermal_factor, THERMAL_FACTORS)]
+    return np.asarray(isothermal_traction(conditions) * factor(conditions))

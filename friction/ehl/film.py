@@ -133,7 +133,7 @@ def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, floa
         40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
     """
     checks.instance("contact", contact, LineContact)
-    checks.above("flooded", flooded, 1.0, "1")
+    checks.number("flooded", flooded, above=1.0)
     film = contact.central_film_estimate() / contact.film_scale
     inlet = max(2.0, math.sqrt(2.0 * flooded * film) + 1.0)
     return -inlet, max(1.5, 1.2 + 1.5 * math.sqrt(film))
@@ -242,9 +242,9 @@ def _refined(
     touching_film: float = -math.inf,
 ) -> Film:
     checks.instance("contact", contact, LineContact)
-    start, end = checks.row("span", span, "half widths", size=2)
+    start, end = checks.array("span", span, "half widths", ndim=1, size=2)
     if not (start < -1.0 and end > 1.0):
-        raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start:g} to {end:g}")
+        raise InputError(f"span = ({start:g}, {end:g}): must reach from below -1 to above 1 [half widths]")
     nodes = checks.whole("nodes", nodes, _FEWEST, _MOST)
     sizes = [nodes]
     while sizes[-1] > 2 * _COARSEST:

@@ -166,7 +166,7 @@ def rough_passage(
     x = start.position / contact.half_width
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
     if settle >= steps:
-        raise InputError(f"{steps} steps leave none for averages, which begin after {settle}: ask for more steps")
+        raise InputError(f"steps = {steps}: must be above {settle}, after which averages begin")
     kept = np.arange(keep, steps + 1, keep) if keep else np.arange(0)
     records = {name: np.full(steps, math.nan) for name in _RECORDED}
     status = np.full(steps, Status.FAILED, dtype=np.int8)

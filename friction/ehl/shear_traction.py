@@ -98,30 +98,29 @@ def traction(
         `temperature_viscosity` or `conductivity`.
     """
     oil = contact.oil
-    position = checks.row("position", position, "m", fewest=2)
+    position = checks.array("position", position, "m", ndim=1, fewest=2)
     steps = np.diff(position)
     if not (steps > 0.0).all() or np.ptp(steps) > _UNEVEN * steps.mean():
         raise InputError(
-            f"position must increase by equal distances [m], and not by {steps.min():g} to {steps.max():g}"
+            f"position with steps from {steps.min():g} to {steps.max():g}: must increase by equal distances [m]"
         )
-    pressure = checks.row("pressure", pressure, "Pa", size=position.size)
-    film = checks.row("film", film, "m", size=position.size)
+    pressure = checks.array("pressure", pressure, "Pa", ndim=1, size=position.size)
+    film = checks.array("film", film, "m", ndim=1, size=position.size)
     # Without a pressure nothing is sheared: at the ends of the domain rough surfaces may overlap on paper.
     if (film[pressure > 0.0] <= 0.0).any():
-        raise InputError(f"film must be positive [m] under pressure, not {film[pressure > 0.0].min():g}")
+        raise InputError(f"film = {film[pressure > 0.0].min():g}: must be above 0 [m] under pressure")
     if np.ndim(fluid_part):
-        fluid_part = checks.row("fluid_part", fluid_part, "1", size=position.size)
-        checks.within("the least fluid_part", fluid_part.min(), 0.0, 1.0, "1")
-        checks.within("the greatest fluid_part", fluid_part.max(), 0.0, 1.0, "1")
+        fluid_part = checks.array("fluid_part", fluid_part, ndim=1, size=position.size, least=0.0, most=1.0)
     else:
-        fluid_part = checks.within("fluid_part", fluid_part, 0.0, 1.0, "1")
+        fluid_part = checks.number("fluid_part", fluid_part, least=0.0, most=1.0)
     if np.ndim(asperity_pressure):
-        asperity_pressure = checks.row("asperity_pressure", asperity_pressure, "Pa", size=position.size)
-        if asperity_pressure.min() < -_ROUNDING * contact.hertz_pressure:
-            raise InputError(f"asperity_pressure must not be negative [Pa], but {asperity_pressure.min():g} is in it")
+        rounding = -_ROUNDING * contact.hertz_pressure
+        asperity_pressure = checks.array(
+            "asperity_pressure", asperity_pressure, "Pa", ndim=1, size=position.size, least=rounding
+        )
     else:
         asperity_pressure = checks.positive("asperity_pressure", asperity_pressure, "Pa", zero=True)
-    checks.positive("boundary_friction", boundary_friction, "1", zero=True)
+    checks.positive("boundary_friction", boundary_friction, zero=True)
     checks.positive("effusivity", effusivity, "J/(m^2 K s^0.5)", infinite=True)
     checks.truth("thermal", thermal)
     loaded = np.maximum(pressure, 0.0)

@@ -62,7 +62,8 @@ class Asperities:
         for name in ("rms", "correlation_length"):
             checks.positive(name, getattr(self, name), "m")
         if self.rms > 0.5 * self.correlation_length:
-            raise InputError(f"rms {self.rms:g} m is over half of the correlation_length {self.correlation_length:g} m")
+            limit = 0.5 * self.correlation_length
+            raise InputError(f"rms = {self.rms:g}: must be up to half of the correlation_length, {limit:g} m")
 
     def pressure(self, separation: Array, reduced_modulus: float) -> tuple[Array, Array]:
         """Mean pressure between the asperities [Pa], and its derivative by the separation [Pa/m].

@@ -53,12 +53,12 @@ class LineContact:
         checks.positive("rolling_velocity", self.rolling_velocity, "m/s")
         checks.positive("reduced_modulus", self.reduced_modulus, "Pa")
         checks.positive("inlet_viscosity", self.inlet_viscosity, "1")
-        checks.within("slide_to_roll", self.slide_to_roll, -2.0, 2.0, "1")
+        checks.number("slide_to_roll", self.slide_to_roll, least=-2.0, most=2.0)
         checks.instance("oil", self.oil, Oil)
         if self.hertz_pressure > 0.1 * self.reduced_modulus:
             raise InputError(
-                f"hertz_pressure {self.hertz_pressure:g} Pa is beyond a tenth of the reduced modulus "
-                f"{self.reduced_modulus:g} Pa: give pascals, and radii and pressures of a Hertz contact"
+                f"hertz_pressure = {self.hertz_pressure:g}: must be up to a tenth of the contact modulus, "
+                f"{0.1 * self.reduced_modulus:g} Pa: give pascals"
             )
 
     @property

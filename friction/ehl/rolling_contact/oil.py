@@ -90,13 +90,13 @@ class Oil:
             if getattr(self, name) is not None:
                 checks.positive(name, getattr(self, name), unit)
         if self.inlet_temperature is not None:
-            checks.above("inlet_temperature", self.inlet_temperature, _ROELANDS_TEMPERATURE, "deg C")
+            checks.number("inlet_temperature", self.inlet_temperature, "degC", above=_ROELANDS_TEMPERATURE)
         checks.one_of("law", self.law, ("roelands", "two_slope"))
         by_roelands = self.law == "roelands" or self.inlet_temperature is not None
         if by_roelands and math.log(self.viscosity) + _ROELANDS_LOGARITHM <= 0.0:
             raise InputError(
-                f"viscosity {self.viscosity:g} Pa s is below {math.exp(-_ROELANDS_LOGARITHM):.2g} Pa s, "
-                "where Roelands' laws end: give Pa s, not another unit, or the two-slope law and no inlet_temperature"
+                f"viscosity = {self.viscosity:g}: must be above {math.exp(-_ROELANDS_LOGARITHM):.2g} [Pa s], where "
+                "Roelands' laws end; or give the two-slope law and no inlet_temperature"
             )
 
     @classmethod

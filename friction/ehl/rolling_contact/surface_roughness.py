@@ -48,7 +48,7 @@ class RoughProfile:
     spacing: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "heights", checks.row("heights", self.heights, "m", fewest=3))
+        object.__setattr__(self, "heights", checks.array("heights", self.heights, "m", ndim=1, fewest=3))
         checks.positive("spacing", self.spacing, "m")
 
     @property
@@ -82,7 +82,7 @@ class RoughProfile:
         if rms == 0.0:
             return RoughProfile(np.zeros_like(self.heights), self.spacing)
         if self.rms == 0.0:
-            raise InputError(f"rms {rms!r} m: a flat profile has no heights that could be scaled")
+            raise InputError(f"rms = {rms:g}: must be 0 [m] for a flat profile, which has no heights to scale")
         return RoughProfile(self.heights * (rms / self.rms), self.spacing)
 
 
@@ -115,7 +115,9 @@ def generated_profile(rms: float, correlation_length: float, length: float, seed
         checks.positive(name, value, "m")
     checks.whole("seed", seed, 0)
     if length < 10.0 * correlation_length:
-        raise InputError(f"length {length:g} m is below ten correlation lengths of {correlation_length:g} m")
+        raise InputError(
+            f"length = {length:g}: must be ten correlation lengths, {10 * correlation_length:g} m, or more"
+        )
     points = math.ceil(_POINTS * length / correlation_length)
     wave_number = 2.0 * math.pi * np.fft.rfftfreq(points, length / points)
     phase = 2.0 * math.pi * np.random.default_rng(seed).random(wave_number.size)
@@ -148,12 +150,12 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
     InputError
         Too few heights, a height that is not finite, or a spacing that is not positive.
     """
-    trace = checks.row("heights", heights, "m", fewest=16)
+    trace = checks.array("heights", heights, "m", ndim=1, fewest=16)
     checks.positive("spacing", spacing, "m")
     largest = np.abs(trace).max()
     if detrend:
-        place = np.arange(trace.size)
-        trace = trace - np.polyval(np.polyfit(place, trace, 1), place)
+        index = np.arange(trace.size)
+        trace = trace - np.polyval(np.polyfit(index, trace, 1), index)
     trace = np.concatenate([trace, trace[-2:0:-1]])
     trace = trace - trace.mean()
     return RoughProfile(trace if np.abs(trace).max() > _FLAT * largest else np.zeros_like(trace), spacing)
@@ -172,8 +174,8 @@ def wave(amplitude: float, wavelength: float) -> Profile:
     return lambda position: amplitude * np.cos(2.0 * math.pi * position / wavelength)
 
 
-def asperity(height: float, width: float, place: float) -> Profile:
-    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a place on the surface; all [m].
+def asperity(height: float, width: float, point: float) -> Profile:
+    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a point of the surface; all [m].
 
     Raises
     ------
@@ -182,10 +184,10 @@ def asperity(height: float, width: float, place: float) -> Profile:
     """
     checks.number("height", height, "m")
     checks.positive("width", width, "m")
-    checks.number("place", place, "m")
+    checks.number("point", point, "m")
 
     def profile(position: Array) -> Array:
-        s = (position - place) / width
+        s = (position - point) / width
         return np.where(np.abs(s) < 0.5, height * np.cos(math.pi * s) ** 2, 0.0)
 
     return profile

@@ -220,7 +220,7 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         if not isinstance(content, dict):
             raise InputError("it must be an object with the attributes of a FrictionFormula")
-        arrays = {name: checks.row(name, content[name], "1", size=size) for name, size in _ARRAYS.items()}
+        arrays = {name: checks.array(name, content[name], ndim=1, size=size) for name, size in _ARRAYS.items()}
         regimes = tuple(RegimeError(*numbers) for numbers in content["regimes"])
         formula = FrictionFormula(**(content | arrays | {"regimes": regimes}))
         checks.positive("boundary_friction", formula.boundary_friction, "1", zero=True)

@@ -91,7 +91,7 @@ class Resolution:
             "most": checks.whole("most", self.most, self.fewest if self.model == "passage" else _FEWEST, _MOST),
             "travel": checks.positive("travel", self.travel, "1", zero=True),
             "smooth_from": checks.positive("smooth_from", self.smooth_from, "1", zero=True, infinite=True),
-            "flooded": checks.above("flooded", self.flooded, 1.0, "1"),
+            "flooded": checks.number("flooded", self.flooded, above=1.0),
             "order": checks.whole("order", self.order, 1, 2),
             "seed": checks.whole("seed", self.seed, 0),
             "touching_film": checks.positive("touching_film", self.touching_film, "m"),

@@ -29,7 +29,7 @@ _UNITS = {
     "radius": "mm",
     "rolling_velocity": "m/s",
     "slide_to_roll": "1",
-    "temperature": "deg C",
+    "temperature": "degC",
     "roughness": "um",
     "roughness_1": "um",
     "roughness_2": "um",
@@ -46,7 +46,7 @@ def oil_75w90(temperature: float) -> Oil:
     InputError
         The temperature is beyond the table.
     """
-    checks.number("temperature", temperature, "deg C")
+    checks.number("temperature", temperature, "degC")
     return Oil.of(
         lubricant("75w90").at(temperature),
         eyring_stress=_EYRING_STRESS,
@@ -58,11 +58,11 @@ def oil_75w90(temperature: float) -> Oil:
 def _level(name: str, value: Any) -> float:
     """Return a level of a parameter, checked."""
     if name == "slide_to_roll":
-        return checks.within(name, value, -2.0, 2.0, _UNITS[name])
+        return checks.number(name, value, least=-2.0, most=2.0)
     if name == "temperature":
-        return checks.within(name, value, *_TEMPERATURES, _UNITS[name])
+        return checks.number(name, value, _UNITS[name], least=_TEMPERATURES[0], most=_TEMPERATURES[1])
     if name == "hertz_pressure":
-        return checks.within(name, checks.positive(name, value, _UNITS[name]), 0.0, _HIGHEST, _UNITS[name])
+        return checks.number(name, value, _UNITS[name], above=0.0, most=_HIGHEST)
     return checks.positive(name, value, _UNITS[name])
 
 
@@ -144,7 +144,7 @@ class Design:
         for field in fields(self):
             levels = getattr(self, field.name)
             if not isinstance(levels, list | tuple | np.ndarray) or np.ndim(levels) != 1 or not len(levels):
-                raise InputError(f"{field.name} must be levels in a row, such as (1.0, 2.0), not {levels!r}")
+                raise InputError(f"{field.name} = {levels!r}: must be levels in a row, such as (1.0, 2.0)")
             object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
 
     @cached_property
@@ -177,9 +177,7 @@ class Design:
         InputError
             There is no such combination.
         """
-        if not _is_whole(number) or not 0 <= number < self.size:
-            raise InputError(f"combination {number!r} does not exist: 0 to {self.size - 1}")
-        levels = np.unravel_index(number, self.shape)
+        levels = np.unravel_index(checks.whole("number", number, 0, self.size - 1), self.shape)
         *single, pair = (axis[int(level)] for axis, level in zip(self._axes, levels, strict=True))
         return Condition(*single, *pair)
 
@@ -245,7 +243,9 @@ def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.in
     except TypeError:
         given = []
     if not given or not all(map(_is_whole, given)):
-        raise InputError(f"wanted must be a number of cases, numbers of combinations or None for all, not {wanted!r}")
+        raise InputError(
+            f"wanted = {checks.shown(wanted)}: must be a number of cases, numbers of combinations, or None for all"
+        )
     return np.array([operator.index(number) for number in given], dtype=int)
 
 
