@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from easeoff.friction.ehl import (
     Asperities,
-    LineContact,
+    LubricatedContact,
     Oil,
     generated_profile,
     hierarchical_matrix as hierarchical,
@@ -31,7 +31,7 @@ from easeoff.friction.ehl.equations.reynolds_equation import balance
 from scipy.linalg import lu_factor, lu_solve, toeplitz
 from tabulate import tabulate
 
-CONTACT = LineContact(1e9, 0.02, 5.0, Oil(0.0499, 13.9e-9), slide_to_roll=0.25)
+CONTACT = LubricatedContact(1e9, 0.02, 5.0, Oil(0.0499, 13.9e-9), slide_to_roll=0.25)
 REPETITIONS, ROUGH_STEPS = 5, 8
 LARGEST_DENSE, LARGEST_ROUGH = 2049, 1025
 

@@ -218,8 +218,7 @@ def array(
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} = {shown(values)}: must be {wanted}") from error
     if (ndim is not None and found.ndim != ndim) or found.size < fewest or (size is not None and found.size != size):
-        given = f"of shape {found.shape}" if isinstance(values, np.ndarray) else f"= {shown(values)}"
-        raise InputError(f"{name} {given}: must be {wanted}")
+        raise InputError(f"{name} = {shown(values)}: must be {wanted}")
     bad = ~_within(found, above, least, most, infinite)
     if np.any(bad):
         one = _range("number", unit, above, least, most, infinite)
@@ -254,7 +253,7 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
     """
     found = np.atleast_1d(array(name, values, unit, fewest=1, **bounds))
     if found.ndim > 1:
-        raise InputError(f"{name} of shape {found.shape}: must be a number, or numbers in a row")
+        raise InputError(f"{name} = {shown(values)}: must be a number, or numbers in a row")
     different, counts = np.unique(found, return_counts=True)
     if different.size != found.size:
         twice = shown(different[counts > 1][0])
@@ -263,13 +262,15 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
 
 
 def shown(value: Any) -> str:
-    """A value as messages show it: a number to twelve digits, anything else in short.
+    """A value as messages show it: a number to twelve digits, an array by its shape, anything else in short.
 
     Examples
     --------
     >>> shown(0.1 + 0.2), shown("drive")
     ('0.3', "'drive'")
     """
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"array of shape {value.shape}"
     return f"{float(value):.12g}" if _is_number(value) else reprlib.repr(value)
 
 

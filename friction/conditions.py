@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,37 @@ from .lubricant import THERMAL_CONDUCTIVITY
 
 Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
+
+
+class DimensionlessGroups(Protocol):
+    """The dimensionless groups of line contacts: under the same names in friction and in the film model.
+
+    ``ContactConditions`` has them, and ``ehl.LubricatedContact``.
+    """
+
+    @property
+    def pressure_parameter(self) -> Any:
+        """Hertz pressure over contact modulus, H."""
+
+    @property
+    def load_parameter(self) -> Any:
+        """Load per length over contact modulus and radius, W."""
+
+    @property
+    def speed_parameter(self) -> Any:
+        """Viscosity times rolling velocity over contact modulus and radius, U."""
+
+    @property
+    def material_parameter(self) -> Any:
+        """Pressure-viscosity coefficient times contact modulus, G."""
+
+    @property
+    def thermal_parameter(self) -> Any:
+        """Thermal loading of the inlet, L."""
+
+    @property
+    def slide_to_roll(self) -> Any:
+        """Sliding over rolling velocity, SR."""
 
 
 @dataclass(frozen=True)

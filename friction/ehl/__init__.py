@@ -6,19 +6,19 @@ from .film import Film, mixed_film, smooth_film
 from .film_dataset import film_dataset, passage_dataset
 from .rolling_contact.asperities import Asperities
 from .rolling_contact.inlet_heating import film_factor, heated_inlet
-from .rolling_contact.lubricated_contact import LineContact
+from .rolling_contact.lubricated_contact import LubricatedContact
 from .rolling_contact.oil import Oil
 from .rolling_contact.surface_roughness import RoughProfile, asperity, generated_profile, measured_profile, wave
-from .rough_passage import Passage, rough_passage
+from .rough_passage import RoughPassage, rough_passage
 from .shear_traction import Traction, traction
 
 __all__ = [
     "Asperities",
     "Certificate",
     "Film",
-    "LineContact",
+    "LubricatedContact",
     "Oil",
-    "Passage",
+    "RoughPassage",
     "RoughProfile",
     "State",
     "Status",

@@ -15,7 +15,7 @@ from .equations.film_certificate import Certificate, Status, certify, judge
 from .equations.film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
 from .equations.reynolds_equation import Array
 from .rolling_contact.asperities import Asperities
-from .rolling_contact.lubricated_contact import LineContact
+from .rolling_contact.lubricated_contact import LubricatedContact
 
 #: The inlet lies where the gap of the rigid surfaces is as many times the film.
 _FLOODED = 120.0
@@ -38,7 +38,7 @@ class Film:
 
     Attributes
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     position : (n) array
         Along the rolling direction, from the middle of the dry contact [m].
     pressure : (n) array
@@ -60,7 +60,7 @@ class Film:
         What statistical asperities carry of the pressure [Pa]; zero between smooth surfaces.
     """
 
-    contact: LineContact
+    contact: LubricatedContact
     position: Array
     pressure: Array
     film: Array
@@ -122,17 +122,17 @@ class Film:
         return float(np.ptp(flow) / abs(flow.mean()))
 
 
-def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, float]:
+def domain(contact: LubricatedContact, flooded: float = _FLOODED) -> tuple[float, float]:
     """Ends of the part of the contact that is solved for, in half widths.
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     flooded : float
         Gap of the rigid surfaces at the inlet over the film. Starvation by a short inlet thins the film: by 0.3 % at
         40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
     """
-    checks.instance("contact", contact, LineContact)
+    checks.instance("contact", contact, LubricatedContact)
     checks.number("flooded", flooded, above=1.0)
     film = contact.central_film_estimate() / contact.film_scale
     inlet = max(2.0, math.sqrt(2.0 * flooded * film) + 1.0)
@@ -140,7 +140,7 @@ def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, floa
 
 
 def smooth_film(
-    contact: LineContact,
+    contact: LubricatedContact,
     *,
     nodes: int | None = None,
     flooded: float = _FLOODED,
@@ -150,7 +150,7 @@ def smooth_film(
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     nodes : int, optional
         Nodes of the uniform grid, from 65 to 16385. By default 513, or as many more as the film needs to be resolved.
     flooded : float
@@ -185,7 +185,7 @@ def smooth_film(
 
 
 def mixed_film(
-    contact: LineContact,
+    contact: LubricatedContact,
     asperities: Asperities,
     *,
     nodes: int = 257,
@@ -196,7 +196,7 @@ def mixed_film(
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     asperities : Asperities
         Both surfaces' roughness together.
     nodes, flooded, span
@@ -211,12 +211,12 @@ def mixed_film(
     if span is None:
         start, end = domain(contact, flooded)
         # Far enough for the asperities to part.
-        end = max(end, 1.2 + 1.5 * math.sqrt(_APART * asperities.rms / contact.film_scale))
+        end = max(end, 1.2 + 1.5 * math.sqrt(_APART * asperities.composite_roughness / contact.film_scale))
         span = min(start, -end), end
     return _refined(contact, nodes, span, asperities)
 
 
-def touching_start(contact: LineContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
+def touching_start(contact: LubricatedContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
     """The film between smooth surfaces, which touch where it would be thinner than `touching_film` [m].
 
     What rough surfaces start from: where the film is thicker than twice that, it is `smooth_film`. Where neither can be
@@ -235,13 +235,13 @@ def touching_start(contact: LineContact, nodes: int, span: tuple[float, float], 
 
 
 def _refined(
-    contact: LineContact,
+    contact: LubricatedContact,
     nodes: int,
     span: tuple[float, float],
     asperities: Asperities | None,
     touching_film: float = -math.inf,
 ) -> Film:
-    checks.instance("contact", contact, LineContact)
+    checks.instance("contact", contact, LubricatedContact)
     start, end = checks.array("span", span, "half widths", ndim=1, size=2)
     if not (start < -1.0 and end > 1.0):
         raise InputError(f"span = ({start:g}, {end:g}): must reach from below -1 to above 1 [half widths]")
@@ -258,7 +258,7 @@ def _refined(
 
 
 def _from_dry_contact(
-    contact: LineContact, grids: list[Array], factor: float, asperities: Asperities | None, touching_film: float
+    contact: LubricatedContact, grids: list[Array], factor: float, asperities: Asperities | None, touching_film: float
 ) -> Film:
     """Refine from the dry contact with a film of `factor` times the estimate in between."""
     x = grids[0]
@@ -266,7 +266,7 @@ def _from_dry_contact(
     paces = SMOOTH if math.isinf(touching_film) else (*SMOOTH, *ROUGH)
     film = factor * contact.central_film_estimate() / contact.film_scale
     if asperities is not None:
-        film = max(film, factor * asperities.rms / contact.film_scale)
+        film = max(film, factor * asperities.composite_roughness / contact.film_scale)
     # A film that is thick against the flattening spreads the load over more than the dry contact.
     width = max(1.0, 1.5 * math.sqrt(film))
     pressure = np.sqrt(np.maximum(1.0 - (x / width) ** 2, 0.0)) / width
@@ -281,12 +281,12 @@ def _from_dry_contact(
     return described(contact, x, problem, outcome)
 
 
-def _problem(contact: LineContact, x: Array, asperities: Asperities | None, touching_film: float) -> Problem:
+def _problem(contact: LubricatedContact, x: Array, asperities: Asperities | None, touching_film: float) -> Problem:
     deflection = Deflection(x.size, float(x[1] - x[0]))
     return Problem(contact, deflection, 0.5 * x**2, touching_film, asperities=asperities)
 
 
-def described(contact: LineContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
+def described(contact: LubricatedContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
     """Certify an outcome on the positions x (half widths), and give it units."""
     point = outcome.point
     certificate = certify(problem, point.pressure, point.approach)

@@ -11,7 +11,7 @@ from ...core.attributes import flag_attributes, labelled
 from .equations.film_certificate import Status
 from .equations.film_complementarity import State
 from .film import Film
-from .rough_passage import Passage
+from .rough_passage import RoughPassage
 
 _STATES = {int(state): state.name for state in State}
 
@@ -37,7 +37,7 @@ def film_dataset(film: Film) -> xr.Dataset:
     return labelled(xr.Dataset(data, coords={"rolling_position": 1e6 * film.position}))
 
 
-def passage_dataset(passage: Passage) -> xr.Dataset:
+def passage_dataset(passage: RoughPassage) -> xr.Dataset:
     """What a passage did step by step, and the fields that were kept.
 
     Returns

@@ -19,7 +19,7 @@ from .equations.film_certificate import Status, certify, judge
 from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
 from .equations.reynolds_equation import Array, History, fluid_part
 from .film import Film, domain, touching_start
-from .rolling_contact.lubricated_contact import LineContact
+from .rolling_contact.lubricated_contact import LubricatedContact
 from .rolling_contact.surface_roughness import Profile, smooth
 from .shear_traction import BOUNDARY_FRICTION, traction
 
@@ -30,12 +30,12 @@ FLOODED = 25.0
 
 
 @dataclass(frozen=True, eq=False)
-class Passage:
+class RoughPassage:
     """What rough surfaces did on their way through the contact, step by step; (t) arrays unless said otherwise.
 
     Attributes
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     position : (n) array
         [m].
     time : array
@@ -61,7 +61,7 @@ class Passage:
     kept : (k) int array
     """
 
-    contact: LineContact
+    contact: LubricatedContact
     position: Array
     time: Array
     settled: NDArray[np.bool_]
@@ -104,7 +104,7 @@ class Passage:
 
 
 def rough_passage(
-    contact: LineContact,
+    contact: LubricatedContact,
     first: Profile = smooth,
     second: Profile = smooth,
     *,
@@ -118,12 +118,12 @@ def rough_passage(
     keep: int = 0,
     boundary_friction: float = BOUNDARY_FRICTION,
     thermal: bool = False,
-) -> Passage:
+) -> RoughPassage:
     """Let two surfaces roll and slide through the contact.
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     first, second : callable
         Heights [m] of the faster surface (for a positive slide-to-roll ratio) and of the other, by place on it [m].
     steps : int
@@ -149,7 +149,7 @@ def rough_passage(
 
     Returns
     -------
-    Passage
+    RoughPassage
         If the film of smooth surfaces cannot be found, a passage whose steps all have the status `FAILED`.
 
     Raises
@@ -189,7 +189,7 @@ def rough_passage(
                     row = step // keep - 1
                     pressure[row] = contact.hertz_pressure * point.pressure
                     film[row], states[row] = contact.film_scale * point.film, outcome.state
-    return Passage(
+    return RoughPassage(
         contact=contact,
         position=start.position,
         time=np.asarray(np.arange(1, steps + 1) * float(x[1] - x[0]) * contact.half_width / contact.rolling_velocity),
@@ -245,7 +245,7 @@ def _record(
 class _March:
     """The state that one step in time hands to the next."""
 
-    def __init__(self, contact: LineContact, x: Array, start: Film, touching_film: float, order: int) -> None:
+    def __init__(self, contact: LubricatedContact, x: Array, start: Film, touching_film: float, order: int) -> None:
         self.contact, self.x, self.order = contact, x, order
         self.deflection = Deflection(x.size, float(x[1] - x[0]))
         self.touching_film = touching_film

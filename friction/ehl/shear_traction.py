@@ -15,7 +15,7 @@ import numpy as np
 from ...core import checks
 from ...core.errors import InputError
 from .equations.reynolds_equation import Array
-from .rolling_contact.lubricated_contact import LineContact
+from .rolling_contact.lubricated_contact import LubricatedContact
 
 #: Root of conductivity, density and specific heat of steel (46 W/(m K), 7850 kg/m^3, 460 J/(kg K)) [J/(m^2 K s^0.5)].
 STEEL_EFFUSIVITY = 12890.0
@@ -60,7 +60,7 @@ class Traction:
 
 
 def traction(
-    contact: LineContact,
+    contact: LubricatedContact,
     position: Array,
     pressure: Array,
     film: Array,
@@ -75,7 +75,7 @@ def traction(
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     position, pressure, film : (n) arrays
         [m], [Pa], [m]; equal distances.
     fluid_part : (n) array or float
@@ -95,7 +95,7 @@ def traction(
     InputError
         The positions do not increase by equal distances, an array has another length, a number is not finite, a film
         under pressure not positive or a part not from 0 to 1; or the thermal correction is asked for and the oil has no
-        `temperature_viscosity` or `conductivity`.
+        `temperature_viscosity` or `thermal_conductivity`.
     """
     oil = contact.oil
     position = checks.array("position", position, "m", ndim=1, fewest=2)
@@ -141,9 +141,9 @@ def traction(
     rise = np.zeros_like(pressure)
     stress, _ = stress_at(rise)
     if thermal:
-        if oil.temperature_viscosity is None or oil.conductivity is None:
-            raise InputError("the thermal correction needs the oil's temperature_viscosity and conductivity")
-        conductivity = oil.conductivity_at(loaded)
+        if oil.temperature_viscosity is None or oil.thermal_conductivity is None:
+            raise InputError("the thermal correction needs the oil's temperature_viscosity and thermal_conductivity")
+        conductivity = oil.thermal_conductivity_at(loaded)
         within = abs(contact.sliding_velocity) * film / (12.0 * conductivity)  # rise over the surfaces by the stress
         for _ in range(_ADJUSTMENTS):
             surface = film_temperature(contact, position, stress, film, math.inf, effusivity)
@@ -172,7 +172,7 @@ def traction(
     )
 
 
-def _eyring(contact: LineContact, thickening: Array, film: Array) -> tuple[Array, Array]:
+def _eyring(contact: LubricatedContact, thickening: Array, film: Array) -> tuple[Array, Array]:
     """Shear stress of the film [Pa] >= 0 from ln(viscosity) over that at the inlet, and its derivative by that."""
     oil = contact.oil
     rate = abs(contact.sliding_velocity) / np.maximum(film, 1e-12)
@@ -184,7 +184,7 @@ def _eyring(contact: LineContact, thickening: Array, film: Array) -> tuple[Array
 
 
 def film_temperature(
-    contact: LineContact,
+    contact: LubricatedContact,
     position: Array,
     stress: Array,
     film: Array,
@@ -200,7 +200,7 @@ def film_temperature(
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     position, stress, film : (n) arrays
         [m], [Pa], [m].
     conductivity : (n) array or float

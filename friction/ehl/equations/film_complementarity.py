@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rolling_contact.asperities import Asperities
-from ..rolling_contact.lubricated_contact import LineContact
+from ..rolling_contact.lubricated_contact import LubricatedContact
 from . import hierarchical_matrix as hierarchical
 from .elastic_deflection import Deflection
 from .reynolds_equation import Balance, History, balance, chained
@@ -84,7 +84,7 @@ class Problem:
 
     Attributes
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     deflection : Deflection
     profile : (n) array
         Gap of the undeformed surfaces but for the approach: the parabola less the heights of both surfaces.
@@ -97,7 +97,7 @@ class Problem:
         Roughness by its statistics, which carries a part of the pressure; H is then the separation of the mean planes.
     """
 
-    contact: LineContact
+    contact: LubricatedContact
     deflection: Deflection
     profile: Array
     touching_film: float = -math.inf
@@ -168,7 +168,7 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
     fluid, fluid_by_film, clearance, by_film = pressure, np.zeros_like(film), film, np.ones_like(film)
     if problem.asperities is not None:
         separation = contact.film_scale * film
-        carried, slope = problem.asperities.pressure(separation, contact.reduced_modulus)
+        carried, slope = problem.asperities.pressure(separation, contact.contact_modulus)
         fluid = pressure - carried / contact.hertz_pressure
         fluid_by_film = -contact.film_scale / contact.hertz_pressure * slope
         clearance, by_film = problem.asperities.mean_gap(separation)

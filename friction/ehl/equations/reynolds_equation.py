@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..rolling_contact.lubricated_contact import LineContact
+from ..rolling_contact.lubricated_contact import LubricatedContact
 
 Array = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ class Balance:
 
 
 def balance(
-    contact: LineContact,
+    contact: LubricatedContact,
     spacing: float,
     pressure: Array,
     film: Array,
@@ -90,7 +90,7 @@ def balance(
 
     Parameters
     ----------
-    contact : LineContact
+    contact : LubricatedContact
     spacing : float
         Distance of the nodes in half widths.
     pressure, film : (n) arrays
@@ -201,7 +201,7 @@ def fluid_part(film: Array, touching_film: float) -> tuple[Array, Array]:
 
 
 def _mobility(
-    contact: LineContact, pressure: Array, film: Array, density: Array, density_slope: Array
+    contact: LubricatedContact, pressure: Array, film: Array, density: Array, density_slope: Array
 ) -> tuple[Array, Array, Array]:
     """Return rho phi / (eta lambda), and its derivatives by P and H."""
     thickening, slope = contact.oil.log_viscosity(contact.hertz_pressure * pressure)

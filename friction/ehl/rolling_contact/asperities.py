@@ -44,7 +44,7 @@ class Asperities:
 
     Attributes
     ----------
-    rms : float
+    composite_roughness : float
         Root of the sum of the squares of both rms heights [m].
     correlation_length : float
         Distance at which the autocorrelation has fallen to 1/e [m].
@@ -55,41 +55,43 @@ class Asperities:
         A number is not positive, or the surface is steeper than Hertz contacts of summits allow.
     """
 
-    rms: float
+    composite_roughness: float
     correlation_length: float
 
     def __post_init__(self) -> None:
-        for name in ("rms", "correlation_length"):
+        for name in ("composite_roughness", "correlation_length"):
             checks.positive(name, getattr(self, name), "m")
-        if self.rms > 0.5 * self.correlation_length:
-            limit = 0.5 * self.correlation_length
-            raise InputError(f"rms = {self.rms:g}: must be up to half of the correlation_length, {limit:g} m")
+        if self.composite_roughness > 0.5 * self.correlation_length:
+            raise InputError(
+                f"composite_roughness = {self.composite_roughness:g}: must be up to half of the correlation_length, "
+                f"{0.5 * self.correlation_length:g} m"
+            )
 
-    def pressure(self, separation: Array, reduced_modulus: float) -> tuple[Array, Array]:
+    def pressure(self, separation: Array, contact_modulus: float) -> tuple[Array, Array]:
         """Mean pressure between the asperities [Pa], and its derivative by the separation [Pa/m].
 
         Parameters
         ----------
         separation : (n) array
             Of the mean planes [m]; negative where they would lie within one another.
-        reduced_modulus : float
+        contact_modulus : float
             E' [Pa].
         """
-        spread = _SUMMIT_SPREAD * self.rms
-        level = (separation - _SUMMITS * self.rms) / spread
-        steepness = self.rms / self.correlation_length
-        unit = (2.0 / 3.0) * reduced_modulus * _DENSITY * _CURVATURE**-0.5 * _SUMMIT_SPREAD**1.5 * steepness
+        spread = _SUMMIT_SPREAD * self.composite_roughness
+        level = (separation - _SUMMITS * self.composite_roughness) / spread
+        steepness = self.composite_roughness / self.correlation_length
+        unit = (2.0 / 3.0) * contact_modulus * _DENSITY * _CURVATURE**-0.5 * _SUMMIT_SPREAD**1.5 * steepness
         load, slope = _summit_load(level)
         return unit * load, unit / spread * slope
 
     def mean_gap(self, separation: Array) -> tuple[Array, Array]:
         """Mean of the gap [m] between surfaces that do not overlap, and its derivative by the separation [1]."""
-        t = separation / self.rms
+        t = separation / self.composite_roughness
         bell = np.exp(-0.5 * t**2) / math.sqrt(2.0 * math.pi)
         part = ndtr(t)
         # For a deeply negative t both parts cancel: the gap goes on as bell / t^2.
         gap = np.where(t > -5.0, t * part + bell, bell / np.maximum(t**2, 1.0))
-        return self.rms * np.maximum(gap, 1e-12), part
+        return self.composite_roughness * np.maximum(gap, 1e-12), part
 
 
 def mean_power(power: float, level: Array) -> Array:

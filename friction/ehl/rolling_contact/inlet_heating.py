@@ -3,54 +3,68 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
+from ....core.checks import one_of
 from ....core.errors import InputError
 from ...rolling_traction import THERMAL_FACTORS
-from .lubricated_contact import LineContact
+from .lubricated_contact import LubricatedContact
 
 #: Those of the factors that were made for the film thickness.
-FACTORS = ("gupta_cheng", "murch_wilson")
+FILM_FACTORS = ("gupta_cheng", "murch_wilson")
 #: Power of the viscosity in the smallest film (Pan and Hamrock).
-_POWER = 0.694
+VISCOSITY_EXPONENT = 0.694
 
 
-def film_factor(contact: LineContact, factor: str = "gupta_cheng") -> float:
+def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> float:
     """Film thickness with a heated inlet over that without, by a published formula.
 
     Parameters
     ----------
-    contact : LineContact
-        Its oil needs `temperature_viscosity` and `conductivity`.
-    factor : {"gupta_cheng", "murch_wilson"}
-        Gupta, Cheng, Zhu, Forster and Schrand, ASME Journal of Tribology 114 (1992) 55, with sliding; Murch and Wilson,
-        ASME Journal of Lubrication Technology 97 (1975) 212, in pure rolling.
+    contact
+        Its oil needs ``temperature_viscosity`` and ``thermal_conductivity``.
+    factor
+        ``gupta_cheng``: Gupta, Cheng, Zhu, Forster and Schrand, ASME Journal of Tribology 114 (1992) 55, with sliding.
+        ``murch_wilson``: Murch and Wilson, ASME Journal of Lubrication Technology 97 (1975) 212, in pure rolling.
 
     Raises
     ------
     InputError
-        There is no such factor, a property is missing, or the conditions are beyond the formula.
+        If there is no such factor, a property is missing, or the conditions are beyond the formula.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil
+    >>> oil = Oil(0.05, 1.4e-8, temperature_viscosity=0.04, thermal_conductivity=0.14)
+    >>> print(f"{film_factor(LubricatedContact(1e9, 0.02, 10.0, oil)):.3f}")
+    0.734
     """
-    oil = contact.oil
-    if factor not in FACTORS:
-        raise InputError(f"factor = {factor!r}: must be one of {', '.join(FACTORS)}")
-    if oil.temperature_viscosity is None or oil.conductivity is None:
-        raise InputError("the heat of the inlet needs the oil's temperature_viscosity and conductivity")
-    groups: Any = SimpleNamespace(
-        thermal_parameter=oil.temperature_viscosity * oil.viscosity * contact.rolling_velocity**2 / oil.conductivity,
-        pressure_parameter=contact.hertz_pressure / contact.reduced_modulus,
-        slide_to_roll=abs(contact.slide_to_roll),
-    )
-    value = float(THERMAL_FACTORS[factor](groups))
+    groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))
+    value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS)](groups))
     if not 0.0 < value <= 1.0:
         raise InputError(f"the {factor} factor is {value:g} here: these conditions are beyond it")
     return value
 
 
-def heated_inlet(contact: LineContact, factor: str = "gupta_cheng") -> LineContact:
-    """Return the contact with the inlet's viscosity lowered so that the film thins by `film_factor`.
+def heated_inlet(contact: LubricatedContact, factor: str = "gupta_cheng") -> LubricatedContact:
+    """Lower the viscosity of the inlet so that the film thins by ``film_factor``.
 
-    The viscosity in the shear of the film stays: its own heat is the `thermal` correction of `shear.traction`.
+    The viscosity in the shear of the film stays: its own heat is the ``thermal`` correction of ``traction``.
+
+    Parameters
+    ----------
+    contact, factor
+        As for ``film_factor``.
+
+    Raises
+    ------
+    InputError
+        As ``film_factor``.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil
+    >>> oil = Oil(0.05, 1.4e-8, temperature_viscosity=0.04, thermal_conductivity=0.14)
+    >>> print(f"{heated_inlet(LubricatedContact(1e9, 0.02, 10.0, oil)).inlet_viscosity:.3f}")
+    0.640
     """
-    return replace(contact, inlet_viscosity=film_factor(contact, factor) ** (1.0 / _POWER))
+    return replace(contact, inlet_viscosity=film_factor(contact, factor) ** (1.0 / VISCOSITY_EXPONENT))

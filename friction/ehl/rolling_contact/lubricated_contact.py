@@ -1,4 +1,4 @@
-"""Operating conditions of a lubricated line contact, its scales and its dimensionless groups."""
+"""Operating conditions of one lubricated line contact, with its scales and its dimensionless groups."""
 
 from __future__ import annotations
 
@@ -7,68 +7,82 @@ from dataclasses import dataclass
 
 from ....core import checks
 from ....core.errors import InputError
+from ...conditions import STEEL_MODULUS
 from .oil import Oil
 
-#: Reduced modulus of steel on steel, 2 / sum((1 - nu^2) / E) [Pa].
-STEEL = 2.27e11
+#: Greatest Hertz pressure over contact modulus: beyond, nothing is a Hertz contact.
+PRESSURE_PARAMETER_LIMIT = 0.1
 
 
 @dataclass(frozen=True)
-class LineContact:
-    """Two cylinders, rolling and sliding, with an oil in between; SI units.
+class LubricatedContact:
+    """Two cylinders, rolling and sliding, with an oil in between; in SI.
 
-    Attributes
+    Names and symbols are those of ``ContactConditions``, here of one contact.
+
+    Parameters
     ----------
-    hertz_pressure : float
-        Greatest pressure of the dry contact [Pa]; it stands for the load.
-    radius : float
-        Equivalent radius R of the cylinders [m].
-    rolling_velocity : float
+    hertz_pressure
+        Greatest Hertz pressure [Pa]; it stands for the load.
+    equivalent_radius
+        Radius of relative curvature R [m].
+    rolling_velocity
         Mean velocity of the surfaces (u1 + u2) / 2 [m/s].
-    oil : Oil
-    slide_to_roll : float
-        (u1 - u2) over the rolling velocity [1]; |slide_to_roll| = 2 holds one surface still.
-    reduced_modulus : float
+    oil
+        At the temperature of the inlet.
+    slide_to_roll
+        Sliding velocity u1 - u2 over the rolling velocity, with its sign [1]; at 2 or -2 one surface stands still.
+    contact_modulus
         E' = 2 / [(1 - nu1^2) / E1 + (1 - nu2^2) / E2] [Pa].
-    inlet_viscosity : float
-        Viscosity in the flow over that in the shear [1]: below 1 where the inlet is heated, see `inlet`.
+    inlet_viscosity
+        Viscosity in the flow over that in the shear [1]: below 1 where the inlet is heated, see ``heated_inlet``.
 
     Raises
     ------
     InputError
-        A number is not positive or not finite, the slide-to-roll ratio is not within [-2, 2], or `oil` is no `Oil`.
+        If a number is not positive or not finite, the slide-to-roll ratio is not from -2 to 2, or ``oil`` is no
+        ``Oil``.
+
+    Examples
+    --------
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> print(f"{1e6 * contact.half_width:.0f} um, {1e-3 * contact.load:.0f} N/mm")
+    352 um, 554 N/mm
     """
 
     hertz_pressure: float
-    radius: float
+    equivalent_radius: float
     rolling_velocity: float
     oil: Oil
     slide_to_roll: float = 0.0
-    reduced_modulus: float = STEEL
+    contact_modulus: float = STEEL_MODULUS
     inlet_viscosity: float = 1.0
 
     def __post_init__(self) -> None:
-        checks.positive("hertz_pressure", self.hertz_pressure, "Pa")
-        checks.positive("radius", self.radius, "m")
-        checks.positive("rolling_velocity", self.rolling_velocity, "m/s")
-        checks.positive("reduced_modulus", self.reduced_modulus, "Pa")
-        checks.positive("inlet_viscosity", self.inlet_viscosity, "1")
+        for name, unit in (
+            ("hertz_pressure", "Pa"),
+            ("equivalent_radius", "m"),
+            ("rolling_velocity", "m/s"),
+            ("contact_modulus", "Pa"),
+            ("inlet_viscosity", "1"),
+        ):
+            checks.positive(name, getattr(self, name), unit)
         checks.number("slide_to_roll", self.slide_to_roll, least=-2.0, most=2.0)
         checks.instance("oil", self.oil, Oil)
-        if self.hertz_pressure > 0.1 * self.reduced_modulus:
+        if self.hertz_pressure > PRESSURE_PARAMETER_LIMIT * self.contact_modulus:
             raise InputError(
-                f"hertz_pressure = {self.hertz_pressure:g}: must be up to a tenth of the contact modulus, "
-                f"{0.1 * self.reduced_modulus:g} Pa: give pascals"
+                f"hertz_pressure = {self.hertz_pressure:g}: must be up to {PRESSURE_PARAMETER_LIMIT:g} of the contact "
+                f"modulus, {PRESSURE_PARAMETER_LIMIT * self.contact_modulus:g} Pa: give pascals"
             )
 
     @property
     def half_width(self) -> float:
-        """Half width a of the dry contact [m]."""
-        return 4.0 * self.radius * self.hertz_pressure / self.reduced_modulus
+        """Half width of the dry contact, a [m]."""
+        return 4.0 * self.equivalent_radius * self.hertz_pressure / self.contact_modulus
 
     @property
     def load(self) -> float:
-        """Normal load per length of the contact [N/m]."""
+        """Load per length [N/m]."""
         return 0.5 * math.pi * self.half_width * self.hertz_pressure
 
     @property
@@ -79,42 +93,63 @@ class LineContact:
     @property
     def film_scale(self) -> float:
         """Unit of the film thickness a^2 / R [m]."""
-        return self.half_width**2 / self.radius
+        return self.half_width**2 / self.equivalent_radius
 
     @property
-    def load_group(self) -> float:
-        """W = load / (E' R) [1]."""
-        return self.load / (self.reduced_modulus * self.radius)
+    def pressure_parameter(self) -> float:
+        """Hertz pressure over contact modulus, H [1]."""
+        return self.hertz_pressure / self.contact_modulus
 
     @property
-    def speed_group(self) -> float:
-        """U = viscosity times rolling velocity / (E' R) [1]."""
-        return self.oil.viscosity * self.rolling_velocity / (self.reduced_modulus * self.radius)
+    def load_parameter(self) -> float:
+        """Load per length over contact modulus and radius, W [1]."""
+        return self.load / (self.contact_modulus * self.equivalent_radius)
 
     @property
-    def material_group(self) -> float:
-        """G = pressure-viscosity coefficient times E' [1]."""
-        return self.oil.pressure_viscosity * self.reduced_modulus
+    def speed_parameter(self) -> float:
+        """Viscosity times rolling velocity over contact modulus and radius, U [1]."""
+        return self.oil.viscosity * self.rolling_velocity / (self.contact_modulus * self.equivalent_radius)
+
+    @property
+    def material_parameter(self) -> float:
+        """Pressure-viscosity coefficient times contact modulus, G [1]."""
+        return self.oil.pressure_viscosity * self.contact_modulus
+
+    @property
+    def thermal_parameter(self) -> float:
+        """Thermal loading of the inlet, L = temperature-viscosity coefficient * viscosity * V^2 / conductivity [1].
+
+        Raises
+        ------
+        InputError
+            If the oil has no ``temperature_viscosity`` or no ``thermal_conductivity``.
+        """
+        oil = self.oil
+        if oil.temperature_viscosity is None or oil.thermal_conductivity is None:
+            raise InputError(
+                "the heat of the inlet needs temperature_viscosity and thermal_conductivity of the oil: give both"
+            )
+        return oil.temperature_viscosity * oil.viscosity * self.rolling_velocity**2 / oil.thermal_conductivity
 
     @property
     def moes_load(self) -> float:
-        """M = W / sqrt(2 U): load parameter of the diagram of lubrication regimes [1]."""
-        return self.load_group / math.sqrt(2.0 * self.speed_group)
+        """Load parameter of the diagram of lubrication regimes, M = W / sqrt(2 U) [1]."""
+        return self.load_parameter / math.sqrt(2.0 * self.speed_parameter)
 
     @property
     def moes_viscosity(self) -> float:
-        """L = G (2 U)^(1/4): piezoviscous parameter of the diagram of lubrication regimes [1]."""
-        return float(self.material_group * (2.0 * self.speed_group) ** 0.25)
+        """Piezoviscous parameter of the diagram of lubrication regimes, G (2 U)^(1/4) [1]."""
+        return float(self.material_parameter * (2.0 * self.speed_parameter) ** 0.25)
 
     @property
     def reynolds_number(self) -> float:
-        """12 viscosity velocity R^2 / (a^3 p_h): the only group of the isoviscous equation in Hertz units [1]."""
+        """The only group of the isoviscous equation in Hertz units, 12 viscosity velocity R^2 / (a^3 p_h) [1]."""
         return (
             12.0
             * self.inlet_viscosity
             * self.oil.viscosity
             * self.rolling_velocity
-            * self.radius**2
+            * self.equivalent_radius**2
             / (self.half_width**3 * self.hertz_pressure)
         )
 
@@ -131,4 +166,4 @@ class LineContact:
         if viscous > 0.0:
             stiff_rigid, stiff_elastic = 1.287 * viscous ** (2 / 3), 1.311 * m**-0.125 * viscous**0.75
             film += (stiff_rigid**-3.5 + stiff_elastic**-3.5) ** (-2.0 * exponent / 7.0)
-        return float(self.radius * math.sqrt(2.0 * self.speed_group) * film ** (1.0 / exponent))
+        return float(self.equivalent_radius * math.sqrt(2.0 * self.speed_parameter) * film ** (1.0 / exponent))

@@ -53,7 +53,7 @@ class Oil:
         Density by Dowson and Higginson, or constant.
     temperature_viscosity : float, optional
         Fall of ln(viscosity) with the temperature at the inlet [1/K]; needed for the thermal correction.
-    conductivity : float, optional
+    thermal_conductivity : float, optional
         Thermal conductivity at ambient pressure [W/(m K)]; needed for the thermal correction.
     inlet_temperature : float, optional
         [deg C]. With it a heated film thins by Roelands' law, less and less; without it ln(viscosity) falls in a
@@ -73,7 +73,7 @@ class Oil:
     limiting_shear: float | None = None
     compressible: bool = True
     temperature_viscosity: float | None = None
-    conductivity: float | None = None
+    thermal_conductivity: float | None = None
     inlet_temperature: float | None = None
 
     def __post_init__(self) -> None:
@@ -85,7 +85,7 @@ class Oil:
             ("high_pressure_viscosity", "1/Pa"),
             ("limiting_shear", "1"),
             ("temperature_viscosity", "1/K"),
-            ("conductivity", "W/(m K)"),
+            ("thermal_conductivity", "W/(m K)"),
         ):
             if getattr(self, name) is not None:
                 checks.positive(name, getattr(self, name), unit)
@@ -106,7 +106,7 @@ class Oil:
             float(state.viscosity),
             float(state.pressure_viscosity),
             temperature_viscosity=float(state.temperature_viscosity),
-            conductivity=float(state.thermal_conductivity),
+            thermal_conductivity=float(state.thermal_conductivity),
             **rheology,
         )
 
@@ -150,10 +150,10 @@ class Oil:
         power = base**-exponent
         return span * (1.0 - power), fall * power / base
 
-    def conductivity_at(self, pressure: Array) -> Array:
+    def thermal_conductivity_at(self, pressure: Array) -> Array:
         """Thermal conductivity at pressures >= 0 [Pa], in W/(m K)."""
         rise, fall = _CONDUCTIVITY_RISE
-        return np.asarray((self.conductivity or 0.0) * (1.0 + rise * pressure / (1.0 + fall * pressure)))
+        return np.asarray((self.thermal_conductivity or 0.0) * (1.0 + rise * pressure / (1.0 + fall * pressure)))
 
     def relative_density(self, pressure: Array) -> tuple[Array, Array]:
         """Return density over that at ambient pressure, and its derivative [1/Pa], at pressures >= 0 [Pa]."""

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ....core import checks
 from ....core.errors import InputError
+from ...conditions import STEEL_MODULUS
 from ..equations.film_certificate import Status
-from ..rolling_contact.lubricated_contact import STEEL
 from .friction_formula import (
     TERMS,
     FrictionFormula,
@@ -65,7 +65,7 @@ def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
         np.array([oil.viscosity for oil in own]),
         np.array([oil.pressure_viscosity for oil in own]),
         1e-6 * np.hypot(dataset["roughness_1"].values, dataset["roughness_2"].values),
-        np.array(STEEL),
+        np.array(STEEL_MODULUS),
     )
 
 

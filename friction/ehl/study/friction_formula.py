@@ -24,13 +24,12 @@ from numpy.typing import ArrayLike, NDArray
 from ....core import checks
 from ....core.errors import InputError
 from ....core.files import check_writable, whole_file
-from ...conditions import ContactConditions
-from ..rolling_contact.lubricated_contact import STEEL
+from ...conditions import STEEL_MODULUS, ContactConditions
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
-VARIABLES = ("hertz_pressure", "radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
+VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
 #: All products of up to as many variables, each term after the one that it extends.
 _DEGREE = 3
 TERMS = tuple(t for d in range(_DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
@@ -115,23 +114,28 @@ class FrictionFormula:
     def __call__(
         self,
         hertz_pressure: ArrayLike,
-        radius: ArrayLike,
+        equivalent_radius: ArrayLike,
         rolling_velocity: ArrayLike,
         slide_to_roll: ArrayLike,
         viscosity: ArrayLike,
         pressure_viscosity: ArrayLike,
         composite_roughness: ArrayLike,
-        reduced_modulus: ArrayLike = STEEL,
+        contact_modulus: ArrayLike = STEEL_MODULUS,
     ) -> tuple[Array, Bools]:
         """Friction coefficient, in one call for any number of conditions; arrays are broadcast.
 
         Parameters
         ----------
-        hertz_pressure, radius, rolling_velocity, slide_to_roll, viscosity, pressure_viscosity, composite_roughness
-            [Pa], [m], [m/s], [1], [Pa s], [1/Pa], [m]; the last is the root of the sum of the squares of both surfaces.
-            The sign of the slide-to-roll ratio does not matter.
-        reduced_modulus
-            [Pa].
+        hertz_pressure, equivalent_radius, rolling_velocity
+            (...) [Pa], [m], [m/s].
+        slide_to_roll
+            (...) [1]; its sign does not matter.
+        viscosity, pressure_viscosity
+            (...) [Pa s], [1/Pa].
+        composite_roughness
+            Root of the sum of the squares of both surfaces' rms heights (...) [m].
+        contact_modulus
+            (...) [Pa].
 
         Returns
         -------
@@ -144,13 +148,13 @@ class FrictionFormula:
         """
         inputs = (
             hertz_pressure,
-            radius,
+            equivalent_radius,
             rolling_velocity,
             slide_to_roll,
             viscosity,
             pressure_viscosity,
             composite_roughness,
-            reduced_modulus,
+            contact_modulus,
         )
         logarithms, material, modulus = logarithms_of(*inputs)
         slack = 1e-9

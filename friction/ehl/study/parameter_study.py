@@ -119,7 +119,7 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     """
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))
-    renamed = {"hertz_pressure": "contact_pressure", "radius": "contact_radius"}
+    renamed = {"hertz_pressure": "contact_pressure", "equivalent_radius": "contact_radius"}
     data: dict[str, Any] = {
         renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
         for name in names

@@ -15,7 +15,7 @@ from ....core.errors import EaseoffError
 from ..equations.film_certificate import Status
 from ..film import _FEWEST, _MOST, Film, domain, mixed_film, smooth_film
 from ..rolling_contact.asperities import Asperities
-from ..rolling_contact.lubricated_contact import LineContact
+from ..rolling_contact.lubricated_contact import LubricatedContact
 from ..rolling_contact.surface_roughness import generated_profile
 from ..rough_passage import FLOODED, TOUCHING_FILM, rough_passage
 from ..shear_traction import BOUNDARY_FRICTION, traction
@@ -191,7 +191,7 @@ def _steady(film: Film, resolution: Resolution) -> Row:
     )
 
 
-def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -> Row:
+def _rough(condition: Condition, contact: LubricatedContact, resolution: Resolution) -> Row:
     span = domain(contact, resolution.flooded)
     length = (span[1] - span[0]) * contact.half_width
     wanted = math.ceil(resolution.points * length / resolution.correlation_length) + 1

@@ -16,17 +16,18 @@ from scipy.stats import qmc
 
 from ....core import checks
 from ....core.errors import InputError
+from ...conditions import STEEL_MODULUS
 from ...lubricant import lubricant
-from ..rolling_contact.lubricated_contact import STEEL, LineContact
+from ..rolling_contact.lubricated_contact import PRESSURE_PARAMETER_LIMIT, LubricatedContact
 from ..rolling_contact.oil import Oil
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
 _EYRING_STRESS = 5e6
 #: Units of the parameters, the temperatures that the oil is known at, and the pressure beyond which nothing is a Hertz
-#: contact of steel (`LineContact` refuses it), in these units.
+#: contact of steel (`LubricatedContact` refuses it), in these units.
 _UNITS = {
     "hertz_pressure": "GPa",
-    "radius": "mm",
+    "equivalent_radius": "mm",
     "rolling_velocity": "m/s",
     "slide_to_roll": "1",
     "temperature": "degC",
@@ -35,7 +36,7 @@ _UNITS = {
     "roughness_2": "um",
 }
 _TEMPERATURES = (25.0, 100.0)
-_HIGHEST = 0.1 * STEEL * 1e-9
+_PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
@@ -62,7 +63,7 @@ def _level(name: str, value: Any) -> float:
     if name == "temperature":
         return checks.number(name, value, _UNITS[name], least=_TEMPERATURES[0], most=_TEMPERATURES[1])
     if name == "hertz_pressure":
-        return checks.number(name, value, _UNITS[name], above=0.0, most=_HIGHEST)
+        return checks.number(name, value, _UNITS[name], above=0.0, most=_PRESSURE_LIMIT)
     return checks.positive(name, value, _UNITS[name])
 
 
@@ -74,7 +75,7 @@ class Condition:
     ----------
     hertz_pressure : float
         [GPa].
-    radius : float
+    equivalent_radius : float
         [mm].
     rolling_velocity : float
         [m/s].
@@ -92,7 +93,7 @@ class Condition:
     """
 
     hertz_pressure: float
-    radius: float
+    equivalent_radius: float
     rolling_velocity: float
     slide_to_roll: float
     temperature: float
@@ -104,15 +105,15 @@ class Condition:
             _level(field.name, getattr(self, field.name))
 
     @property
-    def contact(self) -> LineContact:
+    def contact(self) -> LubricatedContact:
         """The line contact between steel bodies."""
-        return LineContact(
+        return LubricatedContact(
             hertz_pressure=1e9 * self.hertz_pressure,
-            radius=1e-3 * self.radius,
+            equivalent_radius=1e-3 * self.equivalent_radius,
             rolling_velocity=self.rolling_velocity,
             oil=oil_75w90(self.temperature),
             slide_to_roll=self.slide_to_roll,
-            reduced_modulus=STEEL,
+            contact_modulus=STEEL_MODULUS,
         )
 
     @property
@@ -134,7 +135,7 @@ class Design:
     """
 
     hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)
-    radius: tuple[float, ...] = (5.0, 20.0, 40.0)
+    equivalent_radius: tuple[float, ...] = (5.0, 20.0, 40.0)
     rolling_velocity: tuple[float, ...] = (1.0, 5.0, 10.0, 15.0, 20.0)
     slide_to_roll: tuple[float, ...] = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
     temperature: tuple[float, ...] = (25.0, 50.0, 75.0, 100.0)
@@ -144,7 +145,7 @@ class Design:
         for field in fields(self):
             levels = getattr(self, field.name)
             if not isinstance(levels, list | tuple | np.ndarray) or np.ndim(levels) != 1 or not len(levels):
-                raise InputError(f"{field.name} = {levels!r}: must be levels in a row, such as (1.0, 2.0)")
+                raise InputError(f"{field.name} = {checks.shown(levels)}: must be levels in a row, such as (1.0, 2.0)")
             object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
 
     @cached_property
@@ -152,7 +153,7 @@ class Design:
         pairs = tuple(combinations_with_replacement(self.roughness, 2))
         return (
             self.hertz_pressure,
-            self.radius,
+            self.equivalent_radius,
             self.rolling_velocity,
             self.slide_to_roll,
             self.temperature,
@@ -218,7 +219,7 @@ class Design:
 #: The levels of the dissertation and others between them: what a formula needs that holds between the former as well.
 REFINED = Design(
     hertz_pressure=(0.5, 0.6, 0.75, 0.9, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5),
-    radius=(5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0),
+    equivalent_radius=(5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0),
     rolling_velocity=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 15.0, 17.0, 20.0),
     slide_to_roll=(0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.35, 0.5, 0.75, 1.0),
     temperature=(25.0, 30.0, 37.5, 45.0, 50.0, 55.0, 62.5, 70.0, 75.0, 82.5, 90.0, 100.0),
