@@ -20,7 +20,7 @@ from tqdm import tqdm
 from easeoff.core.files import whole_file
 from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl.study.formula_regression import REGIMES, fit_friction, study_inputs
-from easeoff.friction.ehl.study.friction_formula import SHIPPED_FORMULA, lambda_ratio, logarithms_of, write_formula
+from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, lambda_ratio, logarithms_of, write_formula
 from easeoff.friction.ehl.study.parameter_study import run_study
 from easeoff.friction.ehl.study.study_design import REFINED, Design
 
@@ -90,7 +90,7 @@ def main() -> None:
     make(Path(sys.argv[1]) if sys.argv[1:] else Path())
     studies = [xr.load_dataset(path, engine="netcdf4") for path in STUDY_FILES]
     formula = fit_friction(*studies)
-    write_formula(SHIPPED_FORMULA, formula)
+    write_formula(FORMULA_FILE, formula)
     print(beside_the_dissertation(studies[0]))
     rows = [[f"{r.lowest:g} to {r.highest:g}", r.cases, f"{r.rms:.3f}", f"{r.worst:.2f}"] for r in formula.regimes]
     print(tabulate(rows, ["λ ratio", "cases", "rms error of ln μ", "worst"], "github", disable_numparse=True))

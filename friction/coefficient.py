@@ -1,6 +1,10 @@
 """The friction coefficient of a lubricated line contact, by models with a name.
 
 A model is any function from ``ContactConditions`` to friction coefficients.
+
+>>> from easeoff.friction import COEFFICIENTS
+>>> list(COEFFICIENTS)
+['kolivand', 'kolivand_blended', 'xu_kahraman', 'benedict_kelly', 'constant']
 """
 
 from __future__ import annotations
@@ -74,6 +78,13 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
     ------
     InputError
         If there is no model of that name, or the constant is negative or not finite.
+
+    Examples
+    --------
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{coefficient_model('benedict_kelly')(contact):.4f}")
+    0.0610
     """
     if callable(model):
         return model
@@ -132,6 +143,13 @@ def contact_conditions(
     ------
     InputError
         If a value is not finite, or not positive where it must be; or from oil and film.
+
+    Examples
+    --------
+    >>> contact = contact_conditions(hertz_pressure=[0.7e9, 1e9], equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=(0.8e-6, 0.4e-6), oil="pao-vg100")
+    >>> contact.lambda_ratio.round(3)
+    array([0.264, 0.241])
     """
     given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
     if len(given) != 2:

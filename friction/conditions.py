@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .film_thickness import film
+from .film_thickness import film_formula
 from .lubricant import THERMAL_CONDUCTIVITY
 
 Array = NDArray[Any]
@@ -78,7 +78,15 @@ class ContactConditions:
     contact_modulus
         2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
     film_formula
-        Name of the formula for the least film thickness, see ``film.FILMS``.
+        Name of the formula for the least film thickness, see ``FILMS``.
+
+    Examples
+    --------
+    >>> from easeoff.friction import contact_conditions
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{1e6 * contact.film_thickness:.3f} um, lambda ratio {contact.lambda_ratio:.3f}")
+    0.217 um, lambda ratio 0.192
     """
 
     hertz_pressure: Array
@@ -124,7 +132,7 @@ class ContactConditions:
     @cached_property
     def film_thickness(self) -> Array:
         """Least thickness of the smooth isothermal film [m]."""
-        formula = film(self.film_formula)
+        formula = film_formula(self.film_formula)
         return self.equivalent_radius * formula(self.speed_parameter, self.material_parameter, self.load_parameter)
 
     @property

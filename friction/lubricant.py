@@ -18,10 +18,10 @@ from ..core.errors import InputError
 Array = NDArray[Any]
 Interpolation = Literal["log_linear", "walther"]
 OutOfRange = Literal["error", "clamp"]
-FOLDER = Path(__file__).with_name("lubricants")
+LUBRICANTS_FOLDER = Path(__file__).with_name("lubricants")
 THERMAL_CONDUCTIVITY = 0.14  # [W/(m K)], usual for oils; only the thermal factor of the rolling traction asks for it
 # Factor, unit, least and greatest value, to find values in another unit.
-PLAUSIBLE = {
+PLAUSIBLE_RANGES = {
     "temperature": (1.0, "degC", -100.0, 400.0),
     "dynamic_viscosity": (1.0, "Pa s", 1e-5, 1e4),
     "pressure_viscosity": (1e9, "1/GPa", 1.0, 100.0),
@@ -50,6 +50,12 @@ class OilState:
         [W/(m K)].
     clamped
         Whether the temperature lies outside the lubricant's table and its end was taken instead.
+
+    Examples
+    --------
+    >>> state = lubricant("75w90").at([60.0, 120.0], out_of_range="clamp")
+    >>> state.viscosity.round(4), state.clamped
+    (array([0.0352, 0.0106]), array([False,  True]))
     """
 
     viscosity: Array
@@ -84,6 +90,12 @@ class Lubricant:
     InputError
         If the temperatures do not increase, or an array has another length, values that are not positive, or
         values that no oil has.
+
+    Examples
+    --------
+    >>> own = Lubricant("own", "An oil", "its data sheet", [40.0, 100.0], [0.08, 0.01], [2e-8, 1.5e-8])
+    >>> print(f"{own.at(70.0).viscosity:.4f} Pa s")
+    0.0283 Pa s
     """
 
     name: str
@@ -97,7 +109,7 @@ class Lubricant:
 
     def __post_init__(self) -> None:
         size = None
-        for key, (factor, unit, low, high) in PLAUSIBLE.items():
+        for key, (factor, unit, low, high) in PLAUSIBLE_RANGES.items():
             values, name = getattr(self, key), f"{key} of lubricant {self.name}"
             if key == "thermal_conductivity":
                 number(name, values, unit, least=low, most=high)
@@ -179,8 +191,14 @@ class Lubricant:
 
 
 def available_lubricants() -> list[str]:
-    """Names of the lubricants that come with the package."""
-    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+    """Names of the lubricants that come with the package.
+
+    Examples
+    --------
+    >>> available_lubricants()
+    ['75w90', 'heavy-mineral', 'mineral-vg100', 'pao-vg100']
+    """
+    return sorted(path.stem for path in LUBRICANTS_FOLDER.glob("*.toml"))
 
 
 def is_shipped(name: str) -> bool:
@@ -204,13 +222,18 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
     ------
     InputError
         If there is no such lubricant or file, or the file has other keys or values that cannot be.
+
+    Examples
+    --------
+    >>> print(lubricant("75W90").title)
+    75W90 axle oil
     """
     if isinstance(name, Lubricant):
         return name
     if not isinstance(name, str | os.PathLike):
         raise InputError(f"oil = {shown(name)}: must be the name of a lubricant, the path of its file, or a Lubricant")
     text = os.fspath(name)
-    path = FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
+    path = LUBRICANTS_FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
     if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
         start = "the working folder" if folder is None else "the folder of the case"
         raise InputError(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..core.checks import array, distinct, instance, one_of
 from ..core.errors import InputError
 from .coefficient import CoefficientModel, coefficient_model
-from .film_thickness import film
+from .film_thickness import film_formula
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
 from .rolling_traction import THERMAL_FACTORS
 from .surface_velocities import SurfaceVelocities
@@ -50,6 +50,11 @@ class Operation:
     ------
     InputError
         If a value is not possible, or there is no such lubricant.
+
+    Examples
+    --------
+    >>> Operation(speed=[500.0, 1500.0], temperature=60.0, roughness=[0.8, (0.8, 0.4)]).shape
+    (2, 1, 2)
     """
 
     speed: Numbers
@@ -104,11 +109,11 @@ class FrictionModel:
     Parameters
     ----------
     coefficient
-        Name of a model in ``coefficient.COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
+        Name of a model in ``COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
     film
-        Name of a formula in ``film.FILMS``.
+        Name of a formula in ``FILMS``.
     thermal_factor
-        Of the rolling traction, a name in ``rolling.THERMAL_FACTORS``.
+        Of the rolling traction, a name in ``THERMAL_FACTORS``.
     rolling_frame
         Rolling velocity and slide-to-roll in the ``fixed`` frame, as the dissertation has it, or relative to the moving
         ``contact_line``.
@@ -119,6 +124,11 @@ class FrictionModel:
     ------
     InputError
         If a name is unknown.
+
+    Examples
+    --------
+    >>> FrictionModel("benedict_kelly", film="dowson_higginson").name
+    'benedict_kelly'
     """
 
     coefficient: str | float | CoefficientModel = "kolivand"
@@ -129,7 +139,7 @@ class FrictionModel:
 
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
-        film(self.film)
+        film_formula(self.film)
         one_of("thermal_factor", self.thermal_factor, THERMAL_FACTORS)
         one_of("rolling_frame", self.rolling_frame, get_args(FrameOfRolling))
         one_of("out_of_range", self.out_of_range, get_args(OutOfRange))

@@ -1,4 +1,9 @@
-"""Rolling traction of a line contact: what it takes to press oil through the inlet, and how its heat lowers it."""
+"""Rolling traction of a line contact: what it takes to press oil through the inlet, and how its heat lowers it.
+
+>>> from easeoff.friction import THERMAL_FACTORS
+>>> list(THERMAL_FACTORS)
+['goksem_hargreaves', 'murch_wilson', 'gupta_cheng', 'none']
+"""
 
 from __future__ import annotations
 
@@ -78,6 +83,14 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     ------
     InputError
         If there is no factor of that name.
+
+    Examples
+    --------
+    >>> from easeoff.friction import contact_conditions
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{rolling_traction(contact):.1f} N/m")
+    68.3 N/m
     """
     factor = THERMAL_FACTORS[one_of("thermal_factor", thermal_factor, THERMAL_FACTORS)]
     return np.asarray(isothermal_traction(conditions) * factor(conditions))

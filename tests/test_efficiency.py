@@ -20,7 +20,7 @@ from easeoff.core.errors import InputError
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.friction.lubricant import FOLDER
+from easeoff.friction.lubricant import LUBRICANTS_FOLDER
 from easeoff.friction.operation import named_models
 from easeoff.friction.surface_velocities import action_fields, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
@@ -134,7 +134,7 @@ def test_one_call_for_all_conditions_is_many_calls(tree: xr.DataTree, result: xr
 
 
 def test_blocks_change_nothing(tree: xr.DataTree, result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(losses, "BLOCK", 100)
+    monkeypatch.setattr(losses, "BLOCK_SIZE", 100)
     xr.testing.assert_allclose(friction(tree, OPERATION), result, rtol=1e-13)
 
 
@@ -626,7 +626,7 @@ def test_a_result_without_a_dimension_is_named(tree: xr.DataTree) -> None:
 
 
 def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
-    oil = (FOLDER / "75w90.toml").read_text(encoding="utf-8")
+    oil = (LUBRICANTS_FOLDER / "75w90.toml").read_text(encoding="utf-8")
     (tmp_path / "oil.toml").write_text(oil, encoding="utf-8")
     text = (Path(easeoff.cases.__file__).with_name("nasa-12x36.toml")).read_text(encoding="utf-8")
     (tmp_path / "case.toml").write_text(text + '\n[friction]\nspeed = 500\noil = "oil.toml"\n', encoding="utf-8")

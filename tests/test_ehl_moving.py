@@ -23,7 +23,7 @@ from easeoff.friction.ehl import (
 )
 from easeoff.friction.ehl.equations.film_complementarity import ROUGH
 from easeoff.friction.ehl.film import domain, touching_start
-from easeoff.friction.ehl.rough_passage import FLOODED, TOUCHING_FILM, _March
+from easeoff.friction.ehl.rough_passage import ROUGH_INLET_GAP_RATIO, TOUCHING_FILM, _March
 
 OIL = Oil(0.0139, 10.4e-9)
 GEAR = LubricatedContact(0.7e9, 0.01, 2.2, OIL, slide_to_roll=0.45)
@@ -105,7 +105,7 @@ def test_slow_surfaces_start_from_films_that_touch_or_from_faster_ones() -> None
     oil = Oil(0.0208, 11.4e-9)
     for velocity in (1e-6, 1e-3, 1e-2):
         contact = LubricatedContact(1e9, 0.02, velocity, oil, slide_to_roll=0.25)
-        start = touching_start(contact, 193, domain(contact, FLOODED), TOUCHING_FILM)
+        start = touching_start(contact, 193, domain(contact, ROUGH_INLET_GAP_RATIO), TOUCHING_FILM)
         assert start.certified
         assert start.film.min() > 0.999 * TOUCHING_FILM
 

@@ -20,7 +20,7 @@ from easeoff.friction.ehl.equations.film_certificate import certify
 from easeoff.friction.ehl.equations.film_complementarity import evaluate
 from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
 from easeoff.friction.ehl.equations.reynolds_equation import History, balance
-from easeoff.friction.ehl.film import RESOLVED
+from easeoff.friction.ehl.film import RESOLUTION_LIMIT
 
 MODULUS = 2.273e11
 NEWTONIAN = math.inf
@@ -265,7 +265,7 @@ def test_grid_is_refined_until_it_resolves_the_film() -> None:
         film = smooth_film(contact)
         assert film.certified
         assert film.position.size >= nodes
-        assert film.resolution >= RESOLVED
+        assert film.resolution >= RESOLUTION_LIMIT
         fine = smooth_film(contact, nodes=4 * film.position.size - 3)
         assert film.minimum_film == pytest.approx(fine.minimum_film, rel=0.04)
         assert fine.resolution == pytest.approx(8.0 * film.resolution, rel=0.05)

@@ -254,7 +254,7 @@ def test_comparison_with_a_formula_is_its_error_by_regime() -> None:
 
 
 def test_too_few_cases_for_a_formula_are_refused() -> None:
-    with pytest.raises(InputError, match="too few"):
+    with pytest.raises(InputError, match="certified cases = 12: must be"):
         fit_friction(invented(0.0).isel(combination=slice(0, 12)))
 
 

@@ -22,7 +22,14 @@ def film_dataset(film: Film) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Dimension `rolling_position` [um].
+        Dimension ``rolling_position`` [um].
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> dict(film_dataset(smooth_film(contact, nodes=129)).sizes)
+    {'rolling_position': 129}
     """
     data: dict[str, Any] = {
         "film_pressure": ("rolling_position", 1e-6 * film.pressure),
@@ -43,7 +50,16 @@ def passage_dataset(passage: RoughPassage) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Dimensions `time` [us], and `kept_time` and `rolling_position` [um] of the fields.
+        Dimensions ``time`` [us], and ``kept_time`` and ``rolling_position`` [um] of the fields.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, generated_profile, rough_passage
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> profile = generated_profile(0.1e-6, 40e-6, 1e-3, seed=1)
+    >>> passage = rough_passage(contact, profile, steps=40, nodes=65, settle=30, keep=20)
+    >>> dict(passage_dataset(passage).sizes)
+    {'time': 40, 'kept_time': 2, 'rolling_position': 65}
     """
     time = 1e6 * passage.time
     data: dict[str, Any] = {

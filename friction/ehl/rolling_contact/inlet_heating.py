@@ -36,7 +36,7 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
     >>> from easeoff.friction.ehl import LubricatedContact, Oil
     >>> oil = Oil(0.05, 1.4e-8, temperature_viscosity=0.04, thermal_conductivity=0.14)
     >>> print(f"{film_factor(LubricatedContact(1e9, 0.02, 10.0, oil)):.3f}")
-    0.734
+    0.736
     """
     groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))
     value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS)](groups))
@@ -65,6 +65,6 @@ def heated_inlet(contact: LubricatedContact, factor: str = "gupta_cheng") -> Lub
     >>> from easeoff.friction.ehl import LubricatedContact, Oil
     >>> oil = Oil(0.05, 1.4e-8, temperature_viscosity=0.04, thermal_conductivity=0.14)
     >>> print(f"{heated_inlet(LubricatedContact(1e9, 0.02, 10.0, oil)).inlet_viscosity:.3f}")
-    0.640
+    0.642
     """
     return replace(contact, inlet_viscosity=film_factor(contact, factor) ** (1.0 / VISCOSITY_EXPONENT))

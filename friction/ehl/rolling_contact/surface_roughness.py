@@ -22,26 +22,32 @@ Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 #: Points in a correlation length of a generated profile.
-_POINTS = 12
+POINTS_PER_LENGTH = 12
 #: A trace whose heights are smaller than this, over its largest number, is flat: what is left of it is rounding.
-_FLAT = 1e-12
+FLATNESS_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class RoughProfile:
     """A profile that repeats itself, given by heights at equal distances with a cubic spline in between.
 
-    Attributes
+    Parameters
     ----------
-    heights : (n) array
-        [m], with mean zero; the point after the last is the first again.
-    spacing : float
+    heights
+        Of the points (n) [m], with mean zero; the point after the last is the first again.
+    spacing
         Distance of neighbouring points [m].
 
     Raises
     ------
     InputError
-        There are fewer than three heights, one is not finite, or the spacing is not positive.
+        If there are fewer than three heights, one is not finite, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> profile = RoughProfile(1e-6 * np.array([0.0, 1.0, 0.0, -1.0]), spacing=1e-5)
+    >>> print(f"{1e6 * profile.rms:.3f} um rms over {1e6 * profile.length:.0f} um")
+    0.707 um rms over 40 um
     """
 
     heights: Array
@@ -76,7 +82,7 @@ class RoughProfile:
         Raises
         ------
         InputError
-            The rms height is negative, or positive while the profile is flat.
+            If the rms height is negative, or positive while the profile is flat.
         """
         checks.positive("rms", rms, "m", zero=True)
         if rms == 0.0:
@@ -91,25 +97,30 @@ def generated_profile(rms: float, correlation_length: float, length: float, seed
 
     Parameters
     ----------
-    rms : float
+    rms
         Root mean square height [m], met exactly.
-    correlation_length : float
+    correlation_length
         Distance at which the autocorrelation has fallen to 1/e [m].
-    length : float
+    length
         Period [m].
-    seed : int
+    seed
         The same seed gives the same profile.
 
     Raises
     ------
     InputError
-        A length is not positive, the period is shorter than ten correlation lengths, or the seed no whole number.
+        If a length is not positive, the period is shorter than ten correlation lengths, or the seed no whole number.
 
     Notes
     -----
     Sum of waves of the period's fundamental and its multiples, with the amplitudes of the spectral density,
     exp(-(k l)^2 / 8) for the wave number k and correlation length l, and random phases. The shortest wave kept is
     l / 6, whose amplitude is nil.
+
+    Examples
+    --------
+    >>> print(f"{1e6 * generated_profile(0.3e-6, 20e-6, 1e-3, seed=1).rms:.3f} um")
+    0.300 um
     """
     for name, value in (("rms", rms), ("correlation_length", correlation_length), ("length", length)):
         checks.positive(name, value, "m")
@@ -118,7 +129,7 @@ def generated_profile(rms: float, correlation_length: float, length: float, seed
         raise InputError(
             f"length = {length:g}: must be ten correlation lengths, {10 * correlation_length:g} m, or more"
         )
-    points = math.ceil(_POINTS * length / correlation_length)
+    points = math.ceil(POINTS_PER_LENGTH * length / correlation_length)
     wave_number = 2.0 * math.pi * np.fft.rfftfreq(points, length / points)
     phase = 2.0 * math.pi * np.random.default_rng(seed).random(wave_number.size)
     spectrum = np.exp(-((wave_number * correlation_length) ** 2) / 8.0 + 1j * phase)
@@ -132,11 +143,11 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
 
     Parameters
     ----------
-    heights : (n) array
-        Heights at equal distances [m], at least 16.
-    spacing : float
+    heights
+        Heights at equal distances (n) [m], at least 16.
+    spacing
         Their distance [m].
-    detrend : bool
+    detrend
         Take out the straight line through them; their mean is taken out in any case.
 
     Returns
@@ -148,7 +159,13 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
     Raises
     ------
     InputError
-        Too few heights, a height that is not finite, or a spacing that is not positive.
+        If there are too few heights, one is not finite, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> trace = 1e-6 * np.sin(np.arange(40.0)) + 0.1e-6 * np.arange(40.0)
+    >>> print(f"{1e6 * measured_profile(trace, spacing=1e-6).rms:.2f} um")
+    0.70 um
     """
     trace = checks.array("heights", heights, "m", ndim=1, fewest=16)
     checks.positive("spacing", spacing, "m")
@@ -158,7 +175,7 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
         trace = trace - np.polyval(np.polyfit(index, trace, 1), index)
     trace = np.concatenate([trace, trace[-2:0:-1]])
     trace = trace - trace.mean()
-    return RoughProfile(trace if np.abs(trace).max() > _FLAT * largest else np.zeros_like(trace), spacing)
+    return RoughProfile(trace if np.abs(trace).max() > FLATNESS_TOLERANCE * largest else np.zeros_like(trace), spacing)
 
 
 def wave(amplitude: float, wavelength: float) -> Profile:
@@ -167,7 +184,12 @@ def wave(amplitude: float, wavelength: float) -> Profile:
     Raises
     ------
     InputError
-        The amplitude is not finite, or the wavelength not positive.
+        If the amplitude is not finite, or the wavelength not positive.
+
+    Examples
+    --------
+    >>> (1e6 * wave(0.1e-6, 1e-4)(np.array([0.0, 0.5e-4]))).round(3)
+    array([ 0.1, -0.1])
     """
     checks.number("amplitude", amplitude, "m")
     checks.positive("wavelength", wavelength, "m")
@@ -180,7 +202,12 @@ def asperity(height: float, width: float, point: float) -> Profile:
     Raises
     ------
     InputError
-        A number is not finite, or the width not positive.
+        If a number is not finite, or the width not positive.
+
+    Examples
+    --------
+    >>> (1e6 * asperity(0.5e-6, 4e-5, 1e-4)(np.array([0.0, 1e-4]))).round(3)
+    array([0. , 0.5])
     """
     checks.number("height", height, "m")
     checks.positive("width", width, "m")

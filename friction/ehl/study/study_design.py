@@ -22,10 +22,10 @@ from ..rolling_contact.lubricated_contact import PRESSURE_PARAMETER_LIMIT, Lubri
 from ..rolling_contact.oil import Oil
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
-_EYRING_STRESS = 5e6
+EYRING_STRESS = 5e6
 #: Units of the parameters, the temperatures that the oil is known at, and the pressure beyond which nothing is a Hertz
-#: contact of steel (`LubricatedContact` refuses it), in these units.
-_UNITS = {
+#: contact of steel (``LubricatedContact`` refuses it), in these units.
+LEVEL_UNITS = {
     "hertz_pressure": "GPa",
     "equivalent_radius": "mm",
     "rolling_velocity": "m/s",
@@ -35,8 +35,8 @@ _UNITS = {
     "roughness_1": "um",
     "roughness_2": "um",
 }
-_TEMPERATURES = (25.0, 100.0)
-_PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
+TEMPERATURE_RANGE = (25.0, 100.0)
+PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
@@ -45,12 +45,12 @@ def oil_75w90(temperature: float) -> Oil:
     Raises
     ------
     InputError
-        The temperature is beyond the table.
+        If the temperature is beyond the table.
     """
     checks.number("temperature", temperature, "degC")
     return Oil.of(
         lubricant("75w90").at(temperature),
-        eyring_stress=_EYRING_STRESS,
+        eyring_stress=EYRING_STRESS,
         law="two_slope",
         inlet_temperature=temperature,
     )
@@ -61,35 +61,35 @@ def _level(name: str, value: Any) -> float:
     if name == "slide_to_roll":
         return checks.number(name, value, least=-2.0, most=2.0)
     if name == "temperature":
-        return checks.number(name, value, _UNITS[name], least=_TEMPERATURES[0], most=_TEMPERATURES[1])
+        return checks.number(name, value, LEVEL_UNITS[name], least=TEMPERATURE_RANGE[0], most=TEMPERATURE_RANGE[1])
     if name == "hertz_pressure":
-        return checks.number(name, value, _UNITS[name], above=0.0, most=_PRESSURE_LIMIT)
-    return checks.positive(name, value, _UNITS[name])
+        return checks.number(name, value, LEVEL_UNITS[name], above=0.0, most=PRESSURE_LIMIT)
+    return checks.positive(name, value, LEVEL_UNITS[name])
 
 
 @dataclass(frozen=True)
 class Condition:
     """One combination of the study, in its units.
 
-    Attributes
+    Parameters
     ----------
-    hertz_pressure : float
+    hertz_pressure
         [GPa].
-    equivalent_radius : float
+    equivalent_radius
         [mm].
-    rolling_velocity : float
+    rolling_velocity
         [m/s].
-    slide_to_roll : float
+    slide_to_roll
         [1].
-    temperature : float
+    temperature
         Of the oil in the inlet [deg C].
-    roughness_1, roughness_2 : float
+    roughness_1, roughness_2
         Rms heights of the surfaces [um].
 
     Raises
     ------
     InputError
-        A number is not positive, or not in the range of a contact or of the oil.
+        If a number is not positive, or not in the range of a contact or of the oil.
     """
 
     hertz_pressure: float
@@ -131,7 +131,7 @@ class Design:
     Raises
     ------
     InputError
-        A parameter has no levels, or one that a `Condition` cannot have.
+        If a parameter has no levels, or one that a ``Condition`` cannot have.
     """
 
     hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)
@@ -176,7 +176,7 @@ class Design:
         Raises
         ------
         InputError
-            There is no such combination.
+            If there is no such combination.
         """
         levels = np.unravel_index(checks.whole("number", number, 0, self.size - 1), self.shape)
         *single, pair = (axis[int(level)] for axis, level in zip(self._axes, levels, strict=True))
@@ -187,9 +187,9 @@ class Design:
 
         Parameters
         ----------
-        size : int
+        size
             How many.
-        seed : int
+        seed
             Of the scrambling.
 
         Returns
@@ -201,7 +201,7 @@ class Design:
         Raises
         ------
         InputError
-            More than there are, or none; or the seed is no whole number.
+            If more than there are, or none; or the seed is no whole number.
         """
         size = checks.whole("size", size, 1, self.size)
         checks.whole("seed", seed, 0)
@@ -233,7 +233,7 @@ def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.in
     Raises
     ------
     InputError
-        A number is not whole, or there is none.
+        If a number is not whole, or there is none.
     """
     if wanted is None:
         return np.arange(design.size)
