@@ -21,11 +21,11 @@ from easeoff.friction.ehl import (
     LubricatedContact,
     Oil,
     generated_profile,
-    hierarchical_matrix as hierarchical,
     mixed_film,
     rough_passage,
     smooth_film,
 )
+from easeoff.friction.ehl.equations import hierarchical_matrix as hierarchical
 from easeoff.friction.ehl.equations.elastic_deflection import Deflection, logarithm_of_hats
 from easeoff.friction.ehl.equations.reynolds_equation import balance
 from scipy.linalg import lu_factor, lu_solve, toeplitz

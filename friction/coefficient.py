@@ -1,4 +1,4 @@
-"""The friction coefficient of a lubricated line contact, by models with a name.
+"""Named models of the friction coefficient of a lubricated line contact.
 
 A model is any function from ``ContactConditions`` to friction coefficients.
 
@@ -58,7 +58,7 @@ def benedict_kelly(conditions: ContactConditions) -> Array:
 
 
 def constant(conditions: ContactConditions, value: float = CONSTANT_COEFFICIENT) -> Array:
-    """The same coefficient everywhere."""
+    """Constant friction coefficient."""
     return np.full((), value)
 
 
@@ -72,7 +72,7 @@ COEFFICIENTS: Mapping[str, CoefficientModel] = {
 
 
 def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel:
-    """A model from its name, a constant coefficient, or a function of one's own.
+    """Friction model from its name, a constant coefficient, or a function.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def contact_conditions(
     film: str = "pan_hamrock",
     out_of_range: OutOfRange = "error",
 ) -> ContactConditions:
-    """Checked conditions of line contacts, from numbers or arrays that broadcast, in SI.
+    """Checked operating conditions of line contacts, from numbers or arrays that broadcast, in SI.
 
     Parameters
     ----------

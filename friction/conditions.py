@@ -1,4 +1,4 @@
-"""What a lubricated line contact works under, in SI, with the dimensionless groups of line-contact lubrication."""
+"""Operating conditions of lubricated line contacts, in SI, and their dimensionless groups."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on s
 
 
 class DimensionlessGroups(Protocol):
-    """The dimensionless groups of line contacts: under the same names in friction and in the film model.
+    """Dimensionless groups of line contacts, under the same names in friction and in the film model.
 
     ``ContactConditions`` has them, and ``ehl.LubricatedContact``.
     """
@@ -49,7 +49,7 @@ class DimensionlessGroups(Protocol):
 
 @dataclass(frozen=True)
 class ContactConditions:
-    """Conditions of line contacts; all arrays broadcast against each other, everything in SI.
+    """Operating conditions of line contacts; all arrays broadcast against each other, everything in SI.
 
     Parameters
     ----------

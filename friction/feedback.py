@@ -1,4 +1,4 @@
-"""Load distribution with the torque of friction fed back: input power = output power + losses at every mesh position.
+"""Load distribution with the torque of friction: input power = output power + losses at every mesh position.
 
 Friction takes part of the pinion's torque before it reaches the normal forces. With the forces F, lever arms r about
 the gear axis and the ratio R, the input torque T holds
@@ -143,7 +143,7 @@ def friction_feedback(
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
 ) -> xr.Dataset:
-    """As ``efficiency.friction``, with the load distribution that holds the balance of torque with friction.
+    """Friction and efficiency as ``friction``, with loads that balance the torque of friction, too.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The loaded contacts of a stored result, in SI: what carries force, where, and how the surfaces move there."""
+"""Loaded contacts of a stored result, in SI: forces, lengths, radii and surface velocities."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
 
 @dataclass(frozen=True)
 class PotentialSegments:
-    """What is the same at every torque, as the contact lines do not move under load.
+    """All segments of a result and their surface velocities, which are the same at every torque.
 
     Parameters
     ----------

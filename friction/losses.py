@@ -25,7 +25,7 @@ BLOCK_SIZE = 200_000  # values: intermediate arrays stay in the processor's cach
 
 @dataclass(frozen=True)
 class Losses:
-    """A block of contacts.
+    """Friction coefficient and power loss of a block of contacts.
 
     Parameters
     ----------

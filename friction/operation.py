@@ -1,4 +1,4 @@
-"""How a gear pair runs: speeds, oil temperatures and roughnesses, and by which models its friction is computed."""
+"""Operating conditions of a gear pair (speeds, oil temperatures, roughnesses), and the models of its friction."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Operation:
 
 @dataclass(frozen=True)
 class FrictionModel:
-    """By which models friction is computed.
+    """Models of friction coefficient, film thickness and rolling traction.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class FrictionModel:
 
     @property
     def name(self) -> str:
-        """The coefficient's model in words."""
+        """Name of the model of the coefficient."""
         if isinstance(self.coefficient, str):
             return self.coefficient
         return getattr(self.coefficient, "__name__", "own") if callable(self.coefficient) else f"{self.coefficient:g}"
@@ -170,7 +170,7 @@ class FrictionModel:
 
 
 def checked_model(operation: Operation, model: FrictionModel | str | float | CoefficientModel | None) -> FrictionModel:
-    """The model, from that of the coefficient alone if that is given.
+    """Friction model, complete where that of the coefficient alone is given.
 
     Raises
     ------

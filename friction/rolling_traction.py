@@ -1,4 +1,4 @@
-"""Rolling traction of a line contact: what it takes to press oil through the inlet, and how its heat lowers it.
+"""Rolling traction of a line contact, and the thermal factors by which heat of the inlet lowers it.
 
 >>> from easeoff.friction import THERMAL_FACTORS
 >>> list(THERMAL_FACTORS)

@@ -1,4 +1,4 @@
-"""Surface velocities where the flanks touch: sliding and rolling, along and across the contact line.
+"""Surface velocities of the flanks in contact: sliding and rolling, along and across the contact line.
 
 At its conjugate position a point of the flank moves with v = w a x (r - o) on either member (Kolivand 2009, Eq. 5.1).
 The members turn at their ratio, so both velocities have the same part along the common normal (Eq. 5.2): the points of

@@ -178,7 +178,7 @@ def test_limits_are_those_of_the_study() -> None:
     low, high = module.COEFFICIENT_LIMITS
     assert 0.99 * found.min() < low < found.min()
     assert found.max() < high < 1.001 * found.max()
-    assert 0.999 < float(study.lambda_ratio.min()) / module.LEAST_LAMBDA < 1.01
+    assert 0.999 < float(study.lambda_ratio.min()) / module.LAMBDA_MINIMUM < 1.01
 
 
 @pytest.mark.parametrize("blend", [False, True])

@@ -1,4 +1,4 @@
-"""Smooth surfaces in a steady state."""
+"""Film of a lubricated contact in a steady state: between smooth surfaces, and with asperities that share the load."""
 
 from __future__ import annotations
 
@@ -246,7 +246,7 @@ def mixed_film(
 
 
 def touching_start(contact: LubricatedContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
-    """The film between smooth surfaces, which touch where it would be thinner than ``touching_film`` [m].
+    """Film between smooth surfaces, which touch where it would be thinner than ``touching_film`` [m].
 
     What rough surfaces start from: where the film is thicker than twice that, it is ``smooth_film``. Where neither can
     be found, just above the touching film on a coarse grid, it is the film of faster surfaces, which the first steps

@@ -45,7 +45,7 @@ def film_dataset(film: Film) -> xr.Dataset:
 
 
 def passage_dataset(passage: RoughPassage) -> xr.Dataset:
-    """What a passage did step by step, and the fields that were kept.
+    """Friction, film and status of a passage by time step, and the fields that were kept.
 
     Returns
     -------

@@ -31,7 +31,7 @@ ROUGH_INLET_GAP_RATIO = 25.0
 
 @dataclass(frozen=True, eq=False)
 class RoughPassage:
-    """What rough surfaces did on their way through the contact, step by step; (t) arrays unless said otherwise.
+    """Passage of rough surfaces through the contact, step by step; (t) arrays unless said otherwise.
 
     Parameters
     ----------

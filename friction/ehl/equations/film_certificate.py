@@ -37,7 +37,7 @@ class Status(StoredStatus):
 
 @dataclass(frozen=True)
 class Certificate:
-    """Violations of the conditions.
+    """Violations of the conditions by an answer.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ PRESSURE_TOLERANCE = 1e-9
 
 
 class State(IntEnum):
-    """What holds at a node; the order is that of the members of the condition.
+    """Which condition holds at a node; the order is that of the members of the condition.
 
     Examples
     --------
@@ -59,7 +59,7 @@ class State(IntEnum):
 
 @dataclass(frozen=True)
 class Pace:
-    """How the iteration goes about its steps.
+    """Limits and scales of the steps of the iteration.
 
     Parameters
     ----------

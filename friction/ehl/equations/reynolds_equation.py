@@ -42,7 +42,7 @@ LOG_VISCOSITY_LIMIT = 100.0
 
 @dataclass(frozen=True)
 class History:
-    """What a step in time needs of those before; in one step the mean flow advances by one node.
+    """Storage of the steps in time before; in one step the mean flow advances by one node.
 
     Parameters
     ----------

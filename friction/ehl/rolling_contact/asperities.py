@@ -1,4 +1,4 @@
-"""Rough surfaces by their statistics: film and asperities share the load, steady, in the cost of a smooth film.
+"""Asperities of rough surfaces by their statistics: they share the load with the film, in a steady state.
 
 The lubricant flows through the mean gap and asperities press against each other the harder the narrower it is (Johnson,
 Greenwood and Poon, Wear 19 (1972) 91). Roughness is isotropic here: the lubricant finds its way around the asperities,
@@ -40,7 +40,7 @@ LEVEL_LIMIT = 12.0
 
 @dataclass(frozen=True)
 class Asperities:
-    """Both surfaces' roughness together.
+    """Asperities of both surfaces together, by their statistics.
 
     Parameters
     ----------

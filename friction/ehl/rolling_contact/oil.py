@@ -1,4 +1,4 @@
-"""What the film model needs to know of an oil at its inlet temperature: a handful of state."""
+"""Oil at its inlet temperature: viscosity, density and conductivity under pressure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ViscosityLaw = Literal["roelands", "two_slope"]
 
 @dataclass(frozen=True)
 class Oil:
-    """An oil at its inlet temperature.
+    """Oil at its inlet temperature.
 
     Parameters
     ----------

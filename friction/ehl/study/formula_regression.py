@@ -1,4 +1,4 @@
-"""Fitting the friction formula to a study, and how far formulas are from the model."""
+"""Regression of the friction formula on a study, and errors of formulas against the model."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ RIDGE = 1e-7
 
 
 def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
-    """What a formula is called with for each case of a study; SI."""
+    """Arguments of a formula for each case of a study; SI."""
     oils = {float(t): oil_75w90(float(t)) for t in np.unique(dataset["temperature"].values)}
     own = [oils[float(t)] for t in dataset["temperature"].values]
     return (

@@ -1,4 +1,4 @@
-"""A formula for the friction coefficient, fitted to a study: the fast evaluator for use inside a gear analysis.
+"""Formula of the friction coefficient, fitted to a study: a fast model for use inside a gear analysis.
 
 As in the model, the load is shared: with a the part that asperities carry and m that of the film's friction,
 

@@ -1,4 +1,4 @@
-"""One case of the parameter study: a combination of conditions, by the model that is asked for."""
+"""One case of the parameter study: a combination of conditions, computed with the film model."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ RAMP_STEPS = 20
 
 @dataclass(frozen=True)
 class Resolution:
-    """What the study assumes beyond the conditions, and how finely it computes.
+    """Model, assumptions and grid of a study.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The parameter study of the dissertation (its tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
+"""Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
-    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 deg C.
+    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 degC.
 
     Raises
     ------
@@ -82,7 +82,7 @@ class Condition:
     slide_to_roll
         [1].
     temperature
-        Of the oil in the inlet [deg C].
+        Of the oil in the inlet [degC].
     roughness_1, roughness_2
         Rms heights of the surfaces [um].
 
