@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 from friction_studies import RIDGES_FILE, STUDY_FILES, stored_studies
 
+import easeoff.friction
 from easeoff.core.errors import InputError, MissingPackageError
 from easeoff.friction import friction_coefficient
 from easeoff.friction.conditions import STEEL_MODULUS
@@ -256,6 +257,10 @@ def test_comparison_with_a_formula_is_its_error_by_regime() -> None:
 def test_too_few_cases_for_a_formula_are_refused() -> None:
     with pytest.raises(InputError, match="certified cases = 12: must be"):
         fit_friction(invented(0.0).isel(combination=slice(0, 12)))
+
+
+def test_stored_studies_are_no_part_of_the_package() -> None:
+    assert not list(Path(easeoff.friction.__file__).parent.rglob("*.nc"))
 
 
 @pytest.mark.parametrize(("number", "design"), [(0, Design()), (1, REFINED)])
