@@ -18,20 +18,20 @@ from typing import Any
 import numpy as np
 from easeoff.friction.ehl import (
     Asperities,
-    LineContact,
+    LubricatedContact,
     Oil,
     generated_profile,
-    hierarchical_matrix as hierarchical,
     mixed_film,
     rough_passage,
     smooth_film,
 )
-from easeoff.friction.ehl.elastic_deflection import Deflection, logarithm_of_hats
-from easeoff.friction.ehl.reynolds_equation import balance
+from easeoff.friction.ehl.equations import hierarchical_matrix as hierarchical
+from easeoff.friction.ehl.equations.elastic_deflection import Deflection, logarithm_of_hats
+from easeoff.friction.ehl.equations.reynolds_equation import balance
 from scipy.linalg import lu_factor, lu_solve, toeplitz
 from tabulate import tabulate
 
-CONTACT = LineContact(1e9, 0.02, 5.0, Oil(0.0499, 13.9e-9), slide_to_roll=0.25)
+CONTACT = LubricatedContact(1e9, 0.02, 5.0, Oil(0.0499, 13.9e-9), slide_to_roll=0.25)
 REPETITIONS, ROUGH_STEPS = 5, 8
 LARGEST_DENSE, LARGEST_ROUGH = 2049, 1025
 

@@ -176,7 +176,6 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
         "sliding of the pinion on the gear across the contact line, positive the way the line moves over the gear",
     ),
     "rolling_velocity": ("m s-1", "mean speed of both surfaces across the contact line, in the chosen frame"),
-    "radius_along_line": ("mm", "product over sum of both radii along the contact line, taken as equivalent radius"),
     "slide_to_roll": (
         "1",
         "size of the sliding over the rolling velocity, both across the contact line unless chosen otherwise",

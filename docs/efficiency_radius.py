@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from dissertation_tables import table
-from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, analysed, inner, with_radius
+from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, inner, result, with_direction
 
 import easeoff
 from easeoff.cases import Case, read_design
@@ -70,8 +70,7 @@ def everywhere() -> str:
     printed = dict(zip(DESIGNS, PRINTED["equivalent radius [mm]"], strict=True))
     for letter in DESIGNS:
         for direction in DIRECTIONS:
-            tree = analysed(letter).tree
-            found = with_radius(tree, AT["torque"], direction)
+            found = result(letter, direction)["loaded"].to_dataset().sel(torque=AT["torque"])
             radius, force = found["equivalent_radius"], found["force"]
             middle = radius.where(np.abs(found["profile"] - 0.5) < 0.1)
             ends = (middle.where(found["lengthwise"] < 0.1), middle.where(found["lengthwise"] > 0.9))
@@ -93,6 +92,7 @@ def chapter_four() -> str:
     rows: list[tuple[object, ...]] = []
     for name, printed in (("fh-12x41-45", "to 800"), ("fm-11x41", "to 1200, with a loaded edge")):
         tree = analyze_in_full(easeoff.read_case(name), torques=(200.0,)).tree
-        pressures = (float(with_radius(tree, 200.0, direction)["max_pressure"]) for direction in DIRECTIONS)
+        loaded = (with_direction(tree, direction)["loaded"].to_dataset() for direction in DIRECTIONS)
+        pressures = (float(found["max_pressure"].sel(torque=200.0)) for found in loaded)
         rows.append((f"`{name}`", *(f"{pressure:.0f}" for pressure in pressures), printed))
     return table(rows, ["greatest pressure [MPa]", "across", "along the line", "dissertation"])

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from dissertation_radius import whole_sliding, with_radius_along_line
 from dissertation_tables import table
 from numpy.typing import NDArray
 
@@ -48,38 +49,37 @@ def analysed(letter: str) -> Analysis:
 
 
 @cache
+def result(letter: str, direction: Direction = "across") -> xr.DataTree:
+    """The result of a design at three torques, with the radius of the direction."""
+    return with_direction(analysed(letter).tree, direction)
+
+
+def with_direction(tree: xr.DataTree, direction: Direction) -> xr.DataTree:
+    """A result with the radius of the direction."""
+    return with_radius_along_line(tree) if direction == "along" else tree
+
+
+@cache
 def over_speed(letter: str, direction: Direction = "across") -> xr.Dataset:
     """Figure 5.11: torques and speeds at 90 degC and 0.8 um."""
-    model = FrictionModel(radius_direction=direction)
-    return friction(analysed(letter).tree, Operation(SPEEDS, 90.0, 0.8), model, segment_fields=False)
+    return friction(result(letter, direction), Operation(SPEEDS, 90.0, 0.8), segment_fields=False)
 
 
 @cache
 def over_roughness(letter: str, direction: Direction = "across") -> xr.Dataset:
     """Figure 5.12: roughnesses and temperatures at 500 N m and 1500 / min."""
-    operation, model = Operation(1500.0, [50.0, 75.0, 100.0], ROUGHNESSES), FrictionModel(radius_direction=direction)
-    found = friction(analysed(letter).tree, operation, model, segment_fields=False)
+    operation = Operation(1500.0, [50.0, 75.0, 100.0], ROUGHNESSES)
+    found = friction(result(letter, direction), operation, segment_fields=False)
     return found.sel(torque=500.0, speed=1500.0)
-
-
-def with_radius(tree: xr.DataTree, torque: float, direction: Direction) -> xr.Dataset:
-    """The loaded segments at a torque, with radius and Hertz pressure of the direction."""
-    loaded = tree["loaded"].to_dataset().sel(torque=torque)
-    if direction == "along":
-        model = FrictionModel(radius_direction=direction)
-        radius = friction(tree, Operation(AT["speed"]), model, segment_fields=False)["radius_along_line"]
-        pressure = loaded["pressure"] * np.sqrt(loaded["equivalent_radius"] / radius)
-        loaded = loaded.assign(equivalent_radius=radius, pressure=pressure, max_pressure=pressure.max())
-    return loaded
 
 
 @cache
 def maps(letter: str, direction: Direction = "across") -> tuple[ToothView, dict[str, FlankMap], float]:
     """Figures 5.5 to 5.10: the flank, the maps by name, and the greatest pressure [MPa]."""
-    tree = analysed(letter).tree
-    view, loaded = tooth_view(tree), with_radius(tree, AT["torque"], direction)
+    tree = result(letter, direction)
+    view, loaded = tooth_view(tree), tree["loaded"].to_dataset().sel(torque=AT["torque"])
     operation = Operation(AT["speed"], AT["temperature"], AT["roughness"])
-    here = friction(tree, operation, FrictionModel(radius_direction=direction)).sel(AT)
+    here = friction(tree, operation).sel(AT)
     found = velocity_maps(tree, view, AT["speed"])
     found["equivalent_radius"] = loaded_map(loaded, loaded["equivalent_radius"])
     for name in ("lambda_ratio", "friction_coefficient"):
@@ -220,8 +220,8 @@ def options() -> str:
         "formula, smooth between its regimes": FrictionModel("kolivand_blended"),
         "film of Dowson and Higginson": FrictionModel(film="dowson_higginson"),
         "rolling velocity relative to the contact line": FrictionModel(rolling_frame="contact_line"),
-        "slide-to-roll from the whole sliding": FrictionModel(sliding_of_ratio="whole"),
-        "radius along the contact line": FrictionModel(radius_direction="along"),
+        "slide-to-roll from the whole sliding": FrictionModel(whole_sliding),
+        "radius along the contact line": FrictionModel(),
         "rolling traction without heating": FrictionModel(thermal_factor="none"),
         "torque of friction fed back to the forces": None,
         "coefficient of Xu and others, full film": FrictionModel("xu_kahraman"),
@@ -232,11 +232,11 @@ def options() -> str:
     for name, model in choices.items():
         cells: list[object] = [name]
         for letter in DESIGNS:
-            whole = analysed(letter)
+            tree = result(letter, "along" if name == "radius along the contact line" else "across")
             found = (
-                friction(whole.tree, operation, model)
+                friction(tree, operation, model)
                 if model
-                else friction_feedback(whole.tree, whole.cases, operation)
+                else friction_feedback(tree, analysed(letter).cases, operation)
             )
             here = found.sel(AT)
             cells += [f"{float(here['mean_friction_coefficient']):.4f}", f"{100 * float(here['efficiency']):.2f}"]

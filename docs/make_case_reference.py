@@ -60,11 +60,6 @@ MEANINGS = {
     "film": ("formula for the least film thickness", ""),
     "thermal_factor": ("how heating lowers the rolling traction", ""),
     "rolling_frame": ("rolling velocity in the fixed frame, or relative to the contact line", ""),
-    "sliding_of_ratio": ("sliding in the slide-to-roll ratio: across the contact line, or the whole", ""),
-    "radius_direction": (
-        "equivalent radius across the contact line, or [along it](friction.md#the-dissertations-radius)",
-        "",
-    ),
     "out_of_range": ("temperatures the oil has no data for: an error, or the end of the data with a flag", ""),
     "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),

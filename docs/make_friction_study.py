@@ -19,19 +19,22 @@ from tqdm import tqdm
 
 from easeoff.core.files import whole_file
 from easeoff.friction import friction_coefficient
-from easeoff.friction.ehl.study.formula_regression import REGIMES, SHIPPED, fit_friction, shipped_studies, study_inputs
-from easeoff.friction.ehl.study.friction_formula import SHIPPED_FORMULA, lambda_ratio, logarithms_of, write_formula
+from easeoff.friction.ehl.study.formula_regression import REGIMES, fit_friction, study_inputs
+from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, lambda_ratio, logarithms_of, write_formula
 from easeoff.friction.ehl.study.parameter_study import run_study
 from easeoff.friction.ehl.study.study_design import REFINED, Design
 
 STUDIES = ((Design(), None), (REFINED, 3000))
+# Space-filling subsets of the design of the dissertation and of ``REFINED``, run with the defaults.
+DATA = Path(__file__).with_name("data")
+STUDY_FILES = tuple(DATA / name for name in ("friction_study.nc", "friction_study_refined.nc"))
 INPUTS = 7  # the first variables, which are exact
 ROUNDED = {"dtype": "float32", "significant_digits": 5, "quantize_mode": "GranularBitRound"}
 
 
 def make(folder: Path) -> None:
-    """Run both studies and put them into the package, rounded."""
-    for (design, wanted), target in zip(STUDIES, SHIPPED, strict=True):
+    """Run both studies and put them into ``docs/data``, rounded."""
+    for (design, wanted), target in zip(STUDIES, STUDY_FILES, strict=True):
         with tqdm(desc=target.name, unit="case") as bar:
             dataset = run_study(
                 folder / target.name,
@@ -85,9 +88,10 @@ def beside_the_dissertation(dataset: xr.Dataset) -> str:
 def main() -> None:
     """Make everything and print the tables."""
     make(Path(sys.argv[1]) if sys.argv[1:] else Path())
-    formula = fit_friction(*shipped_studies())
-    write_formula(SHIPPED_FORMULA, formula)
-    print(beside_the_dissertation(shipped_studies()[0]))
+    studies = [xr.load_dataset(path, engine="netcdf4") for path in STUDY_FILES]
+    formula = fit_friction(*studies)
+    write_formula(FORMULA_FILE, formula)
+    print(beside_the_dissertation(studies[0]))
     rows = [[f"{r.lowest:g} to {r.highest:g}", r.cases, f"{r.rms:.3f}", f"{r.worst:.2f}"] for r in formula.regimes]
     print(tabulate(rows, ["λ ratio", "cases", "rms error of ln μ", "worst"], "github", disable_numparse=True))
     print(f"all: {formula.prediction_error:.3f}, worst {formula.worst_error:.2f}")

@@ -14,7 +14,6 @@ import xarray as xr
 import easeoff
 from easeoff.cases import gear_pair
 from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
-from easeoff.friction import FrictionModel
 from easeoff.geometry.deviation.deviation import deviation_from_formula
 from easeoff.geometry.deviation.global_errors import FlankErrors
 
@@ -29,11 +28,8 @@ def coarse_analysis() -> xr.DataTree:
     """
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
     case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
-    model = FrictionModel(radius_direction="along")
     worn = deviation_from_formula(gear_pair(case).pinion.section, FlankErrors(twist=1.0))
-    tree = easeoff.analyze(
-        case, speed=1500.0, friction_model=model, friction_feedback=True, deviations={"pinion": worn}
-    )
+    tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})
     best = easeoff.optimize(plain, order=2, programmes=1)
     return tree.assign({name: best[name] for name in ("modification", "optimization")})

@@ -1,6 +1,10 @@
-"""The friction coefficient of a lubricated line contact, by models with a name.
+"""Named models of the friction coefficient of a lubricated line contact.
 
 A model is any function from ``ContactConditions`` to friction coefficients.
+
+>>> from easeoff.friction import COEFFICIENTS
+>>> list(COEFFICIENTS)
+['kolivand', 'kolivand_blended', 'xu_kahraman', 'benedict_kelly', 'constant']
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..core.checks import array, positive, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
 from .kolivand_formula import formula_coefficient
@@ -19,8 +24,7 @@ from .lubricant import Lubricant, OutOfRange, lubricant
 
 Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
-USUAL_CONSTANT = 0.05  # Coleman, Machine Design 47, 1975
-MAY_VANISH = ("slide_to_roll", "sliding_velocity", "roughness_pinion", "roughness_gear")
+CONSTANT_COEFFICIENT = 0.05  # Coleman, Machine Design 47, 1975
 
 
 def xu_kahraman(conditions: ContactConditions) -> Array:
@@ -53,8 +57,8 @@ def benedict_kelly(conditions: ContactConditions) -> Array:
     return np.asarray(np.maximum(0.0127 * np.log10(argument), 0.0))
 
 
-def constant(conditions: ContactConditions, value: float = USUAL_CONSTANT) -> Array:
-    """The same coefficient everywhere."""
+def constant(conditions: ContactConditions, value: float = CONSTANT_COEFFICIENT) -> Array:
+    """Constant friction coefficient."""
     return np.full((), value)
 
 
@@ -68,27 +72,30 @@ COEFFICIENTS: Mapping[str, CoefficientModel] = {
 
 
 def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel:
-    """A model from its name, a constant coefficient, or a function of one's own.
+    """Friction model from its name, a constant coefficient, or a function.
 
     Raises
     ------
     InputError
         If there is no model of that name, or the constant is negative or not finite.
+
+    Examples
+    --------
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{coefficient_model('benedict_kelly')(contact):.4f}")
+    0.0610
     """
     if callable(model):
         return model
-    if isinstance(model, str):
-        if model in COEFFICIENTS:
-            return COEFFICIENTS[model]
-        raise InputError(f"friction model {model!r}: must be one of {', '.join(COEFFICIENTS)}, or a number")
+    if isinstance(model, str) and model in COEFFICIENTS:
+        return COEFFICIENTS[model]
     if isinstance(model, bool) or not isinstance(model, int | float | np.number):
         raise InputError(
-            f"friction model {model!r}: must be one of {', '.join(COEFFICIENTS)}, a number, or a function of "
-            "ContactConditions"
+            f"coefficient = {shown(model)}: must be one of {', '.join(COEFFICIENTS)}, a number of 0 or more, or a "
+            "function of ContactConditions"
         )
-    if not (np.isfinite(model) and model >= 0.0):
-        raise InputError(f"friction coefficient {model!r}: must be zero or more, and finite")
-    return partial(constant, value=float(model))
+    return partial(constant, value=positive("coefficient", model, zero=True))
 
 
 def contact_conditions(
@@ -105,7 +112,7 @@ def contact_conditions(
     film: str = "pan_hamrock",
     out_of_range: OutOfRange = "error",
 ) -> ContactConditions:
-    """Checked conditions of line contacts, from numbers or arrays that broadcast, in SI.
+    """Checked operating conditions of line contacts, from numbers or arrays that broadcast, in SI.
 
     Parameters
     ----------
@@ -122,13 +129,13 @@ def contact_conditions(
     temperature
         Of the oil [degC].
     oil
-        See ``lubricant.lubricant``.
+        See ``lubricant``.
     sliding_velocity
         Whole sliding velocity [m/s]; that across the line if left out. Only ``benedict_kelly`` asks for it.
     contact_modulus
         2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
     film
-        See ``film.FILMS``.
+        See ``FILMS``.
     out_of_range
         What to do with temperatures the oil has no data for: ``error`` or ``clamp``.
 
@@ -136,44 +143,35 @@ def contact_conditions(
     ------
     InputError
         If a value is not finite, or not positive where it must be; or from oil and film.
+
+    Examples
+    --------
+    >>> contact = contact_conditions(hertz_pressure=[0.7e9, 1e9], equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=(0.8e-6, 0.4e-6), oil="pao-vg100")
+    >>> contact.lambda_ratio.round(3)
+    array([0.264, 0.241])
     """
     given = roughness if isinstance(roughness, tuple) else (roughness, roughness)
     if len(given) != 2:
-        raise InputError(f"roughness = {roughness!r}: a tuple has two entries, pinion and gear")
-    pinion, gear = given
-    values = {
-        "hertz_pressure": hertz_pressure,
-        "equivalent_radius": equivalent_radius,
-        "rolling_velocity": rolling_velocity,
-        "contact_modulus": contact_modulus,
-        "slide_to_roll": slide_to_roll,
-        "roughness_pinion": pinion,
-        "roughness_gear": gear,
-    }
-    if sliding_velocity is not None:
-        values["sliding_velocity"] = sliding_velocity
-    try:
-        arrays = {name: np.asarray(value, dtype=float) for name, value in values.items()}
-    except (TypeError, ValueError) as error:
-        raise InputError(f"conditions of a contact must be numbers or arrays of numbers: {error}") from error
-    for name, array in arrays.items():
-        may_vanish = name in MAY_VANISH
-        bad = ~(np.isfinite(array) & ((array >= 0.0) if may_vanish else (array > 0.0)))
-        if np.any(bad):
-            least = "zero or more" if may_vanish else "positive"
-            raise InputError(f"{name} = {array[bad].flat[0]:g}: must be {least} and finite, in SI")
-    if arrays["contact_modulus"].ndim:
-        raise InputError(f"contact_modulus = {contact_modulus!r}: must be one number")
+        raise InputError(f"roughness = {shown(roughness)}: must be a number, or a tuple (pinion, gear) [m]")
+    rolling = array("rolling_velocity", rolling_velocity, "m/s", above=0.0)
+    ratio = array("slide_to_roll", slide_to_roll, least=0.0)
+    sliding = ratio * rolling if sliding_velocity is None else sliding_velocity
     state = lubricant(oil).at(temperature, out_of_range=out_of_range)
-    arrays.setdefault("sliding_velocity", arrays["slide_to_roll"] * arrays["rolling_velocity"])
     return ContactConditions(
-        **{k: v for k, v in arrays.items() if k != "contact_modulus"},
+        hertz_pressure=array("hertz_pressure", hertz_pressure, "Pa", above=0.0),
+        equivalent_radius=array("equivalent_radius", equivalent_radius, "m", above=0.0),
+        rolling_velocity=rolling,
+        sliding_velocity=array("sliding_velocity", sliding, "m/s", least=0.0),
+        slide_to_roll=ratio,
+        roughness_pinion=array("roughness_pinion", given[0], "m", least=0.0),
+        roughness_gear=array("roughness_gear", given[1], "m", least=0.0),
         temperature=np.asarray(temperature, dtype=float),
         viscosity=state.viscosity,
         pressure_viscosity=state.pressure_viscosity,
         temperature_viscosity=state.temperature_viscosity,
         thermal_conductivity=state.thermal_conductivity,
-        contact_modulus=float(contact_modulus),
+        contact_modulus=positive("contact_modulus", contact_modulus, "Pa"),
         film_formula=film,
     )
 

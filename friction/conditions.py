@@ -1,24 +1,55 @@
-"""What a lubricated line contact works under, in SI, with the dimensionless groups of line-contact lubrication."""
+"""Operating conditions of lubricated line contacts, in SI, and their dimensionless groups."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .film_thickness import film
+from .film_thickness import film_formula
 from .lubricant import THERMAL_CONDUCTIVITY
 
 Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
 
 
+class DimensionlessGroups(Protocol):
+    """Dimensionless groups of line contacts, under the same names in friction and in the film model.
+
+    ``ContactConditions`` has them, and ``ehl.LubricatedContact``.
+    """
+
+    @property
+    def pressure_parameter(self) -> Any:
+        """Hertz pressure over contact modulus, H."""
+
+    @property
+    def load_parameter(self) -> Any:
+        """Load per length over contact modulus and radius, W."""
+
+    @property
+    def speed_parameter(self) -> Any:
+        """Viscosity times rolling velocity over contact modulus and radius, U."""
+
+    @property
+    def material_parameter(self) -> Any:
+        """Pressure-viscosity coefficient times contact modulus, G."""
+
+    @property
+    def thermal_parameter(self) -> Any:
+        """Thermal loading of the inlet, L."""
+
+    @property
+    def slide_to_roll(self) -> Any:
+        """Sliding over rolling velocity, SR."""
+
+
 @dataclass(frozen=True)
 class ContactConditions:
-    """Conditions of line contacts; all arrays broadcast against each other, everything in SI.
+    """Operating conditions of line contacts; all arrays broadcast against each other, everything in SI.
 
     Parameters
     ----------
@@ -47,7 +78,15 @@ class ContactConditions:
     contact_modulus
         2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
     film_formula
-        Name of the formula for the least film thickness, see ``film.FILMS``.
+        Name of the formula for the least film thickness, see ``FILMS``.
+
+    Examples
+    --------
+    >>> from easeoff.friction import contact_conditions
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{1e6 * contact.film_thickness:.3f} um, lambda ratio {contact.lambda_ratio:.3f}")
+    0.217 um, lambda ratio 0.192
     """
 
     hertz_pressure: Array
@@ -93,7 +132,7 @@ class ContactConditions:
     @cached_property
     def film_thickness(self) -> Array:
         """Least thickness of the smooth isothermal film [m]."""
-        formula = film(self.film_formula)
+        formula = film_formula(self.film_formula)
         return self.equivalent_radius * formula(self.speed_parameter, self.material_parameter, self.load_parameter)
 
     @property

@@ -16,7 +16,7 @@ from .losses import losses
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
-MOST_VALUES = 3_000_000  # of a field over segments that is kept without being asked for
+KEPT_VALUES_LIMIT = 3_000_000  # of a field over segments that is kept without being asked for
 OPERATION = ("speed", "temperature", "roughness")
 
 
@@ -54,19 +54,27 @@ def friction(
     InputError
         If the result is of an older version or lacks a dimension, an argument is of another kind, or a temperature is
         out of the oil's range.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 21, "profile_nodes": 15}
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> found = friction(easeoff.analyze(case, torques=200.0), Operation(speed=1500.0, temperature=[60.0, 90.0]))
+    >>> (100.0 * found["efficiency"]).values.ravel().round(1)
+    array([98. , 97.8])
     """
     model = checked_model(operation, model)
-    potential = potential_segments(tree, model.radius_direction)
+    potential = potential_segments(tree)
     contacts = loaded_contacts(tree, potential)
     loaded = tree["loaded"].to_dataset()
     segments = loaded.sizes["segment"]
     size = contacts.solved.size * segments * int(np.prod(operation.shape))
-    keep = size <= MOST_VALUES if segment_fields is None else segment_fields
+    keep = size <= KEPT_VALUES_LIMIT if segment_fields is None else segment_fields
     result = losses_dataset(contacts, operation, model, segments if keep else 0)
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
     result = result.assign_coords(coords).merge(velocities_dataset(potential, operation, model))
-    if potential.radius_along is not None:
-        result["radius_along_line"] = (("mesh_position", "segment"), 1e3 * potential.spread(potential.radius_along))
     return labelled(result.assign_attrs(_provenance(operation, model)))
 
 
@@ -186,6 +194,6 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, str]:
         "film": model.film,
         "thermal_factor": model.thermal_factor,
         "rolling_frame": model.rolling_frame,
-        "sliding_of_ratio": model.sliding_of_ratio,
-        "radius_direction": model.radius_direction,
+        "sliding_of_ratio": "across",
+        "radius_direction": "across",
     }

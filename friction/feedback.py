@@ -1,4 +1,4 @@
-"""Load distribution with the torque of friction fed back: input power = output power + losses at every mesh position.
+"""Load distribution with the torque of friction: input power = output power + losses at every mesh position.
 
 Friction takes part of the pinion's torque before it reaches the normal forces. With the forces F, lever arms r about
 the gear axis and the ratio R, the input torque T holds
@@ -32,8 +32,8 @@ from .losses import losses
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
-ITERATIONS = 30
-TOLERANCE = 1e-11  # of the torque
+ITERATION_LIMIT = 30
+TORQUE_TOLERANCE = 1e-11  # of the torque
 
 
 def friction_torques(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> tuple[Array, Array]:
@@ -97,17 +97,17 @@ def _one_operation(
     """Friction with feedback at one speed, temperature and roughness."""
     loaded = loaded_segments(tree)
     ratio = float(tree["ease_off"].attrs["ratio"])
-    potential = potential_segments(tree, model.radius_direction)
+    potential = potential_segments(tree)
     contacts = loaded_contacts(tree, potential)
     given = np.broadcast_to(contacts.torque[:, None], contacts.solved.shape)
     effective, current = given, tree
-    for count in range(ITERATIONS + 1):
+    for count in range(ITERATION_LIMIT + 1):
         taken, _ = friction_torques(contacts, operation, model)
-        moving = contacts.solved & (np.abs(given - taken - effective) > TOLERANCE * given)
+        moving = contacts.solved & (np.abs(given - taken - effective) > TORQUE_TOLERANCE * given)
         if not np.any(moving):
             break
         # Where friction drives the pinion faster than the forces hold it, and where the iteration does not end: NaN.
-        failed = moving & ((effective + taken <= 0.0) | (count == ITERATIONS))
+        failed = moving & ((effective + taken <= 0.0) | (count == ITERATION_LIMIT))
         with np.errstate(divide="ignore", invalid="ignore"):
             wanted = given * effective / (effective + taken)
         loaded = _solved_again(cases, wanted, moving & ~failed, loaded, ratio, solver)
@@ -143,7 +143,7 @@ def friction_feedback(
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
 ) -> xr.Dataset:
-    """As ``efficiency.friction``, with the load distribution that holds the balance of torque with friction.
+    """Friction and efficiency as ``friction``, with loads that balance the torque of friction, too.
 
     Parameters
     ----------
@@ -168,6 +168,18 @@ def friction_feedback(
     ------
     InputError
         As ``friction``.
+
+    Examples
+    --------
+    As an option of an analysis:
+
+    >>> import easeoff
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 21, "profile_nodes": 15}
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> found = easeoff.analyze(case, torques=200.0, speed=1500.0, friction_feedback=True)["friction"]
+    >>> bool(abs(found["energy_balance"]).max() < 1e-9)
+    True
     """
     model = checked_model(operation, model)
 

@@ -1,4 +1,11 @@
-"""Least film thickness of a smooth, isothermal line contact, by name."""
+"""Least film thickness of a smooth, isothermal line contact, by name.
+
+>>> from easeoff.friction import FILMS
+>>> list(FILMS)
+['pan_hamrock', 'dowson_higginson']
+>>> print(f"{FILMS['pan_hamrock'](1e-11, 5000.0, 1.3e-4):.2e}")
+1.58e-05
+"""
 
 from __future__ import annotations
 
@@ -7,7 +14,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.checks import one_of
 
 Array = NDArray[Any]
 
@@ -34,7 +41,7 @@ FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
 }
 
 
-def film(name: str) -> Callable[[Array, Array, Array], Array]:
+def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
     """A film formula by name.
 
     Raises
@@ -42,6 +49,4 @@ def film(name: str) -> Callable[[Array, Array, Array], Array]:
     InputError
         If there is none of that name.
     """
-    if name not in tuple(FILMS):  # a tuple takes what cannot be a key, too
-        raise InputError(f"film = {name!r}: must be one of {', '.join(FILMS)}")
-    return FILMS[name]
+    return FILMS[one_of("film", name, FILMS)]

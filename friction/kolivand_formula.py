@@ -32,7 +32,7 @@ C = (5.0435, -0.00576307, 248228480.0, -0.396002, -0.405254, 35.618, -0.109382, 
      -0.00038810, 0.052821)  # fmt: skip
 
 # What the regression was made from (Table 5.1); no sliding below 0.025 of the rolling.
-RANGES = {
+STUDY_RANGES = {
     "slide_to_roll": (0.025, 1.0),
     "hertz_pressure": (0.5e9, 2.5e9),
     "equivalent_radius": (5e-3, 40e-3),
@@ -52,11 +52,11 @@ FLAGS = {
     256: "lambda_clamped",
     512: "coefficient_limited",
 }
-LEAST_LAMBDA = 0.0266  # of the study: 2.5 GPa, 5 mm, 1 m/s, 100 degC, 1 um on both flanks
+LAMBDA_MINIMUM = 0.0266  # of the study: 2.5 GPa, 5 mm, 1 m/s, 100 degC, 1 um on both flanks
 # Least and greatest coefficient over the whole study, rounded outwards. Far outside the expressions give anything.
 COEFFICIENT_LIMITS = (0.00088, 0.1601)
-BOUNDARIES = (1.0, 3.0)
-BLENDS = ((0.9, 1.1), (2.7, 3.3))
+LAMBDA_BOUNDARIES = (1.0, 3.0)
+BLEND_WINDOWS = ((0.9, 1.1), (2.7, 3.3))
 
 
 @dataclass(frozen=True)
@@ -125,19 +125,19 @@ def _step(log_ratio: Array, window: tuple[float, float]) -> Array:
 
 def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
     """Logarithm of lambda (...), and the other arguments as the mixed regime takes them and as the other two do."""
-    lowest = RANGES["roughness"][0]
+    lowest = STUDY_RANGES["roughness"][0]
     roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
     composite = np.hypot(*roughness)
-    log_ratio = np.maximum(np.log(conditions.film_thickness) - np.log(composite), np.log(LEAST_LAMBDA))
+    log_ratio = np.maximum(np.log(conditions.film_thickness) - np.log(composite), np.log(LAMBDA_MINIMUM))
     radius = conditions.equivalent_radius
     in_both = {
-        "slide_to_roll": np.clip(conditions.slide_to_roll, *RANGES["slide_to_roll"]),
+        "slide_to_roll": np.clip(conditions.slide_to_roll, *STUDY_RANGES["slide_to_roll"]),
         "speed": conditions.speed_parameter,
         "material": conditions.material_parameter,
         "composite": composite / radius,
         "log_equivalent": np.log(roughness[0] * roughness[1] / (roughness[0] + roughness[1]) / radius),
     }
-    low, high = (limit / conditions.contact_modulus for limit in RANGES["hertz_pressure"])
+    low, high = (limit / conditions.contact_modulus for limit in STUDY_RANGES["hertz_pressure"])
     gentle = _Groups(pressure=np.minimum(conditions.pressure_parameter, high), **in_both)
     strict = _Groups(pressure=np.clip(conditions.pressure_parameter, low, high), **in_both)
     return log_ratio, gentle, strict
@@ -163,7 +163,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
     Kolivand 2009, Eq. 5.11 and Table 5.3.
     """
     log_ratio, gentle, strict = _arguments(conditions)
-    windows = BLENDS if blend else [(at, at) for at in BOUNDARIES]
+    windows = BLEND_WINDOWS if blend else [(at, at) for at in LAMBDA_BOUNDARIES]
     ends = [0.0, *(float(end) for window in windows for end in np.log(window)), 0.0]
     result: Any = 0.0
     # An expression explodes far from its own regime: its lambda stays within it and the windows beside it.
@@ -193,18 +193,26 @@ def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
     -------
     Array
         Sums of the keys of ``FLAGS``.
+
+    Examples
+    --------
+    >>> from easeoff.friction import contact_conditions
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> [name for bit, name in FLAGS.items() if formula_flags(contact) & bit]
+    ['radius_extrapolated']
     """
 
     def outside(name: str, values: Array, below: bool = True, above: bool = True) -> NDArray[np.bool_]:
-        low, high = RANGES[name]
+        low, high = STUDY_RANGES[name]
         slack = 1e-9  # a range's end that went through a change of units is within
         under, over = values < low * (1.0 - slack), values > high * (1.0 + slack)
         return np.asarray((under & below) | (over & above))
 
     rough = (conditions.roughness_pinion, conditions.roughness_gear)
-    composite = np.hypot(*(np.maximum(r, RANGES["roughness"][0]) for r in rough))
+    composite = np.hypot(*(np.maximum(r, STUDY_RANGES["roughness"][0]) for r in rough))
     pressure = conditions.hertz_pressure
-    thick = conditions.film_thickness >= BOUNDARIES[0] * composite
+    thick = conditions.film_thickness >= LAMBDA_BOUNDARIES[0] * composite
     light = outside("hertz_pressure", pressure, above=False)
     conditions_of = {
         1: outside("slide_to_roll", conditions.slide_to_roll),
@@ -215,7 +223,7 @@ def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
         32: outside("rolling_velocity", conditions.rolling_velocity),
         64: outside("roughness", rough[0], below=False) | outside("roughness", rough[1], below=False),
         128: outside("temperature", conditions.temperature),
-        256: conditions.film_thickness < LEAST_LAMBDA * composite,
+        256: conditions.film_thickness < LAMBDA_MINIMUM * composite,
         512: np.isin(formula_coefficient(conditions), COEFFICIENT_LIMITS),
     }
     # One after the other, small arrays first: the sum is large.

@@ -1,9 +1,9 @@
-"""The loaded contacts of a stored result, in SI: what carries force, where, and how the surfaces move there."""
+"""Loaded contacts of a stored result, in SI: forces, lengths, radii and surface velocities."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from ..geometry.vectors import dot
-from .line_radius import radii_along_line
 from .surface_velocities import SurfaceVelocities, action_fields, axes_of, surface_velocities
 
 Array = NDArray[Any]
-RadiusDirection = Literal["across", "along"]
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
 
 @dataclass(frozen=True)
 class PotentialSegments:
-    """What is the same at every torque, as the contact lines do not move under load.
+    """All segments of a result and their surface velocities, which are the same at every torque.
 
     Parameters
     ----------
@@ -96,13 +94,10 @@ class PotentialSegments:
         Which segments there are (mesh position, segment).
     velocities
         At those (n), per angular velocity of the pinion.
-    radius_along
-        `radii_along_line` (n) [m], if that is taken for the equivalent radius.
     """
 
     exists: NDArray[np.bool_]
     velocities: SurfaceVelocities
-    radius_along: Array | None
 
     def spread(self, values: Array) -> Array:
         """Values (n, ...) at the segments as a field (mesh position, segment, ...), NaN where there is none."""
@@ -111,29 +106,24 @@ class PotentialSegments:
         return field
 
 
-def potential_segments(tree: xr.DataTree, radius_direction: RadiusDirection = "across") -> PotentialSegments:
+def potential_segments(tree: xr.DataTree) -> PotentialSegments:
     """Velocities at all segments of a result, whether they carry force or not.
 
     Parameters
     ----------
     tree
         A result of ``analyze`` or ``read_result``.
-    radius_direction
-        See ``FrictionModel``.
 
     Raises
     ------
     InputError
-        If the result is of an older version without points of action, or lacks a dimension or its flanks.
+        If the result is of an older version without points of action, or lacks a dimension.
     """
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
-    places = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
-    exists = np.isfinite(places[0])
-    points = places[:, exists]
-    velocities = surface_velocities(axes_of(ease_off), action_fields(ease_off), points)
-    return PotentialSegments(
-        exists, velocities, radii_along_line(tree, points) if radius_direction == "along" else None
-    )
+    points = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
+    exists = np.isfinite(points[0])
+    velocities = surface_velocities(axes_of(ease_off), action_fields(ease_off), points[:, exists])
+    return PotentialSegments(exists, velocities)
 
 
 def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None) -> LoadedContacts:
@@ -162,8 +152,6 @@ def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None
     index = np.stack(np.nonzero(touching))
     number = np.cumsum(segments.exists.ravel()).reshape(segments.exists.shape) - 1
     chosen = number[index[1], index[2]]
-    if segments.radius_along is not None:
-        radius = segments.radius_along[chosen]
     return LoadedContacts(
         index=index,
         torque=loaded["torque"].values,

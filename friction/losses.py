@@ -20,12 +20,12 @@ from .operation import FrictionModel, Operation
 from .rolling_traction import rolling_traction
 
 Array = NDArray[Any]
-BLOCK = 200_000  # values: intermediate arrays stay in the processor's cache
+BLOCK_SIZE = 200_000  # values: intermediate arrays stay in the processor's cache
 
 
 @dataclass(frozen=True)
 class Losses:
-    """A block of contacts.
+    """Friction coefficient and power loss of a block of contacts.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel)
     """
     coefficient = coefficient_model(model.coefficient)
     per_contact = int(np.prod(operation.shape))
-    step = max(1, BLOCK // per_contact)
+    step = max(1, BLOCK_SIZE // per_contact)
     for start in range(0, contacts.force.size, step):
         block = slice(start, min(start + step, contacts.force.size))
         conditions = conditions_of(contacts, operation, model, block)

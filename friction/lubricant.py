@@ -7,27 +7,28 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import array, number, one_of, shown
 from ..core.errors import InputError
 
 Array = NDArray[Any]
 Interpolation = Literal["log_linear", "walther"]
 OutOfRange = Literal["error", "clamp"]
-FOLDER = Path(__file__).with_name("lubricants")
+LUBRICANTS_FOLDER = Path(__file__).with_name("lubricants")
 THERMAL_CONDUCTIVITY = 0.14  # [W/(m K)], usual for oils; only the thermal factor of the rolling traction asks for it
 # Factor, unit, least and greatest value, to find values in another unit.
-PLAUSIBLE = {
+PLAUSIBLE_RANGES = {
     "temperature": (1.0, "degC", -100.0, 400.0),
     "dynamic_viscosity": (1.0, "Pa s", 1e-5, 1e4),
     "pressure_viscosity": (1e9, "1/GPa", 1.0, 100.0),
     "density": (1.0, "kg/m^3", 300.0, 3000.0),
     "thermal_conductivity": (1.0, "W/(m K)", 0.01, 10.0),
 }
-THICKEST = 1.0  # [Pa s] at the warmest temperature of a table
+WARM_VISCOSITY_LIMIT = 1.0  # [Pa s] at the warmest temperature of a table
 KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
 
 
@@ -49,6 +50,12 @@ class OilState:
         [W/(m K)].
     clamped
         Whether the temperature lies outside the lubricant's table and its end was taken instead.
+
+    Examples
+    --------
+    >>> state = lubricant("75w90").at([60.0, 120.0], out_of_range="clamp")
+    >>> state.viscosity.round(4), state.clamped
+    (array([0.0352, 0.0106]), array([False,  True]))
     """
 
     viscosity: Array
@@ -83,6 +90,12 @@ class Lubricant:
     InputError
         If the temperatures do not increase, or an array has another length, values that are not positive, or
         values that no oil has.
+
+    Examples
+    --------
+    >>> own = Lubricant("own", "An oil", "its data sheet", [40.0, 100.0], [0.08, 0.01], [2e-8, 1.5e-8])
+    >>> print(f"{own.at(70.0).viscosity:.4f} Pa s")
+    0.0283 Pa s
     """
 
     name: str
@@ -95,33 +108,25 @@ class Lubricant:
     thermal_conductivity: float = THERMAL_CONDUCTIVITY
 
     def __post_init__(self) -> None:
-        for key in ("temperature", "dynamic_viscosity", "pressure_viscosity", "density"):
-            if getattr(self, key) is not None:
-                object.__setattr__(self, key, np.asarray(getattr(self, key), dtype=float))
-        size = np.shape(self.temperature)
-        if len(size) != 1 or size[0] < 2 or not np.all(np.diff(self.temperature) > 0.0):
-            raise InputError(f"lubricant {self.name}: temperature needs at least two values, each above the one before")
-        for key in ("dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"):
-            values = getattr(self, key)
-            if key == "density" and values is None:
-                continue
-            if key != "thermal_conductivity" and np.shape(values) != size:
-                raise InputError(f"lubricant {self.name}: {key} has not one value for each of {size[0]} temperatures")
-            if not np.all(np.isfinite(values) & (np.asarray(values) > 0.0)):
-                raise InputError(f"lubricant {self.name}: {key} must be positive throughout")
-        for key, (factor, unit, low, high) in PLAUSIBLE.items():
-            if getattr(self, key) is None:
-                continue
-            least, most = (factor * extreme(getattr(self, key)) for extreme in (np.min, np.max))
-            if least < low or most > high:
-                raise InputError(
-                    f"lubricant {self.name}: {key} goes from {least:g} to {most:g} {unit}; no oil is outside "
-                    f"{low:g} to {high:g} {unit}: check the unit"
-                )
-        if np.min(self.dynamic_viscosity) > THICKEST:
+        size = None
+        for key, (factor, unit, low, high) in PLAUSIBLE_RANGES.items():
+            values, name = getattr(self, key), f"{key} of lubricant {self.name}"
+            if key == "thermal_conductivity":
+                number(name, values, unit, least=low, most=high)
+            elif values is not None or key != "density":
+                values = array(name, values, ndim=1, size=size, fewest=2, infinite=True)
+                array(name, factor * values, unit, least=low, most=high)
+                object.__setattr__(self, key, values)
+                size = values.size
+        if not np.all(np.diff(self.temperature) > 0.0):
             raise InputError(
-                f"lubricant {self.name}: dynamic_viscosity is {np.min(self.dynamic_viscosity):g} Pa s and more: no oil "
-                "is so thick where it is warm; check the unit, a mPa s is 0.001 Pa s"
+                f"temperature of lubricant {self.name} = {shown(self.temperature.tolist())}: must increase"
+            )
+        least = np.min(self.dynamic_viscosity)
+        if least > WARM_VISCOSITY_LIMIT:
+            raise InputError(
+                f"dynamic_viscosity of lubricant {self.name} = {least:g}: must be up to {WARM_VISCOSITY_LIMIT:g} "
+                "[Pa s] where the oil is warm; 1 mPa s is 0.001 Pa s"
             )
 
     def at(
@@ -146,24 +151,22 @@ class Lubricant:
             If a temperature is out of range and not to be clamped, an option is unknown, or ``walther`` is asked of a
             lubricant without density.
         """
+        one_of("out_of_range", out_of_range, get_args(OutOfRange))
+        one_of("interpolation", interpolation, get_args(Interpolation))
         asked = np.asarray(temperature, dtype=float)
         low, high = float(self.temperature[0]), float(self.temperature[-1])
         clamped = ~((asked >= low) & (asked <= high))
-        if out_of_range not in ("error", "clamp"):
-            raise InputError(f"out_of_range = {out_of_range!r}: must be 'error' or 'clamp'")
         if np.any(np.isnan(asked)) or (out_of_range == "error" and np.any(clamped)):
             raise InputError(
-                f"temperature = {asked[clamped].flat[0]:g} degC: the data of lubricant {self.name} go from {low:g} to "
-                f"{high:g} degC; stay within, or clamp to the end with out_of_range='clamp' (--clamp-temperature)"
+                f"temperature = {asked[clamped].flat[0]:g}: must be from {low:g} to {high:g} [degC], the data of "
+                f"lubricant {self.name}; or clamp it to the end with out_of_range='clamp' (--clamp-temperature)"
             )
         here = np.clip(asked, low, high)
         density = None if self.density is None else np.interp(here, self.temperature, self.density)
         if interpolation == "log_linear":
             viscosity = np.exp(np.interp(here, self.temperature, np.log(self.dynamic_viscosity)))
-        elif interpolation == "walther":
-            viscosity = self._walther(here)
         else:
-            raise InputError(f"interpolation = {interpolation!r}: must be 'log_linear' or 'walther'")
+            viscosity = self._walther(here)
         # Slopes belong to the middles of the intervals; between those they change linearly, beyond they stay.
         slope = -np.diff(np.log(self.dynamic_viscosity)) / np.diff(self.temperature)
         middles = 0.5 * (self.temperature[1:] + self.temperature[:-1])
@@ -178,7 +181,7 @@ class Lubricant:
 
     def _walther(self, here: Array) -> Array:
         if self.density is None:
-            raise InputError(f"lubricant {self.name} has no density, which interpolation = 'walther' needs")
+            raise InputError(f"interpolation = 'walther': lubricant {self.name} has no density, which it needs")
         kinematic = 1e6 * self.dynamic_viscosity / self.density
         double_log = np.interp(
             np.log(here + 273.15), np.log(self.temperature + 273.15), np.log(np.log(kinematic + 0.7))
@@ -188,8 +191,14 @@ class Lubricant:
 
 
 def available_lubricants() -> list[str]:
-    """Names of the lubricants that come with the package."""
-    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+    """Names of the lubricants that come with the package.
+
+    Examples
+    --------
+    >>> available_lubricants()
+    ['75w90', 'heavy-mineral', 'mineral-vg100', 'pao-vg100']
+    """
+    return sorted(path.stem for path in LUBRICANTS_FOLDER.glob("*.toml"))
 
 
 def is_shipped(name: str) -> bool:
@@ -213,13 +222,18 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
     ------
     InputError
         If there is no such lubricant or file, or the file has other keys or values that cannot be.
+
+    Examples
+    --------
+    >>> print(lubricant("75W90").title)
+    75W90 axle oil
     """
     if isinstance(name, Lubricant):
         return name
     if not isinstance(name, str | os.PathLike):
-        raise InputError(f"oil = {name!r}: must be the name of a lubricant, the path of its file, or a Lubricant")
+        raise InputError(f"oil = {shown(name)}: must be the name of a lubricant, the path of its file, or a Lubricant")
     text = os.fspath(name)
-    path = FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
+    path = LUBRICANTS_FOLDER / f"{text.lower()}.toml" if is_shipped(text) else Path(folder or "", text)
     if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
         start = "the working folder" if folder is None else "the folder of the case"
         raise InputError(

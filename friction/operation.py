@@ -1,4 +1,4 @@
-"""How a gear pair runs: speeds, oil temperatures and roughnesses, and by which models its friction is computed."""
+"""Operating conditions of a gear pair (speeds, oil temperatures, roughnesses), and the models of its friction."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.checks import array, distinct, instance, one_of
 from ..core.errors import InputError
 from .coefficient import CoefficientModel, coefficient_model
-from .film_thickness import film
-from .loaded_contacts import RadiusDirection
+from .film_thickness import film_formula
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
 from .rolling_traction import THERMAL_FACTORS
 from .surface_velocities import SurfaceVelocities
@@ -21,29 +21,9 @@ Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
 Roughness = float | tuple[float, float]
 FrameOfRolling = Literal["fixed", "contact_line"]
-SlidingOfRatio = Literal["across", "whole"]
-HIGHEST_SPEED = 1e6
-CHOICES = {
-    "rolling_frame": get_args(FrameOfRolling),
-    "sliding_of_ratio": get_args(SlidingOfRatio),
-    "radius_direction": get_args(RadiusDirection),
-    "out_of_range": get_args(OutOfRange),
-}
-
-
-def _numbers(name: str, values: Any, low: float, high: float, allowed: str) -> Array:
-    try:
-        array = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} = {values!r}: must be a number or a list of numbers") from error
-    if array.ndim != 1 or array.size == 0:
-        raise InputError(f"{name} = {values!r}: must be a number or a list of numbers")
-    bad = ~((array >= low) & (array <= high))
-    if np.any(bad):
-        raise InputError(f"{name} = {array[bad][0]:g}: must be {allowed}")
-    if np.unique(array).size != array.size:
-        raise InputError(f"{name} = {array.tolist()}: a value comes twice")
-    return array
+SPEED_LIMIT = 1e6  # [1/min]
+ROUGHNESS_LIMIT = 100.0  # [um]
+ABSOLUTE_ZERO = -273.15  # [degC]
 
 
 def _mean_roughness(pairs: Array) -> Array:
@@ -70,6 +50,11 @@ class Operation:
     ------
     InputError
         If a value is not possible, or there is no such lubricant.
+
+    Examples
+    --------
+    >>> Operation(speed=[500.0, 1500.0], temperature=60.0, roughness=[0.8, (0.8, 0.4)]).shape
+    (2, 1, 2)
     """
 
     speed: Numbers
@@ -82,25 +67,17 @@ class Operation:
     lubricant: Lubricant = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        tiny = np.finfo(float).tiny
-        speeds = _numbers("speed", self.speed, tiny, HIGHEST_SPEED, f"above 0 and at most {HIGHEST_SPEED:g} per minute")
-        temperatures = _numbers("temperature", self.temperature, -273.15, np.inf, "above -273.15 degC")
+        speeds = distinct("speed", self.speed, "1/min", above=0.0, most=SPEED_LIMIT)
+        temperatures = distinct("temperature", self.temperature, "degC", above=ABSOLUTE_ZERO)
         given = self.roughness
         many = isinstance(given, list) or (isinstance(given, np.ndarray) and given.ndim > 0)
         entries: list[Any] = list(given) if many else [given]  # type: ignore[arg-type]
         pairs = [entry if isinstance(entry, tuple) else (entry, entry) for entry in entries]
-        try:
-            flat = np.array(pairs, dtype=float)
-        except (TypeError, ValueError):
-            flat = np.zeros(0)
-        if flat.ndim != 2 or flat.shape[1] != 2:
-            raise InputError(
-                f"roughness = {given!r}: must be a number in um, a tuple (pinion, gear), or a list of such"
-            )
-        if not np.all((flat >= 0.0) & (flat <= 100.0)):
-            raise InputError(f"roughness = {given!r}: every value must be within 0 and 100 um")
+        flat = array("roughness", pairs, "um", ndim=2, least=0.0, most=ROUGHNESS_LIMIT)
+        if flat.shape[1] != 2:
+            raise InputError(f"roughness = {given!r}: must be a number, a tuple (pinion, gear), or a list of such [um]")
         if np.unique(_mean_roughness(flat)).size != len(flat):
-            raise InputError(f"roughness = {given!r}: a value comes twice; of a pair its quadratic mean counts")
+            raise InputError(f"roughness = {given!r}: must be values that differ; of a pair the quadratic mean counts")
         for name, value in (
             ("speeds", speeds),
             ("temperatures", temperatures),
@@ -127,26 +104,19 @@ class Operation:
 
 @dataclass(frozen=True)
 class FrictionModel:
-    """By which models friction is computed.
+    """Models of friction coefficient, film thickness and rolling traction.
 
     Parameters
     ----------
     coefficient
-        Name of a model in ``coefficient.COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
+        Name of a model in ``COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
     film
-        Name of a formula in ``film.FILMS``.
+        Name of a formula in ``FILMS``.
     thermal_factor
-        Of the rolling traction, a name in ``rolling.THERMAL_FACTORS``.
+        Of the rolling traction, a name in ``THERMAL_FACTORS``.
     rolling_frame
         Rolling velocity and slide-to-roll in the ``fixed`` frame, as the dissertation has it, or relative to the moving
         ``contact_line``.
-    sliding_of_ratio
-        Whether the sliding in slide-to-roll is that ``across`` the contact line, as the dissertation's figures have it,
-        or the ``whole`` sliding. The power loss is that of the whole sliding in either case.
-    radius_direction
-        Equivalent radius, and the Hertz pressure that goes with it, ``across`` the contact line, where the flanks
-        roll, or ``along`` it, as the dissertation's figures seem to have it (``line_radius``). The
-        latter is there to compare with the dissertation, not for use.
     out_of_range
         Temperatures the oil has no data for: ``error``, or ``clamp`` and flag it.
 
@@ -154,38 +124,37 @@ class FrictionModel:
     ------
     InputError
         If a name is unknown.
+
+    Examples
+    --------
+    >>> FrictionModel("benedict_kelly", film="dowson_higginson").name
+    'benedict_kelly'
     """
 
     coefficient: str | float | CoefficientModel = "kolivand"
     film: str = "pan_hamrock"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: FrameOfRolling = "fixed"
-    sliding_of_ratio: SlidingOfRatio = "across"
-    radius_direction: RadiusDirection = "across"
     out_of_range: OutOfRange = "error"
 
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
-        film(self.film)
-        if self.thermal_factor not in tuple(THERMAL_FACTORS):
-            raise InputError(f"thermal_factor = {self.thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
-        for name, allowed in CHOICES.items():
-            if getattr(self, name) not in allowed:
-                raise InputError(f"{name} = {getattr(self, name)!r}: must be {' or '.join(map(repr, allowed))}")
+        film_formula(self.film)
+        one_of("thermal_factor", self.thermal_factor, THERMAL_FACTORS)
+        one_of("rolling_frame", self.rolling_frame, get_args(FrameOfRolling))
+        one_of("out_of_range", self.out_of_range, get_args(OutOfRange))
 
     def rolling(self, velocities: SurfaceVelocities) -> Array:
         """Rolling velocity (...), signed as ``SurfaceVelocities.across``, in the chosen frame."""
         return velocities.rolling if self.rolling_frame == "fixed" else velocities.rolling_over_line
 
     def slide_to_roll(self, velocities: SurfaceVelocities) -> Array:
-        """Slide-to-roll ratio (...), as chosen."""
-        across = self.sliding_of_ratio == "across"
-        sliding = velocities.sliding_across if across else velocities.sliding_speed
-        return np.asarray(np.abs(sliding / self.rolling(velocities)))
+        """Slide-to-roll ratio (...): sliding across the contact line over the rolling velocity."""
+        return np.asarray(np.abs(velocities.sliding_across / self.rolling(velocities)))
 
     @property
     def name(self) -> str:
-        """The coefficient's model in words."""
+        """Name of the model of the coefficient."""
         if isinstance(self.coefficient, str):
             return self.coefficient
         return getattr(self.coefficient, "__name__", "own") if callable(self.coefficient) else f"{self.coefficient:g}"
@@ -201,15 +170,14 @@ class FrictionModel:
 
 
 def checked_model(operation: Operation, model: FrictionModel | str | float | CoefficientModel | None) -> FrictionModel:
-    """The model, from that of the coefficient alone if that is given.
+    """Friction model, complete where that of the coefficient alone is given.
 
     Raises
     ------
     InputError
         If the operation is none, or there is no such model.
     """
-    if not isinstance(operation, Operation):
-        raise InputError(f"operation = {operation!r}: must be an Operation, as Operation(speed=1500)")
+    instance("operation", operation, Operation)
     if model is None:
         return FrictionModel()
     return model if isinstance(model, FrictionModel) else FrictionModel(model)
@@ -217,8 +185,7 @@ def checked_model(operation: Operation, model: FrictionModel | str | float | Coe
 
 def named_models(attributes: Mapping[Any, Any]) -> str:
     """Oil and models of a group ``/friction`` in words, from its attributes: those that are not the usual ones."""
-    usual = {"film": "film", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame",
-             "sliding_of_ratio": "sliding of the ratio", "radius_direction": "radius"}  # fmt: skip
+    usual = {"film": "film", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame"}
     words = [f"oil {attributes['oil']}", f"coefficient {attributes['friction_coefficient']}"]
     for name, word in usual.items():
         default = FrictionModel.__dataclass_fields__[name].default

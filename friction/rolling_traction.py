@@ -1,4 +1,9 @@
-"""Rolling traction of a line contact: what it takes to press oil through the inlet, and how its heat lowers it."""
+"""Rolling traction of a line contact, and the thermal factors by which heat of the inlet lowers it.
+
+>>> from easeoff.friction import THERMAL_FACTORS
+>>> list(THERMAL_FACTORS)
+['goksem_hargreaves', 'murch_wilson', 'gupta_cheng', 'none']
+"""
 
 from __future__ import annotations
 
@@ -8,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
-from .conditions import ContactConditions
+from ..core.checks import one_of
+from .conditions import ContactConditions, DimensionlessGroups
 
 Array = NDArray[Any]
 
@@ -25,7 +30,7 @@ def isothermal_traction(conditions: ContactConditions) -> Array:
     return np.asarray(scale * (c.material_parameter * c.speed_parameter) ** 0.658 * c.load_parameter**0.0126)
 
 
-def goksem_hargreaves(conditions: ContactConditions) -> Array:
+def goksem_hargreaves(conditions: DimensionlessGroups) -> Array:
     """Thermal factor that goes with the traction's own formula (...), in its isothermal part Eq. 5.10."""
     c = conditions
     thermal = c.thermal_parameter
@@ -33,12 +38,12 @@ def goksem_hargreaves(conditions: ContactConditions) -> Array:
     return np.asarray(group ** (0.0106383 * thermal**0.31746) / (1.0 + 0.411483 * thermal**0.707071))
 
 
-def murch_wilson(conditions: ContactConditions) -> Array:
+def murch_wilson(conditions: DimensionlessGroups) -> Array:
     """Thermal factor (...) of Murch and Wilson, Journal of Lubrication Technology 97, 1975, doi 10.1115/1.3452559."""
     return np.asarray(3.94 / (3.94 + conditions.thermal_parameter**0.62))
 
 
-def gupta_cheng(conditions: ContactConditions) -> Array:
+def gupta_cheng(conditions: DimensionlessGroups) -> Array:
     """Thermal factor with sliding (...).
 
     Gupta, Cheng and others, Tribology Transactions 35, 1992, doi 10.1080/10402009208982117, as quoted by Arana,
@@ -51,12 +56,12 @@ def gupta_cheng(conditions: ContactConditions) -> Array:
     return np.asarray(np.maximum(cooling, 0.0) / (1.0 + 0.213 * (1.0 + 2.23 * c.slide_to_roll**0.83) * thermal**0.64))
 
 
-def no_heating(conditions: ContactConditions) -> Array:
+def no_heating(conditions: DimensionlessGroups) -> Array:
     """No thermal factor: one."""
     return np.ones(())
 
 
-THERMAL_FACTORS: Mapping[str, Callable[[ContactConditions], Array]] = {
+THERMAL_FACTORS: Mapping[str, Callable[[DimensionlessGroups], Array]] = {
     "goksem_hargreaves": goksem_hargreaves,
     "murch_wilson": murch_wilson,
     "gupta_cheng": gupta_cheng,
@@ -78,7 +83,14 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     ------
     InputError
         If there is no factor of that name.
+
+    Examples
+    --------
+    >>> from easeoff.friction import contact_conditions
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{rolling_traction(contact):.1f} N/m")
+    68.3 N/m
     """
-    if thermal_factor not in THERMAL_FACTORS:
-        raise InputError(f"thermal_factor = {thermal_factor!r}: must be one of {', '.join(THERMAL_FACTORS)}")
-    return np.asarray(isothermal_traction(conditions) * THERMAL_FACTORS[thermal_factor](conditions))
+    factor = THERMAL_FACTORS[one_of("thermal_factor", thermal_factor, THERMAL_FACTORS)]
+    return np.asarray(isothermal_traction(conditions) * factor(conditions))

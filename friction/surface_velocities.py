@@ -1,4 +1,4 @@
-"""Surface velocities where the flanks touch: sliding and rolling, along and across the contact line.
+"""Surface velocities of the flanks in contact: sliding and rolling, along and across the contact line.
 
 At its conjugate position a point of the flank moves with v = w a x (r - o) on either member (Kolivand 2009, Eq. 5.1).
 The members turn at their ratio, so both velocities have the same part along the common normal (Eq. 5.2): the points of
@@ -23,7 +23,7 @@ from ..core.errors import InputError
 from ..geometry.vectors import column, cross, dot
 
 Array = NDArray[Any]
-NEEDED = ("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm", "ratio")
+AXIS_ATTRIBUTES = ("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm", "ratio")
 
 
 @dataclass(frozen=True)
@@ -118,12 +118,14 @@ def axes_of(ease_off: xr.Dataset) -> Axes:
     InputError
         If the result has none, as those of older versions.
     """
-    if "action_position" not in ease_off or any(name not in ease_off.attrs for name in NEEDED):
+    if "action_position" not in ease_off or any(name not in ease_off.attrs for name in AXIS_ATTRIBUTES):
         raise InputError(
             "this result has no points of action in its group ease_off, which friction needs: it was written by an "
             "older version; make it anew with 'easeoff run'"
         )
-    pinion_axis, pinion_origin, gear_axis, gear_origin = (np.asarray(ease_off.attrs[n], float) for n in NEEDED[:4])
+    pinion_axis, pinion_origin, gear_axis, gear_origin = (
+        np.asarray(ease_off.attrs[n], float) for n in AXIS_ATTRIBUTES[:4]
+    )
     return Axes(pinion_axis, 1e-3 * pinion_origin, gear_axis, 1e-3 * gear_origin, float(ease_off.attrs["ratio"]))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,8 @@ from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
 from easeoff.friction.feedback import friction_torques
-from easeoff.friction.line_radius import radii_along_line
-from easeoff.friction.loaded_contacts import RadiusDirection, loaded_contacts, potential_segments
-from easeoff.friction.lubricant import FOLDER
+from easeoff.friction.loaded_contacts import loaded_contacts
+from easeoff.friction.lubricant import LUBRICANTS_FOLDER
 from easeoff.friction.operation import named_models
 from easeoff.friction.surface_velocities import action_fields, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
@@ -29,6 +29,7 @@ from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
 from easeoff.study.report.result_summary import summary, uncertified
 
+DOCS = Path(__file__).parents[1] / "docs"
 POSITIONS = 6
 CONTACT = ContactTable(
     torques=(100.0, 500.0, 1000.0),
@@ -57,6 +58,14 @@ def analysis() -> Analysis:
 @pytest.fixture(scope="module")
 def tree(analysis: Analysis) -> xr.DataTree:
     return analysis.tree
+
+
+@pytest.fixture(scope="module")
+def dissertation() -> Any:
+    """The script with the radius and the slide-to-roll ratio that the dissertation may have."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(DOCS)
+        return importlib.import_module("dissertation_radius")
 
 
 @pytest.fixture(scope="module")
@@ -111,9 +120,9 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
 
 
 @pytest.mark.parametrize("direction", ["across", "along"])
-def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, direction: RadiusDirection) -> None:
+def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, dissertation: Any, direction: str) -> None:
     """The line load that film and traction take from the pressure is force over length, whatever the radius."""
-    contacts = loaded_contacts(tree, potential_segments(tree, direction))
+    contacts = loaded_contacts(dissertation.with_radius_along_line(tree) if direction == "along" else tree)
     conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
     np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
 
@@ -125,7 +134,7 @@ def test_one_call_for_all_conditions_is_many_calls(tree: xr.DataTree, result: xr
 
 
 def test_blocks_change_nothing(tree: xr.DataTree, result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(losses, "BLOCK", 100)
+    monkeypatch.setattr(losses, "BLOCK_SIZE", 100)
     xr.testing.assert_allclose(friction(tree, OPERATION), result, rtol=1e-13)
 
 
@@ -178,16 +187,17 @@ def test_every_model_gives_a_possible_efficiency(tree: xr.DataTree, name: str) -
     assert found.attrs["friction_coefficient"] == name
 
 
-def test_whole_sliding_raises_the_ratio_and_leaves_the_loss_to_the_coefficient(
-    tree: xr.DataTree, result: xr.Dataset
+def test_whole_sliding_raises_the_ratio_of_the_coefficient(
+    tree: xr.DataTree, result: xr.Dataset, dissertation: Any
 ) -> None:
-    other = friction(tree, OPERATION, FrictionModel(sliding_of_ratio="whole"))
-    expected = result["sliding_velocity"].isel(speed=0) / result["rolling_velocity"].isel(speed=0)
-    np.testing.assert_allclose(other["slide_to_roll"], expected, rtol=1e-12)
-    constant, again = (
-        friction(tree, OPERATION, FrictionModel(0.05, sliding_of_ratio=s))["efficiency"] for s in ("across", "whole")
-    )
-    xr.testing.assert_allclose(constant, again)
+    here: dict[str, Any] = {"hertz_pressure": 1e9, "equivalent_radius": 0.02, "rolling_velocity": 2.0}
+    here |= {"roughness": 0.4e-6, "temperature": 90.0}
+    given = easeoff.friction.contact_conditions(**here, slide_to_roll=0.3, sliding_velocity=1.0)
+    expected = easeoff.friction.friction_coefficient(**here, slide_to_roll=0.5)
+    np.testing.assert_allclose(dissertation.whole_sliding(given), expected, rtol=1e-12)
+    other = friction(tree, OPERATION, dissertation.whole_sliding)
+    assert np.all(other["mean_sliding_loss"] != result["mean_sliding_loss"])
+    xr.testing.assert_identical(other["mean_rolling_loss"], result["mean_rolling_loss"])
 
 
 def test_frames_of_rolling_differ_by_the_lines_motion_alone(tree: xr.DataTree, result: xr.Dataset) -> None:
@@ -210,7 +220,7 @@ def test_equivalent_radius_is_that_of_the_conjugate_flanks_but_for_the_ease_off(
     assert ratio.max() < 1.1
 
 
-def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree) -> None:
+def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree, dissertation: Any) -> None:
     """The pinion's from its shape operator, the gear's by Euler's formula from its principal curvatures."""
     ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
     nodes = {"lengthwise": slice(6, -6), "profile": slice(4, -4)}
@@ -224,12 +234,12 @@ def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree) 
     cosine = np.sum(along * gear["principal_direction"].values, axis=-1) / np.linalg.norm(along, axis=-1)
     first, second = np.moveaxis(1e3 * gear["principal_curvature"].values, -1, 0)
     of_gear = np.abs(first * cosine**2 + second * (1.0 - cosine**2))[nodes["lengthwise"], nodes["profile"]]
-    np.testing.assert_allclose(radii_along_line(tree, points), 1.0 / (of_pinion + of_gear), rtol=2e-3)
+    np.testing.assert_allclose(dissertation.radii_along_line(tree, points), 1.0 / (of_pinion + of_gear), rtol=2e-3)
     # Nearly conjugate flanks: one is about as hollow as the other is round.
     np.testing.assert_allclose(of_pinion, of_gear, rtol=0.15)
 
 
-def test_radius_along_the_line_of_known_surfaces() -> None:
+def test_radius_along_the_line_of_known_surfaces(dissertation: Any) -> None:
     """Lines that are circles of one radius on the pinion and of another on the gear, in planes of their own."""
     u, v = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 8), indexing="ij")
 
@@ -245,24 +255,23 @@ def test_radius_along_the_line_of_known_surfaces() -> None:
     action = {f"action_{name}": value for name, value in flank(80.0, "space").items()}
     ease_off = xr.Dataset(action | {"roll_angle": (("lengthwise", "profile"), 0.1 * v)}, coords=coords)
     gear = xr.Dataset(flank(120.0, "xyz"), coords=coords).expand_dims(member=["gear"])
-    found = radii_along_line(xr.DataTree.from_dict({"ease_off": ease_off, "flanks": gear}), np.array([[0.3], [0.6]]))
+    tree = xr.DataTree.from_dict({"ease_off": ease_off, "flanks": gear})
+    found = dissertation.radii_along_line(tree, np.array([[0.3], [0.6]]))
     assert found == pytest.approx(80e-3 * 120e-3 / 200e-3, rel=1e-6)
 
 
-def test_radius_along_the_line_changes_film_and_coefficient_alone(tree: xr.DataTree, result: xr.Dataset) -> None:
-    other = friction(tree, OPERATION, FrictionModel(radius_direction="along"))
-    assert other.attrs["radius_direction"] == "along"
-    assert "radius_along_line" not in result
+def test_radius_along_the_line_changes_film_and_coefficient_alone(
+    tree: xr.DataTree, result: xr.Dataset, dissertation: Any
+) -> None:
+    along = dissertation.with_radius_along_line(tree)
+    other = friction(along, OPERATION)
     xr.testing.assert_identical(other["sliding_velocity"], result["sliding_velocity"])
     # With film and pressure by Pan and Hamrock: h ~ R (U^0.694 W^-0.128) at the same force.
-    ratio = other["radius_along_line"] / tree["loaded"]["equivalent_radius"]
+    ratio = along["loaded"]["equivalent_radius"] / tree["loaded"]["equivalent_radius"]
     expected = ratio ** (1.0 - 0.694 + 0.128)
     found = other["film_thickness"] / result["film_thickness"]
     xr.testing.assert_allclose(found, expected.broadcast_like(found).where(found.notnull()).transpose(*found.dims))
-    constant, again = (
-        friction(tree, OPERATION, FrictionModel(0.05, radius_direction=d))["mean_sliding_loss"]
-        for d in ("across", "along")
-    )
+    constant, again = (friction(of, OPERATION, 0.05)["mean_sliding_loss"] for of in (tree, along))
     xr.testing.assert_identical(constant, again)
 
 
@@ -367,12 +376,15 @@ def test_claims_on_efficiency(designs: dict[str, xr.Dataset]) -> None:
 
 
 @pytest.fixture(scope="module")
-def as_printed() -> dict[str, xr.Dataset]:
+def as_printed(dissertation: Any) -> dict[str, xr.Dataset]:
     """With the radius that the dissertation seems to have, at 1500 / min, 500 N m, 90 degC, 0.8 um."""
-    operation, model = Operation(1500.0, 90.0, 0.8), FrictionModel(radius_direction="along")
+    trees = {letter: dissertation.with_radius_along_line(analysed(f"fh-design-{letter}").tree) for letter in "ab"}
     return {
-        letter: friction(analysed(f"fh-design-{letter}").tree, operation, model).sel(torque=500.0).squeeze(drop=True)
-        for letter in "ab"
+        letter: friction(tree, Operation(1500.0, 90.0, 0.8))
+        .assign(equivalent_radius=tree["loaded"]["equivalent_radius"])
+        .sel(torque=500.0)
+        .squeeze(drop=True)
+        for letter, tree in trees.items()
     }
 
 
@@ -381,7 +393,7 @@ def test_radius_along_the_line_is_the_printed_one(
     as_printed: dict[str, xr.Dataset], letter: str, low: float, high: float
 ) -> None:
     """Figure 5.8: contours from 35 to 50 mm for A, to 55 mm for B; nothing was fitted to them."""
-    radius = as_printed[letter]["radius_along_line"].where(as_printed[letter]["friction_coefficient"].notnull())
+    radius = as_printed[letter]["equivalent_radius"].where(as_printed[letter]["friction_coefficient"].notnull())
     found = np.nanpercentile(radius, [2.0, 98.0])
     assert low < found[0] < low + 7.0
     assert found[1] == pytest.approx(high, abs=3.0)
@@ -563,7 +575,7 @@ def test_no_result_of_a_pair_depends_on_the_units(tree: xr.DataTree) -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"speed": 0.0}, "speed = 0: must be above 0"),
+        ({"speed": 0.0}, "speed = 0: must be a number above 0"),
         ({"speed": [1000.0, np.nan]}, "speed = nan"),
         ({"speed": "fast"}, "speed = 'fast'"),
         ({"speed": []}, r"speed = \[\]"),
@@ -571,8 +583,8 @@ def test_no_result_of_a_pair_depends_on_the_units(tree: xr.DataTree) -> None:
         ({"roughness": -0.1}, "roughness = -0.1"),
         ({"roughness": (0.1, 0.2, 0.3)}, "tuple"),
         ({"roughness": ["rough"]}, "rough"),
-        ({"roughness": [0.8, 0.8]}, "comes twice"),
-        ({"roughness": [(0.8, 0.4), (0.4, 0.8)]}, "comes twice"),
+        ({"roughness": [0.8, 0.8]}, "values that differ"),
+        ({"roughness": [(0.8, 0.4), (0.4, 0.8)]}, "values that differ"),
         ({"oil": None}, "oil = None"),
         ({"temperature": -300.0}, "temperature = -300"),
         ({"oil": "butter"}, "butter"),
@@ -589,11 +601,9 @@ def test_unknown_models_are_named() -> None:
         ({"film": "thick"}, "film = 'thick'"),
         ({"thermal_factor": "hot"}, "thermal_factor = 'hot'"),
         ({"rolling_frame": "moon"}, "rolling_frame = 'moon'"),
-        ({"sliding_of_ratio": "up"}, "sliding_of_ratio = 'up'"),
-        ({"radius_direction": "down"}, "radius_direction = 'down'"),
         ({"out_of_range": "ignore"}, "out_of_range = 'ignore'"),
-        ({"coefficient": None}, "friction model None"),
-        ({"coefficient": True}, "friction model True"),
+        ({"coefficient": None}, "coefficient = None"),
+        ({"coefficient": True}, "coefficient = True"),
         ({"coefficient": np.inf}, "finite"),
         ({"film": []}, "film = \\[\\]"),
     ):
@@ -613,14 +623,10 @@ def test_a_model_may_be_that_of_the_coefficient_alone(tree: xr.DataTree) -> None
 def test_a_result_without_a_dimension_is_named(tree: xr.DataTree) -> None:
     with pytest.raises(InputError, match=r"no dimension torque.*isel\(torque=\[0\]\)"):
         friction(tree.isel(torque=0), Operation(1500.0))
-    with pytest.raises(InputError, match="no group flanks"):
-        friction(
-            tree.filter(lambda node: node.name != "flanks"), Operation(1500.0), FrictionModel(radius_direction="along")
-        )
 
 
 def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
-    oil = (FOLDER / "75w90.toml").read_text(encoding="utf-8")
+    oil = (LUBRICANTS_FOLDER / "75w90.toml").read_text(encoding="utf-8")
     (tmp_path / "oil.toml").write_text(oil, encoding="utf-8")
     text = (Path(easeoff.cases.__file__).with_name("nasa-12x36.toml")).read_text(encoding="utf-8")
     (tmp_path / "case.toml").write_text(text + '\n[friction]\nspeed = 500\noil = "oil.toml"\n', encoding="utf-8")
@@ -634,9 +640,9 @@ def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
 
 def test_report_and_pictures_name_unusual_models(tree: xr.DataTree, result: xr.Dataset) -> None:
     assert named_models(result.attrs) == "oil 75w90, coefficient kolivand"
-    model = FrictionModel(film="dowson_higginson", radius_direction="along")
+    model = FrictionModel(film="dowson_higginson", rolling_frame="contact_line")
     text = named_models(friction(tree, Operation(1500.0), model).attrs)
-    assert text == "oil 75w90, coefficient kolivand, film dowson_higginson, radius along"
+    assert text == "oil 75w90, coefficient kolivand, film dowson_higginson, rolling frame contact_line"
 
 
 def test_conditions_need_a_speed() -> None:

@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 
 from easeoff.core.errors import InputError
-from easeoff.friction.ehl import LineContact, Oil, film_factor, heated_inlet, smooth_film, traction
+from easeoff.friction.ehl import LubricatedContact, Oil, film_factor, heated_inlet, smooth_film, traction
 
-OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.04, conductivity=0.14)
-FAST = LineContact(1.0e9, 0.02, 10.0, OIL, slide_to_roll=0.25)
+OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.04, thermal_conductivity=0.14)
+FAST = LubricatedContact(1.0e9, 0.02, 10.0, OIL, slide_to_roll=0.25)
 
 
 def test_factors_are_those_of_their_formulas() -> None:
@@ -40,6 +40,6 @@ def test_what_the_formula_cannot_do_is_refused() -> None:
     with pytest.raises(InputError, match="murch_wilson"):
         film_factor(FAST, "none")
     with pytest.raises(InputError, match="conductivity"):
-        film_factor(replace(FAST, oil=replace(OIL, conductivity=None)))
+        film_factor(replace(FAST, oil=replace(OIL, thermal_conductivity=None)))
     with pytest.raises(InputError, match="beyond"):
         film_factor(replace(FAST, hertz_pressure=4e9, rolling_velocity=1000.0))

@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from friction_studies import stored_studies
 
 from easeoff.core.errors import EaseoffError, InputError
+from easeoff.friction import ContactConditions
 from easeoff.friction.ehl import (
-    LineContact,
+    LubricatedContact,
     Oil,
     RoughProfile,
     Status,
@@ -28,20 +30,21 @@ from easeoff.friction.ehl import (
 )
 from easeoff.friction.ehl.study import parameter_study as study_module
 from easeoff.friction.ehl.study import study_case as cases_module
-from easeoff.friction.ehl.study.formula_regression import compare, fit_friction, shipped_studies
-from easeoff.friction.ehl.study.friction_formula import SHIPPED_FORMULA, read_formula, shipped_formula
+from easeoff.friction.ehl.study.formula_regression import compare, fit_friction
+from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, read_formula, shipped_formula
 from easeoff.friction.ehl.study.parameter_study import run_study
 from easeoff.friction.ehl.study.study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
 from easeoff.friction.ehl.study.study_design import Condition, Design, numbers, oil_75w90
 
 NAN, INF = math.nan, math.inf
 OIL: dict[str, Any] = {"viscosity": 0.02, "pressure_viscosity": 1.1e-8}
-CONTACT = LineContact(1e9, 0.02, 5.0, Oil(**OIL), 0.25)
+CONTACT = LubricatedContact(1e9, 0.02, 5.0, Oil(**OIL), 0.25)
 X = np.linspace(-1.0, 1.0, 41) * CONTACT.half_width
 PRESSURE = 1e9 * np.sqrt(1.0 - (X / CONTACT.half_width) ** 2)
 FILM = np.full_like(X, 5e-7)
 SMALL = Design((0.5, 1.0), (5.0, 20.0), (1.0, 5.0), (0.1,), (50.0,), (0.1,))
 COARSE = Resolution(fewest=65)
+CONDITIONS_OF_OIL = ("viscosity", "pressure_viscosity", "temperature_viscosity", "thermal_conductivity")
 POSITIVE = [NAN, INF, 0, -1.0, None, "1", True, [1.0], np.array([1.0, 2.0]), 1 + 0j]
 
 
@@ -55,11 +58,11 @@ def refused(match: str, call: Callable[[], object]) -> None:
 
 @pytest.mark.parametrize("value", POSITIVE)
 def test_oil_and_contact_refuse_what_is_no_positive_number(value: Any) -> None:
-    refused("^viscosity must", lambda: Oil(value, 1e-8))
+    refused("^viscosity = .*: must", lambda: Oil(value, 1e-8))
     if value is not None:
-        refused("^conductivity", lambda: Oil(**OIL, conductivity=value))
-    for name in ("hertz_pressure", "radius", "rolling_velocity", "reduced_modulus", "inlet_viscosity"):
-        refused(f"^{name} must", lambda name=name: replace(CONTACT, **{name: value}))  # type: ignore[misc]
+        refused("^thermal_conductivity", lambda: Oil(**OIL, thermal_conductivity=value))
+    for name in ("hertz_pressure", "equivalent_radius", "rolling_velocity", "contact_modulus", "inlet_viscosity"):
+        refused(f"^{name} .*: must", lambda name=name: replace(CONTACT, **{name: value}))  # type: ignore[misc]
 
 
 @pytest.mark.parametrize(
@@ -75,7 +78,7 @@ def test_oil_and_contact_refuse_what_is_no_positive_number(value: Any) -> None:
     ],
 )
 def test_contact_refuses_a_wrong_oil_or_sliding(name: str, value: Any) -> None:
-    refused(f"^{name} must", lambda: replace(CONTACT, **{name: value}))
+    refused(f"^{name} .*: must", lambda: replace(CONTACT, **{name: value}))
 
 
 @pytest.mark.parametrize(
@@ -94,8 +97,25 @@ def test_oil_refuses_other_mistakes(name: str, value: Any) -> None:
     refused(f"^{name} ", lambda: Oil(**{**OIL, name: value}))
 
 
+def test_names_and_groups_are_those_of_the_conditions_of_friction() -> None:
+    """One name for one quantity: the same contact says the same here and there."""
+    contact = replace(CONTACT, oil=Oil(**OIL, temperature_viscosity=0.04, thermal_conductivity=0.14))
+    names = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "sliding_velocity", "slide_to_roll")
+    conditions = ContactConditions(
+        **{name: getattr(contact, name) for name in (*names, "contact_modulus")},
+        **{name: getattr(contact.oil, name) for name in asdict(contact.oil) if name in CONDITIONS_OF_OIL},
+        temperature=np.asarray(50.0),
+        roughness_pinion=np.asarray(0.0),
+        roughness_gear=np.asarray(0.0),
+    )
+    for group in ("pressure", "load", "speed", "material", "thermal"):
+        name = f"{group}_parameter"
+        assert getattr(contact, name) == pytest.approx(float(getattr(conditions, name)), rel=1e-14)
+    assert contact.load == pytest.approx(float(conditions.load), rel=1e-14)
+
+
 def test_numbers_of_numpy_are_numbers() -> None:
-    contact = LineContact(np.float64(1e9), np.float32(0.02), np.int64(5), Oil(np.float64(0.02), 1.1e-8, INF))  # type: ignore[arg-type]
+    contact = LubricatedContact(np.float64(1e9), np.float32(0.02), np.int64(5), Oil(np.float64(0.02), 1.1e-8, INF))  # type: ignore[arg-type]
     assert contact.load == pytest.approx(CONTACT.load, rel=1e-6)
     for value in ("50", [50], None, True):
         refused("^temperature", lambda value=value: oil_75w90(value))  # type: ignore[misc]
@@ -133,7 +153,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
 def test_traction_refuses_wrong_fields_and_coefficients(name: str, value: Any) -> None:
     given = {"position": X, "pressure": PRESSURE, "film": FILM, name: value}
     wrong = "pressure|position" if name == "position" else name
-    refused(f"({wrong}) must", lambda: traction(CONTACT, **given))
+    refused(f"({wrong}) .*: must", lambda: traction(CONTACT, **given))
 
 
 def test_traction_does_not_mind_a_gap_that_nothing_presses() -> None:
@@ -151,7 +171,7 @@ def test_profiles_refuse_what_is_no_number(value: Any) -> None:
     refused("^wavelength", lambda: wave(1e-7, value))
     refused("^height", lambda: asperity(value, 1e-4, 0.0))
     refused("^width", lambda: asperity(1e-7, value, 0.0))
-    refused("^place", lambda: asperity(1e-7, 1e-4, value))
+    refused("^point", lambda: asperity(1e-7, 1e-4, value))
     refused("^seed", lambda: generated_profile(1e-7, 1e-5, 1e-3, value))
     refused("^rms", lambda: generated_profile(value, 1e-5, 1e-3, 1))
     refused("^rms", lambda: generated_profile(1e-7, 1e-5, 1e-3, 1).scaled(value))
@@ -211,7 +231,7 @@ def test_resolution_refuses_what_it_cannot_use(name: str, value: Any) -> None:
         ("hertz_pressure", (500.0,)),
         ("hertz_pressure", "1"),
         ("hertz_pressure", np.ones((2, 2))),
-        ("radius", ("a",)),
+        ("equivalent_radius", ("a",)),
         ("rolling_velocity", (0.0,)),
         ("slide_to_roll", (3.0,)),
         ("temperature", (20.0,)),
@@ -220,16 +240,16 @@ def test_resolution_refuses_what_it_cannot_use(name: str, value: Any) -> None:
     ],
 )
 def test_design_and_condition_refuse_levels_that_are_none(name: str, value: Any) -> None:
-    refused(f"^{name} must", lambda: Design(**{name: value}))
+    refused(f"^{name} .*: must", lambda: Design(**{name: value}))
     if isinstance(value, tuple) and value:
         name = {"roughness": "roughness_2"}.get(name, name)
         given = asdict(Design().condition(0)) | {name: value[0]}
-        refused(f"^{name} must", lambda: Condition(**given))
+        refused(f"^{name} .*: must", lambda: Condition(**given))
 
 
 def test_design_takes_lists_and_arrays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    design = Design(hertz_pressure=np.array([0.5, 1.0]), radius=[5, 20], temperature=(50.0,))  # type: ignore[arg-type]
-    assert design == Design(hertz_pressure=(0.5, 1.0), radius=(5.0, 20.0), temperature=(50.0,))
+    design = Design(hertz_pressure=np.array([0.5, 1.0]), equivalent_radius=[5, 20], temperature=(50.0,))  # type: ignore[arg-type]
+    assert design == Design(hertz_pressure=(0.5, 1.0), equivalent_radius=(5.0, 20.0), temperature=(50.0,))
     monkeypatch.setattr(study_module, "run_case", certified)
     assert run_study(tmp_path / "x.nc", 3, design=design).sizes["combination"] == 3
 
@@ -244,14 +264,14 @@ def unexpected(*_: object) -> Row:
 
 @pytest.mark.parametrize("wanted", ["3", True, np.array(3.0), 1.5, [1.7], [NAN], ["a"], [], [[0, 1]], [True]])
 def test_wanted_cases_that_are_none_are_refused(wanted: Any, tmp_path: Path) -> None:
-    refused("^wanted must", lambda: run_study(tmp_path / "x.nc", wanted, design=SMALL))
+    refused("^wanted = .*: must", lambda: run_study(tmp_path / "x.nc", wanted, design=SMALL))
 
 
 def test_wanted_cases_by_numbers_of_numpy() -> None:
     np.testing.assert_array_equal(numbers(SMALL, np.int64(3)), SMALL.subset(3))  # type: ignore[arg-type]
     assert numbers(SMALL, np.array([0, 5])).tolist() == numbers(SMALL, range(0, 6, 5)).tolist() == [0, 5]
     for number in (1.5, NAN, "a", None, [0], True):
-        refused("does not exist", lambda number=number: SMALL.condition(number))  # type: ignore[misc]
+        refused("^number = .*: must", lambda number=number: SMALL.condition(number))  # type: ignore[misc]
         refused("^size", lambda number=number: SMALL.subset(number))  # type: ignore[misc]
     refused("^seed", lambda: SMALL.subset(3, -1))
 
@@ -398,31 +418,31 @@ def test_file_that_is_no_formula_is_refused(content: str, tmp_path: Path) -> Non
 @pytest.mark.parametrize("value", [None, [1.0, 2.0, 3.0], "a"])
 def test_formula_with_a_wrong_shape_inside_is_refused(name: str, value: Any, tmp_path: Path) -> None:
     path = tmp_path / "x.json"
-    path.write_text(json.dumps(json.loads(SHIPPED_FORMULA.read_text()) | {name: value}))
+    path.write_text(json.dumps(json.loads(FORMULA_FILE.read_text()) | {name: value}))
     refused(r"x\.json is not a friction formula", lambda: read_formula(path))
 
 
 def test_fit_refuses_what_is_no_study_or_does_not_fit_together() -> None:
-    study = shipped_studies()[1].isel(combination=slice(0, 600))
+    study = stored_studies()[1].isel(combination=slice(0, 600))
     other = study.assign_attrs(boundary_friction=0.2)
     bare = study.copy()
     del bare.attrs["boundary_friction"]
     holed = study.copy(deep=True)
     holed["asperity_share"][5] = NAN
-    refused("no study", fit_friction)
+    refused("^studies = none: must be", fit_friction)
     refused("^study", lambda: fit_friction([study, study]))  # type: ignore[arg-type]
-    refused("no study", lambda: fit_friction(xr.Dataset()))
+    refused("must be a study of run_study", lambda: fit_friction(xr.Dataset()))
     refused("boundary_friction", lambda: fit_friction(study, other))
     refused("boundary_friction", lambda: fit_friction(bare))
-    refused(f"asperity_share .* {int(study['combination'][5])} ", lambda: fit_friction(study, holed))
+    refused(f"asperity_share of combination {int(study['combination'][5])} = nan", lambda: fit_friction(study, holed))
 
 
 def test_own_formula_is_compared_as_any_other() -> None:
     """Over both studies its error is the one it states."""
     formula = shipped_formula()
-    regimes = [regime for study in shipped_studies() for regime in compare(study, formula)]
+    regimes = [regime for study in stored_studies() for regime in compare(study, formula)]
     assert sum(regime.cases for regime in regimes) == formula.cases
     total = sum(regime.cases * regime.rms**2 for regime in regimes)
     assert math.sqrt(total / formula.cases) == pytest.approx(formula.fit_error, rel=1e-2)
-    refused("^formula", lambda: compare(shipped_studies()[1], None))  # type: ignore[arg-type]
-    refused("no study", lambda: compare(xr.Dataset(), formula))
+    refused("^formula", lambda: compare(stored_studies()[1], None))  # type: ignore[arg-type]
+    refused("must be a study of run_study", lambda: compare(xr.Dataset(), formula))

@@ -10,13 +10,22 @@ import pytest
 from scipy.integrate import quad
 
 from easeoff.core.errors import InputError
-from easeoff.friction.ehl import Asperities, LineContact, Oil, Status, film_dataset, mixed_film, smooth_film, traction
-from easeoff.friction.ehl.film_complementarity import evaluate
-from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
-from easeoff.friction.ehl.load_sharing import mean_power
+from easeoff.friction.ehl import (
+    Asperities,
+    LubricatedContact,
+    Oil,
+    Status,
+    film_dataset,
+    mixed_film,
+    smooth_film,
+    traction,
+)
+from easeoff.friction.ehl.equations.film_complementarity import evaluate
+from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
+from easeoff.friction.ehl.rolling_contact.asperities import mean_power
 
 OIL = Oil(0.0139, 10.4e-9, law="two_slope")
-GEAR = LineContact(0.7e9, 0.02, 2.2, OIL, slide_to_roll=0.45)
+GEAR = LubricatedContact(0.7e9, 0.02, 2.2, OIL, slide_to_roll=0.45)
 ROUGH = Asperities(0.5e-6, 20e-6)
 
 
@@ -34,10 +43,10 @@ def test_mean_power_is_its_integral(power: float, level: float) -> None:
 def test_mean_gap_is_that_of_surfaces_cut_off_where_they_overlap() -> None:
     for t in (-4.0, -0.5, 0.0, 2.0):
         expected, _ = quad(lambda s, t=t: max(t + s, 0.0) * bell(s), -12.0, 12.0, points=[-t], epsabs=1e-14)
-        gap, slope = ROUGH.mean_gap(np.array([t * ROUGH.rms]))
-        assert gap[0] == pytest.approx(ROUGH.rms * expected, rel=1e-6)
-        up, down = (ROUGH.mean_gap(np.array([(t + d) * ROUGH.rms]))[0][0] for d in (1e-5, -1e-5))
-        assert slope[0] == pytest.approx((up - down) / (2e-5 * ROUGH.rms), rel=1e-5)
+        gap, slope = ROUGH.mean_gap(np.array([t * ROUGH.composite_roughness]))
+        assert gap[0] == pytest.approx(ROUGH.composite_roughness * expected, rel=1e-6)
+        up, down = (ROUGH.mean_gap(np.array([(t + d) * ROUGH.composite_roughness]))[0][0] for d in (1e-5, -1e-5))
+        assert slope[0] == pytest.approx((up - down) / (2e-5 * ROUGH.composite_roughness), rel=1e-5)
 
 
 def test_asperity_pressure_is_the_sum_over_the_summits_of_a_generated_surface() -> None:
@@ -58,8 +67,8 @@ def test_asperity_pressure_is_the_sum_over_the_summits_of_a_generated_surface() 
         depth = np.maximum(z[summit] - level, 0.0)
         # 2/3 E' sqrt(radius) depth^1.5 each, in units of rms and correlation length.
         load = 2.0 / 3.0 * np.sum(depth**1.5 / np.sqrt(curvature)) / area
-        expected = load * 2.27e11 * ROUGH.rms / ROUGH.correlation_length
-        pressure, slope = ROUGH.pressure(np.array([level * ROUGH.rms]), 2.27e11)
+        expected = load * 2.27e11 * ROUGH.composite_roughness / ROUGH.correlation_length
+        pressure, slope = ROUGH.pressure(np.array([level * ROUGH.composite_roughness]), 2.27e11)
         assert pressure[0] == pytest.approx(expected, rel=0.25)
         assert slope[0] < 0.0
 
@@ -96,7 +105,7 @@ def test_without_speed_the_asperities_carry_everything() -> None:
     assert film.certified
     assert film.asperity_share > 0.999
     separation = contact.film_scale * film.outcome.point.film
-    np.testing.assert_allclose(film.pressure, ROUGH.pressure(separation, contact.reduced_modulus)[0], atol=1e6)
+    np.testing.assert_allclose(film.pressure, ROUGH.pressure(separation, contact.contact_modulus)[0], atol=1e6)
     # Dry roughness spreads the load: less than Hertz in the middle, something beyond the edge.
     assert 0.8e9 * 0.7 < film.pressure.max() < 0.7e9
     assert film.pressure[np.abs(film.position) > 1.02 * contact.half_width].max() > 1e6
@@ -152,7 +161,7 @@ def test_mass_flow_and_grid() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rms", "length", "word"), [(0.0, 20e-6, "rms"), (1e-6, -1.0, "correlation"), (1e-5, 1e-5, "half")]
+    ("rms", "length", "word"), [(0.0, 20e-6, "composite_roughness"), (1e-6, -1.0, "correlation"), (1e-5, 1e-5, "half")]
 )
 def test_bad_roughness_is_refused(rms: float, length: float, word: str) -> None:
     with pytest.raises(InputError, match=word):

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from easeoff.core.errors import InputError
-from easeoff.friction.ehl import LineContact, Oil, smooth_film, traction
+from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film, traction
 from easeoff.friction.ehl.shear_traction import film_temperature
 
-OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.038, conductivity=0.14)
-CONTACT = LineContact(1e9, 0.02, 10.0, OIL, slide_to_roll=0.25, reduced_modulus=2.273e11)
+OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.038, thermal_conductivity=0.14)
+CONTACT = LubricatedContact(1e9, 0.02, 10.0, OIL, slide_to_roll=0.25, contact_modulus=2.273e11)
 X = np.linspace(-1.0, 1.0, 401) * CONTACT.half_width
 PRESSURE = 1e9 * np.sqrt(1.0 - (X / CONTACT.half_width) ** 2)
 FILM = np.full_like(X, 1.3e-6)
 
 
-def sliding(ratio: float, **changes: float | str | None) -> LineContact:
+def sliding(ratio: float, **changes: float | str | None) -> LubricatedContact:
     return replace(CONTACT, slide_to_roll=ratio, oil=replace(OIL, **changes))  # type: ignore[arg-type]
 
 
@@ -100,7 +100,7 @@ def test_heat_lowers_friction_more_the_more_slides() -> None:
         ratios.append(warm.coefficient / cold.coefficient)
     assert 1.0 > ratios[0] > ratios[1] > ratios[2] > 0.2
     settled = traction(sliding(1.0), X, PRESSURE, FILM, thermal=True)
-    own = film_temperature(sliding(1.0), X, settled.stress, FILM, OIL.conductivity_at(PRESSURE), 12890.0)
+    own = film_temperature(sliding(1.0), X, settled.stress, FILM, OIL.thermal_conductivity_at(PRESSURE), 12890.0)
     np.testing.assert_allclose(settled.temperature_rise, own, rtol=1e-4, atol=1e-6)
 
 
@@ -119,22 +119,24 @@ def test_heated_oil_thins_by_roelands_law_of_the_temperature() -> None:
 
 
 def test_conductivity_doubles_at_a_gigapascal() -> None:
-    np.testing.assert_allclose(OIL.conductivity_at(np.array([0.0, 1e9])), [0.14, 0.14 * (1.0 + 1.54 / 1.33)])
+    np.testing.assert_allclose(OIL.thermal_conductivity_at(np.array([0.0, 1e9])), [0.14, 0.14 * (1.0 + 1.54 / 1.33)])
 
 
 def test_hottest_films_settle() -> None:
     """A thick, fast, cold film, where each kelvin lowers the heat."""
-    oil = Oil(0.1626, 18e-9, law="two_slope", temperature_viscosity=0.047, conductivity=0.14, inlet_temperature=25.0)
-    contact = LineContact(2.5e9, 0.04, 20.0, oil, slide_to_roll=1.0)
+    oil = Oil(
+        0.1626, 18e-9, law="two_slope", temperature_viscosity=0.047, thermal_conductivity=0.14, inlet_temperature=25.0
+    )
+    contact = LubricatedContact(2.5e9, 0.04, 20.0, oil, slide_to_roll=1.0)
     x = np.linspace(-1.0, 1.0, 201) * contact.half_width
     pressure = 2.5e9 * np.sqrt(1.0 - (x / contact.half_width) ** 2)
     film = np.full_like(x, 8e-6)
     result = traction(contact, x, pressure, film, thermal=True)
     assert result.temperature_rise.max() > 1000.0  # far beyond what an oil stands: the numerics must
-    own = film_temperature(contact, x, result.stress, film, oil.conductivity_at(pressure), 12890.0)
+    own = film_temperature(contact, x, result.stress, film, oil.thermal_conductivity_at(pressure), 12890.0)
     np.testing.assert_allclose(result.temperature_rise, own, rtol=1e-4, atol=1e-3)
 
 
 def test_thermal_correction_asks_for_its_numbers() -> None:
     with pytest.raises(InputError, match="temperature_viscosity"):
-        traction(sliding(0.1, conductivity=None), X, PRESSURE, FILM, thermal=True)
+        traction(sliding(0.1, thermal_conductivity=None), X, PRESSURE, FILM, thermal=True)

@@ -15,12 +15,12 @@ from scipy.stats import qmc
 
 from easeoff.core.errors import InputError
 from easeoff.friction import lubricant
-from easeoff.friction.ehl import Film, LineContact, Oil, State, Status, smooth_film
-from easeoff.friction.ehl.film_certificate import certify
-from easeoff.friction.ehl.film_complementarity import evaluate
-from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
-from easeoff.friction.ehl.reynolds_equation import History, balance
-from easeoff.friction.ehl.steady_film import RESOLVED
+from easeoff.friction.ehl import Film, LubricatedContact, Oil, State, Status, smooth_film
+from easeoff.friction.ehl.equations.film_certificate import certify
+from easeoff.friction.ehl.equations.film_complementarity import evaluate
+from easeoff.friction.ehl.equations.hierarchical_matrix import OFFSETS
+from easeoff.friction.ehl.equations.reynolds_equation import History, balance
+from easeoff.friction.ehl.film import RESOLUTION_LIMIT
 
 MODULUS = 2.273e11
 NEWTONIAN = math.inf
@@ -37,12 +37,12 @@ def contact(
     eyring: float = NEWTONIAN,
     modulus: float = MODULUS,
     compressible: bool = True,
-) -> LineContact:
+) -> LubricatedContact:
     oil = Oil(viscosity, coefficient, eyring_stress=eyring, compressible=compressible)
-    return LineContact(pressure, radius, velocity, oil, slide, modulus)
+    return LubricatedContact(pressure, radius, velocity, oil, slide, modulus)
 
 
-def by_moes(load: float, viscous: float, *, compressible: bool = False) -> LineContact:
+def by_moes(load: float, viscous: float, *, compressible: bool = False) -> LubricatedContact:
     """A contact with given groups M and L; isoviscous for L = 0."""
     modulus, radius, viscosity, coefficient = 2.2e11, 0.01, 0.04109, 2e-8
     speed = 0.5 * (viscous / (coefficient * modulus)) ** 4 if viscous else 1e-11
@@ -58,7 +58,7 @@ def by_moes(load: float, viscous: float, *, compressible: bool = False) -> LineC
     )
 
 
-def by_groups(load: float, speed: float, material: float, *, viscosity: float = 0.04) -> LineContact:
+def by_groups(load: float, speed: float, material: float, *, viscosity: float = 0.04) -> LubricatedContact:
     """A contact with given groups W, U and G; the law of its oil also depends on the ambient viscosity [Pa s]."""
     pressure = MODULUS * math.sqrt(load / (2.0 * math.pi))
     return contact(pressure, 0.02, speed * MODULUS * 0.02 / viscosity, viscosity, material / MODULUS)
@@ -69,9 +69,11 @@ def viscosity_for(exponent: float, material: float) -> float:
     return math.exp(material / MODULUS * 1.98e8 / exponent - 9.67)
 
 
-def pan_hamrock(c: LineContact) -> float:
+def pan_hamrock(c: LubricatedContact) -> float:
     """Smallest film thickness of a line contact [m] (Pan and Hamrock, Journal of Tribology 111 (1989) 246)."""
-    return float(1.714 * c.radius * c.speed_group**0.694 * c.material_group**0.568 * c.load_group**-0.128)
+    return float(
+        1.714 * c.equivalent_radius * c.speed_parameter**0.694 * c.material_parameter**0.568 * c.load_parameter**-0.128
+    )
 
 
 #: Pressure, radius, velocity, viscosity, pressure-viscosity coefficient: W 2e-5 to 5e-4, U 1e-12 to 2e-10, G to 5000.
@@ -129,7 +131,7 @@ def test_smallest_film_depends_on_load_speed_and_material_as_published(
     for load, speed, material in groups:
         film = smooth_film(by_groups(load, speed, material, viscosity=viscosity_for(exponent, material)), nodes=513)
         assert film.certified
-        heights.append(film.minimum_film / film.contact.radius)
+        heights.append(film.minimum_film / film.contact.equivalent_radius)
     fit = np.linalg.lstsq(np.column_stack([np.ones(64), np.log(groups)]), np.log(heights))[0]
     np.testing.assert_allclose(fit[1:], powers, atol=0.02)
     excess = np.log(heights) - math.log(factor) - np.log(groups) @ powers
@@ -156,8 +158,8 @@ def test_film_is_that_of_a_second_solver(load: float, speed: float, material: fl
     """Also where the formula of Pan and Hamrock gives 15 % less: the last."""
     film = smooth_film(by_groups(load, speed, material), nodes=1025)
     smallest, central = films(load, speed, material, MODULUS, film.contact.oil.viscosity)
-    assert film.minimum_film / film.contact.radius == pytest.approx(smallest, rel=0.01)
-    assert film.central_film / film.contact.radius == pytest.approx(central, rel=0.01)
+    assert film.minimum_film / film.contact.equivalent_radius == pytest.approx(smallest, rel=0.01)
+    assert film.central_film / film.contact.equivalent_radius == pytest.approx(central, rel=0.01)
 
 
 @pytest.mark.parametrize(("load", "viscous"), [(10, 5), (30, 5), (10, 10), (30, 10), (10, 15), (30, 15), (10, 20)])
@@ -204,7 +206,7 @@ def test_certificate_is_made_of_the_conditions_and_notices_a_change() -> None:
     assert certify(film.problem, point.pressure, math.nan).worst == math.inf
 
 
-def reynolds_load(minimum: float, contact: LineContact) -> float:
+def reynolds_load(minimum: float, contact: LubricatedContact) -> float:
     """Load of an isoviscous film between rigid cylinders, with Reynolds' condition at its end (Martin; Kapitza).
 
     With x = sqrt(2 R h0) tan(t) the pressure is 12 eta u sqrt(2 R) / h0^1.5 times an integral over t in closed form.
@@ -220,7 +222,7 @@ def reynolds_load(minimum: float, contact: LineContact) -> float:
     t = np.linspace(-np.pi / 2 + 1e-4, end, 20001)
     integral = cumulative_simpson(pressure_like(t, end) / np.cos(t) ** 2, x=t)[-1]
     viscosity, velocity = contact.oil.viscosity, contact.rolling_velocity
-    return float(24.0 * viscosity * velocity * contact.radius / minimum * integral)
+    return float(24.0 * viscosity * velocity * contact.equivalent_radius / minimum * integral)
 
 
 def test_isoviscous_film_between_hardly_deformed_cylinders_is_martins() -> None:
@@ -228,7 +230,7 @@ def test_isoviscous_film_between_hardly_deformed_cylinders_is_martins() -> None:
     film = smooth_film(by_moes(0.05, 0.0), nodes=1025, flooded=1200.0)
     assert film.certified
     assert reynolds_load(film.minimum_film, film.contact) == pytest.approx(film.contact.load, rel=0.01)
-    rigid = 4.896 * film.contact.radius * film.contact.speed_group / film.contact.load_group
+    rigid = 4.896 * film.contact.equivalent_radius * film.contact.speed_parameter / film.contact.load_parameter
     assert film.minimum_film == pytest.approx(rigid, rel=0.01)
 
 
@@ -248,8 +250,8 @@ def test_slow_and_heavily_loaded_contact_is_that_of_hertz() -> None:
 @pytest.mark.parametrize("span", [None, (-1.0001, 1.0001)])
 def test_no_negative_film_is_certified(span: tuple[float, float] | None) -> None:
     """Slow and coarse, or cut off within the dry contact: the equations of the grid hold, for surfaces that overlap."""
-    slow = LineContact(2e9, 0.02, 1e-3, Oil(0.0208, 11.4e-9), slide_to_roll=0.25)
-    fast = LineContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    slow = LubricatedContact(2e9, 0.02, 1e-3, Oil(0.0208, 11.4e-9), slide_to_roll=0.25)
+    fast = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
     film = smooth_film(slow, nodes=513) if span is None else smooth_film(fast, nodes=129, span=span)
     assert film.film.min() < 0.0
     assert film.certificate.negative_film > 1.0
@@ -259,11 +261,11 @@ def test_no_negative_film_is_certified(span: tuple[float, float] | None) -> None
 def test_grid_is_refined_until_it_resolves_the_film() -> None:
     """Below a resolution of one a film may be far off although every equation of its grid holds."""
     for velocity, nodes in ((1.0, 513), (3e-3, 1025), (1e-3, 4097)):
-        contact = LineContact(2e9, 0.02, velocity, Oil(0.0208, 11.4e-9), slide_to_roll=0.25)
+        contact = LubricatedContact(2e9, 0.02, velocity, Oil(0.0208, 11.4e-9), slide_to_roll=0.25)
         film = smooth_film(contact)
         assert film.certified
         assert film.position.size >= nodes
-        assert film.resolution >= RESOLVED
+        assert film.resolution >= RESOLUTION_LIMIT
         fine = smooth_film(contact, nodes=4 * film.position.size - 3)
         assert film.minimum_film == pytest.approx(fine.minimum_film, rel=0.04)
         assert fine.resolution == pytest.approx(8.0 * film.resolution, rel=0.05)

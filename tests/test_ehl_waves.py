@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from easeoff.friction.ehl import (
-    LineContact,
+    LubricatedContact,
     Oil,
     Status,
     asperity,
@@ -20,16 +20,16 @@ from easeoff.friction.ehl import (
 SPAN = (-2.5, 1.5)
 
 
-def by_moes(load: float, viscous: float) -> LineContact:
+def by_moes(load: float, viscous: float) -> LubricatedContact:
     """A Newtonian contact in pure rolling with given groups M and L."""
     modulus, radius, viscosity, coefficient = 2.2e11, 0.01, 0.04109, 2e-8
     speed = 0.5 * (viscous / (coefficient * modulus)) ** 4
     pressure = modulus * math.sqrt(load * math.sqrt(2.0 * speed) / (2.0 * math.pi))
     oil = Oil(viscosity, coefficient, eyring_stress=math.inf)
-    return LineContact(pressure, radius, speed * modulus * radius / viscosity, oil, 0.0, modulus)
+    return LubricatedContact(pressure, radius, speed * modulus * radius / viscosity, oil, 0.0, modulus)
 
 
-def amplitude_ratio(contact: LineContact, wavelength: float, nodes: int, relative: float = 0.1) -> float:
+def amplitude_ratio(contact: LubricatedContact, wavelength: float, nodes: int, relative: float = 0.1) -> float:
     """Amplitude of the film in the middle of the contact over that of the wave, in pure rolling."""
     amplitude = relative * smooth_film(contact, nodes=nodes, span=SPAN).central_film
     spacing = (SPAN[1] - SPAN[0]) / (nodes - 1)
@@ -48,7 +48,7 @@ def amplitude_ratio(contact: LineContact, wavelength: float, nodes: int, relativ
     return float(np.ptp(middle) / (2.0 * amplitude))
 
 
-def published(contact: LineContact, wavelength: float) -> float:
+def published(contact: LubricatedContact, wavelength: float) -> float:
     """Amplitude ratio of waves in pure rolling, a function of one variable for all conditions.
 
     Variable wavelength M^(3/4) / L^(1/2): Venner, Couhier, Lubrecht and Greenwood 1997,

@@ -178,7 +178,7 @@ def test_limits_are_those_of_the_study() -> None:
     low, high = module.COEFFICIENT_LIMITS
     assert 0.99 * found.min() < low < found.min()
     assert found.max() < high < 1.001 * found.max()
-    assert 0.999 < float(study.lambda_ratio.min()) / module.LEAST_LAMBDA < 1.01
+    assert 0.999 < float(study.lambda_ratio.min()) / module.LAMBDA_MINIMUM < 1.01
 
 
 @pytest.mark.parametrize("blend", [False, True])
@@ -451,16 +451,16 @@ def test_conditions_broadcast() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"hertz_pressure": 0.0}, "hertz_pressure = 0: must be positive"),
+        ({"hertz_pressure": 0.0}, "hertz_pressure = 0: must be a finite number above 0"),
         ({"equivalent_radius": -1.0}, "equivalent_radius = -1"),
         ({"rolling_velocity": np.nan}, "rolling_velocity = nan"),
-        ({"slide_to_roll": -0.1}, "slide_to_roll = -0.1: must be zero or more"),
+        ({"slide_to_roll": -0.1}, "slide_to_roll = -0.1: must be a finite number of 0 or more"),
         ({"roughness": (-1e-6, 1e-6)}, "roughness_pinion = -1e-06"),
-        ({"temperature": 10.0}, "temperature = 10 degC"),
+        ({"temperature": 10.0}, "temperature = 10: must be from 25 to 100"),
         ({"oil": "water"}, "oil = 'water'"),
         ({"film": "thick"}, "film = 'thick'"),
         ({"model": "sandpaper"}, "'sandpaper': must be one of kolivand"),
-        ({"model": -0.1}, "zero or more"),
+        ({"model": -0.1}, "coefficient = -0.1: must be a finite number of 0 or more"),
     ],
 )
 def test_mistakes_are_named(changed: dict[str, Any], message: str) -> None:

@@ -13,10 +13,10 @@ from easeoff.cases.reading import case_text
 from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.core.errors import InputError
 from easeoff.friction import lubricant
-from easeoff.friction.lubricant import FOLDER
+from easeoff.friction.lubricant import LUBRICANTS_FOLDER
 from easeoff.study.cli import main
 
-OWN = (FOLDER / "75w90.toml").read_text(encoding="utf-8")
+OWN = (LUBRICANTS_FOLDER / "75w90.toml").read_text(encoding="utf-8")
 TABLE = '\n[friction]\nspeed = 500\noil = "oils/mine.toml"\n'
 COARSE = """[contact]
 torques = [50.0]

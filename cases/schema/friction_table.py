@@ -75,8 +75,6 @@ class FrictionTable(Table):
     film: str = "pan_hamrock"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: Literal["fixed", "contact_line"] = "fixed"
-    sliding_of_ratio: Literal["across", "whole"] = "across"
-    radius_direction: Literal["across", "along"] = "across"
     out_of_range: Literal["error", "clamp"] = "error"
     feedback: bool = False
     _folder: Path | None = PrivateAttr(default=None)

@@ -1,24 +1,24 @@
 """Mixed elastohydrodynamic lubrication of a line contact: film, rough surfaces, friction."""
 
-from .film_certificate import Certificate, Status
-from .film_complementarity import State
+from .equations.film_certificate import Certificate, Status
+from .equations.film_complementarity import State
+from .film import Film, mixed_film, smooth_film
 from .film_dataset import film_dataset, passage_dataset
-from .film_oil import Oil
-from .inlet_heating import film_factor, heated_inlet
-from .line_contact_conditions import LineContact
-from .load_sharing import Asperities
-from .rough_passage import Passage, rough_passage
+from .rolling_contact.asperities import Asperities
+from .rolling_contact.inlet_heating import film_factor, heated_inlet
+from .rolling_contact.lubricated_contact import LubricatedContact
+from .rolling_contact.oil import Oil
+from .rolling_contact.surface_roughness import RoughProfile, asperity, generated_profile, measured_profile, wave
+from .rough_passage import RoughPassage, rough_passage
 from .shear_traction import Traction, traction
-from .steady_film import Film, mixed_film, smooth_film
-from .surface_roughness import RoughProfile, asperity, generated_profile, measured_profile, wave
 
 __all__ = [
     "Asperities",
     "Certificate",
     "Film",
-    "LineContact",
+    "LubricatedContact",
     "Oil",
-    "Passage",
+    "RoughPassage",
     "RoughProfile",
     "State",
     "Status",

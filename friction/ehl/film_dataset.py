@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from ...core.attributes import flag_attributes, labelled
-from .film_certificate import Status
-from .film_complementarity import State
-from .rough_passage import Passage
-from .steady_film import Film
+from .equations.film_certificate import Status
+from .equations.film_complementarity import State
+from .film import Film
+from .rough_passage import RoughPassage
 
 _STATES = {int(state): state.name for state in State}
 
@@ -22,7 +22,14 @@ def film_dataset(film: Film) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Dimension `rolling_position` [um].
+        Dimension ``rolling_position`` [um].
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> dict(film_dataset(smooth_film(contact, nodes=129)).sizes)
+    {'rolling_position': 129}
     """
     data: dict[str, Any] = {
         "film_pressure": ("rolling_position", 1e-6 * film.pressure),
@@ -37,13 +44,22 @@ def film_dataset(film: Film) -> xr.Dataset:
     return labelled(xr.Dataset(data, coords={"rolling_position": 1e6 * film.position}))
 
 
-def passage_dataset(passage: Passage) -> xr.Dataset:
-    """What a passage did step by step, and the fields that were kept.
+def passage_dataset(passage: RoughPassage) -> xr.Dataset:
+    """Friction, film and status of a passage by time step, and the fields that were kept.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions `time` [us], and `kept_time` and `rolling_position` [um] of the fields.
+        Dimensions ``time`` [us], and ``kept_time`` and ``rolling_position`` [um] of the fields.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, generated_profile, rough_passage
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> profile = generated_profile(0.1e-6, 40e-6, 1e-3, seed=1)
+    >>> passage = rough_passage(contact, profile, steps=40, nodes=65, settle=30, keep=20)
+    >>> dict(passage_dataset(passage).sizes)
+    {'time': 40, 'kept_time': 2, 'rolling_position': 65}
     """
     time = 1e6 * passage.time
     data: dict[str, Any] = {

@@ -12,56 +12,69 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core import checks
 from ...core.errors import InputError
-from . import checks
-from .elastic_deflection import Deflection
-from .film_certificate import Status, certify, judge
-from .film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
-from .line_contact_conditions import LineContact
-from .reynolds_equation import Array, History, fluid_part
+from .equations.elastic_deflection import Deflection
+from .equations.film_certificate import Status, certify, judge
+from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
+from .equations.reynolds_equation import Array, History, fluid_part
+from .film import Film, domain, touching_start
+from .rolling_contact.lubricated_contact import LubricatedContact
+from .rolling_contact.surface_roughness import Profile, smooth
 from .shear_traction import BOUNDARY_FRICTION, traction
-from .steady_film import Film, domain, touching_start
-from .surface_roughness import Profile, smooth
 
 #: Film left between touching asperities [m]: a few layers of molecules.
 TOUCHING_FILM = 4e-9
-#: The inlet of rough passages, see `steady.domain`: less than the smooth film's, for the sake of the nodes.
-FLOODED = 25.0
+#: The inlet of rough passages, see ``domain``: less than the smooth film's, for the sake of the nodes.
+ROUGH_INLET_GAP_RATIO = 25.0
 
 
 @dataclass(frozen=True, eq=False)
-class Passage:
-    """What rough surfaces did on their way through the contact, step by step; (t) arrays unless said otherwise.
+class RoughPassage:
+    """Passage of rough surfaces through the contact, step by step; (t) arrays unless said otherwise.
 
-    Attributes
+    Parameters
     ----------
-    contact : LineContact
-    position : (n) array
-        [m].
-    time : array
-        [s].
-    settled : (t) bool array
-        Whether the step counts for averages: the heights have their full size and the smooth start is over.
-    status : (t) int array
-        Values of `Status`; of steps that are not certified the other numbers are NaN.
-    iterations : (t) int array
-    violation : array
+    contact
+        What the contact works under.
+    position
+        Of the nodes (n) [m].
+    time
+        At the end of each step [s].
+    settled
+        Whether the step counts for averages (t): the heights have their full size and the smooth start is over.
+    status
+        Values of ``Status`` (t); of steps that are not certified the other numbers are NaN.
+    iterations
+        Of the Newton method (t).
+    violation
         Largest entry of the certificate [1].
-    leak : array
+    leak
         Lubricant that a step has made (positive) or lost, over what flows through the contact in a step [1]: nil but
         for rounding where the step is certified. The steps after one that is not are certified for what is left.
-    film_friction, asperity_friction : arrays
+    film_friction, asperity_friction
         Friction coefficients of film and touching asperities [1].
-    asperity_share : array
+    asperity_share
         Part of the load that touching asperities carry [1].
-    minimum_film, mean_film : arrays
+    minimum_film, mean_film
         Smallest and mean film thickness within the dry contact [m].
-    pressure, film, state : (k, n) arrays
-        [Pa], [m], values of `State` at the steps `kept`; NaN, NaN and nothing meant where the step is not certified.
-    kept : (k) int array
+    pressure, film, state
+        At the steps ``kept`` (k, n): [Pa], [m], values of ``State``; NaN, NaN and nothing meant where the step is not
+        certified.
+    kept
+        Numbers of the steps whose fields were kept (k).
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, generated_profile, rough_passage
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> profile = generated_profile(0.1e-6, 40e-6, 1e-3, seed=1)
+    >>> passage = rough_passage(contact, profile, steps=40, nodes=65, settle=30, keep=20)
+    >>> passage.time.size, passage.kept.tolist()
+    (40, [20, 40])
     """
 
-    contact: LineContact
+    contact: LubricatedContact
     position: Array
     time: Array
     settled: NDArray[np.bool_]
@@ -92,7 +105,7 @@ class Passage:
     def average(self, name: str) -> float:
         """Mean of one of the quantities by step over the settled, certified steps; NaN if there are none.
 
-        What it leaves out is told by `certified_share`, and what the steps left out do to the others by `leakage`.
+        What it leaves out is told by ``certified_share``, and what the steps left out do to the others by ``leakage``.
         """
         values = getattr(self, name)[self.settled & (self.status == Status.CERTIFIED)]
         return float(values.mean()) if values.size else math.nan
@@ -104,7 +117,7 @@ class Passage:
 
 
 def rough_passage(
-    contact: LineContact,
+    contact: LubricatedContact,
     first: Profile = smooth,
     second: Profile = smooth,
     *,
@@ -118,55 +131,67 @@ def rough_passage(
     keep: int = 0,
     boundary_friction: float = BOUNDARY_FRICTION,
     thermal: bool = False,
-) -> Passage:
+) -> RoughPassage:
     """Let two surfaces roll and slide through the contact.
 
     Parameters
     ----------
-    contact : LineContact
-    first, second : callable
-        Heights [m] of the faster surface (for a positive slide-to-roll ratio) and of the other, by place on it [m].
-    steps : int
-        Steps in time; with `nodes` of them the mean flow passes once through the domain.
-    nodes : int
+    contact
+        What the contact works under.
+    first, second
+        Heights [m] of the faster surface (for a positive slide-to-roll ratio) and of the other, by the point on it [m].
+    steps
+        Steps in time; with ``nodes`` of them the mean flow passes once through the domain.
+    nodes
         Nodes of the grid. A correlation length should have five or more.
-    span : (float, float), optional
-        Ends of the domain in half widths; those of `steady.domain` for a gap of 25 times the film at the inlet if not
+    span
+        Ends of the domain in half widths; those of ``domain`` for a gap of 25 times the film at the inlet if not
         given.
-    ramp : int
+    ramp
         Steps over which the heights grow from nothing to their size; 0 for profiles that start outside the domain.
-    settle : int, optional
+    settle
         Steps before averages begin; by default those that bring the flow from the inlet to the middle, or the ramp if
         that takes longer.
-    touching_film : float
+    touching_film
         Film left between touching asperities [m].
-    order : {1, 2}
+    order
         Order of the steps in time. Either carries the film along without damping.
-    keep : int
+    keep
         Keep the fields of every so many steps; 0 keeps none.
     boundary_friction, thermal
-        See `shear.traction`.
+        See ``traction``.
 
     Returns
     -------
-    Passage
-        If the film of smooth surfaces cannot be found, a passage whose steps all have the status `FAILED`.
+    RoughPassage
+        If the film of smooth surfaces cannot be found, a passage whose steps all have the status ``FAILED``.
 
     Raises
     ------
     InputError
-        A number cannot be used.
+        If a number cannot be used.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, generated_profile
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> profile = generated_profile(0.1e-6, 40e-6, 1e-3, seed=1)
+    >>> passage = rough_passage(contact, profile, steps=40, nodes=65, settle=30, keep=20)
+    >>> print(f"{passage.certified_share:.0%} of the steps, friction coefficient {passage.friction_coefficient:.4f}")
+    100% of the steps, friction coefficient 0.0079
     """
     checks.whole("steps", steps, 1)
     for name, value in (("ramp", ramp), ("keep", keep), ("settle", 0 if settle is None else settle)):
         checks.whole(name, value, 0)
     checks.whole("order", order, 1, 2)
     checks.positive("touching_film", touching_film, "m")
-    start = touching_start(contact, nodes, domain(contact, FLOODED) if span is None else span, touching_film)
+    start = touching_start(
+        contact, nodes, domain(contact, ROUGH_INLET_GAP_RATIO) if span is None else span, touching_film
+    )
     x = start.position / contact.half_width
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
     if settle >= steps:
-        raise InputError(f"{steps} steps leave none for averages, which begin after {settle}: ask for more steps")
+        raise InputError(f"steps = {steps}: must be above {settle}, after which averages begin")
     kept = np.arange(keep, steps + 1, keep) if keep else np.arange(0)
     records = {name: np.full(steps, math.nan) for name in _RECORDED}
     status = np.full(steps, Status.FAILED, dtype=np.int8)
@@ -189,7 +214,7 @@ def rough_passage(
                     row = step // keep - 1
                     pressure[row] = contact.hertz_pressure * point.pressure
                     film[row], states[row] = contact.film_scale * point.film, outcome.state
-    return Passage(
+    return RoughPassage(
         contact=contact,
         position=start.position,
         time=np.asarray(np.arange(1, steps + 1) * float(x[1] - x[0]) * contact.half_width / contact.rolling_velocity),
@@ -245,7 +270,7 @@ def _record(
 class _March:
     """The state that one step in time hands to the next."""
 
-    def __init__(self, contact: LineContact, x: Array, start: Film, touching_film: float, order: int) -> None:
+    def __init__(self, contact: LubricatedContact, x: Array, start: Film, touching_film: float, order: int) -> None:
         self.contact, self.x, self.order = contact, x, order
         self.deflection = Deflection(x.size, float(x[1] - x[0]))
         self.touching_film = touching_film
@@ -259,7 +284,7 @@ class _March:
         self.lack = np.where(ruptured, np.cumsum(np.where(ruptured, point.balance.residual, 0.0)), 0.0)
 
     def advance(self, size: float, first: Profile, second: Profile) -> tuple[Outcome, Problem]:
-        """Take one step, with the heights at `size` times their own."""
+        """Take one step, with the heights at ``size`` times their own."""
         self.step += 1
         contact, spacing = self.contact, self.deflection.spacing
         moved = self.step * spacing

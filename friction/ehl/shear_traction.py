@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core import checks
 from ...core.errors import InputError
-from . import checks
-from .line_contact_conditions import LineContact
-from .reynolds_equation import Array
+from .equations.reynolds_equation import Array
+from .rolling_contact.lubricated_contact import LubricatedContact
 
 #: Root of conductivity, density and specific heat of steel (46 W/(m K), 7850 kg/m^3, 460 J/(kg K)) [J/(m^2 K s^0.5)].
 STEEL_EFFUSIVITY = 12890.0
@@ -23,29 +23,34 @@ STEEL_EFFUSIVITY = 12890.0
 BOUNDARY_FRICTION = 0.1
 
 #: ln(viscosity) beyond which the Eyring stress is that of its asymptote anyway; keeps exp from overflowing.
-_STIFFEST = 600.0
+LOG_VISCOSITY_LIMIT = 600.0
 #: Relative change of the heat at which film temperature and shear agree, and how many times they are adjusted; change
 #: of the temperature [K] that ends the inner steps, and their number.
-_TOLERANCE, _ADJUSTMENTS = 1e-6, 60
-_KELVIN, _NEWTON_STEPS = 1e-6, 30
+HEAT_TOLERANCE, HEAT_ITERATIONS = 1e-6, 60
+TEMPERATURE_TOLERANCE, NEWTON_ITERATIONS = 1e-6, 30
 #: By how much distances of positions may differ, relative; pressures of asperities below zero that are rounding, over
 #: the Hertz pressure.
-_UNEVEN, _ROUNDING = 1e-6, 1e-12
+SPACING_TOLERANCE, PRESSURE_ROUNDING = 1e-6, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Traction:
     """Shear in a contact.
 
-    Attributes
+    Parameters
     ----------
-    stress : (n) array
-        Shear stress [Pa], with the sign of the sliding velocity.
-    film, asperities : float
+    stress
+        Shear stress (n) [Pa], with the sign of the sliding velocity.
+    film, asperities
         Friction coefficients: shear force of the film, and of the touching asperities, over the load [1]. That of the
         film is NaN if the thermal correction does not settle.
-    temperature_rise : (n) array
-        Mean rise of the film over the inlet temperature [K]; zero without the thermal correction.
+    temperature_rise
+        Mean rise of the film over the inlet temperature (n) [K]; zero without the thermal correction.
+
+    Examples
+    --------
+    >>> print(f"{Traction(np.zeros(1), 0.03, 0.01, np.zeros(1)).coefficient:.2f}")
+    0.04
     """
 
     stress: Array
@@ -60,7 +65,7 @@ class Traction:
 
 
 def traction(
-    contact: LineContact,
+    contact: LubricatedContact,
     position: Array,
     pressure: Array,
     film: Array,
@@ -75,53 +80,61 @@ def traction(
 
     Parameters
     ----------
-    contact : LineContact
-    position, pressure, film : (n) arrays
-        [m], [Pa], [m]; equal distances.
-    fluid_part : (n) array or float
-        Part of the pressure that the lubricant carries, see `reynolds.fluid_part`; touching asperities carry the rest.
-    asperity_pressure : (n) array or float
-        What asperities carry beside `pressure` [Pa], see `load_sharing`.
-    boundary_friction : float
+    contact
+        What the contact works under.
+    position, pressure, film
+        Of the nodes, at equal distances (n) [m], [Pa], [m].
+    fluid_part
+        Part of the pressure that the lubricant carries (n), see ``reynolds_equation``; asperities carry the rest.
+    asperity_pressure
+        What asperities carry beside ``pressure`` (n) [Pa], see ``Asperities``.
+    boundary_friction
         Friction coefficient of touching asperities [1].
-    thermal : bool
-        Lower the viscosity in the shear stress by the film's own heat, see `film_temperature` and
-        `Oil.thermal_thinning`. The film thickness stays as it is, see `inlet.heated_inlet`.
-    effusivity : float
+    thermal
+        Lower the viscosity in the shear stress by the film's own heat, see ``film_temperature`` and
+        ``Oil.thermal_thinning``. The film thickness stays as it is, see ``heated_inlet``.
+    effusivity
         Root of conductivity, density and specific heat of the bodies [J/(m^2 K s^0.5)].
 
     Raises
     ------
     InputError
-        The positions do not increase by equal distances, an array has another length, a number is not finite, a film
+        If the positions do not increase by equal distances, an array has another length, a number is not finite, a film
         under pressure not positive or a part not from 0 to 1; or the thermal correction is asked for and the oil has no
-        `temperature_viscosity` or `conductivity`.
+        ``temperature_viscosity`` or ``thermal_conductivity``.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> film = smooth_film(contact, nodes=257)
+    >>> print(f"{traction(contact, film.position, film.pressure, film.film).coefficient:.4f}")
+    0.0076
     """
     oil = contact.oil
-    position = checks.row("position", position, "m", fewest=2)
+    position = checks.array("position", position, "m", ndim=1, fewest=2)
     steps = np.diff(position)
-    if not (steps > 0.0).all() or np.ptp(steps) > _UNEVEN * steps.mean():
+    if not (steps > 0.0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():
         raise InputError(
-            f"position must increase by equal distances [m], and not by {steps.min():g} to {steps.max():g}"
+            f"position with steps from {steps.min():g} to {steps.max():g}: must increase by equal distances [m]"
         )
-    pressure = checks.row("pressure", pressure, "Pa", size=position.size)
-    film = checks.row("film", film, "m", size=position.size)
+    pressure = checks.array("pressure", pressure, "Pa", ndim=1, size=position.size)
+    film = checks.array("film", film, "m", ndim=1, size=position.size)
     # Without a pressure nothing is sheared: at the ends of the domain rough surfaces may overlap on paper.
     if (film[pressure > 0.0] <= 0.0).any():
-        raise InputError(f"film must be positive [m] under pressure, not {film[pressure > 0.0].min():g}")
+        raise InputError(f"film = {film[pressure > 0.0].min():g}: must be above 0 [m] under pressure")
     if np.ndim(fluid_part):
-        fluid_part = checks.row("fluid_part", fluid_part, "1", size=position.size)
-        checks.within("the least fluid_part", fluid_part.min(), 0.0, 1.0, "1")
-        checks.within("the greatest fluid_part", fluid_part.max(), 0.0, 1.0, "1")
+        fluid_part = checks.array("fluid_part", fluid_part, ndim=1, size=position.size, least=0.0, most=1.0)
     else:
-        fluid_part = checks.within("fluid_part", fluid_part, 0.0, 1.0, "1")
+        fluid_part = checks.number("fluid_part", fluid_part, least=0.0, most=1.0)
     if np.ndim(asperity_pressure):
-        asperity_pressure = checks.row("asperity_pressure", asperity_pressure, "Pa", size=position.size)
-        if asperity_pressure.min() < -_ROUNDING * contact.hertz_pressure:
-            raise InputError(f"asperity_pressure must not be negative [Pa], but {asperity_pressure.min():g} is in it")
+        rounding = -PRESSURE_ROUNDING * contact.hertz_pressure
+        asperity_pressure = checks.array(
+            "asperity_pressure", asperity_pressure, "Pa", ndim=1, size=position.size, least=rounding
+        )
     else:
         asperity_pressure = checks.positive("asperity_pressure", asperity_pressure, "Pa", zero=True)
-    checks.positive("boundary_friction", boundary_friction, "1", zero=True)
+    checks.positive("boundary_friction", boundary_friction, zero=True)
     checks.positive("effusivity", effusivity, "J/(m^2 K s^0.5)", infinite=True)
     checks.truth("thermal", thermal)
     loaded = np.maximum(pressure, 0.0)
@@ -142,23 +155,23 @@ def traction(
     rise = np.zeros_like(pressure)
     stress, _ = stress_at(rise)
     if thermal:
-        if oil.temperature_viscosity is None or oil.conductivity is None:
-            raise InputError("the thermal correction needs the oil's temperature_viscosity and conductivity")
-        conductivity = oil.conductivity_at(loaded)
+        if oil.temperature_viscosity is None or oil.thermal_conductivity is None:
+            raise InputError("the thermal correction needs the oil's temperature_viscosity and thermal_conductivity")
+        conductivity = oil.thermal_conductivity_at(loaded)
         within = abs(contact.sliding_velocity) * film / (12.0 * conductivity)  # rise over the surfaces by the stress
-        for _ in range(_ADJUSTMENTS):
+        for _ in range(HEAT_ITERATIONS):
             surface = film_temperature(contact, position, stress, film, math.inf, effusivity)
             last = stress
             # Where a film heats itself, less heat arises: the rise is the root of an increasing, concave function.
             rise = surface
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(NEWTON_ITERATIONS):
                 stress, slope = stress_at(rise)
                 change = (surface + within * stress - rise) / (1.0 - within * slope)
                 rise = np.maximum(rise + change, surface)
-                if float(np.abs(change).max()) < _KELVIN:
+                if float(np.abs(change).max()) < TEMPERATURE_TOLERANCE:
                     break
             stress, _ = stress_at(rise)
-            if float(np.abs(stress - last).sum()) <= _TOLERANCE * float(stress.sum()):
+            if float(np.abs(stress - last).sum()) <= HEAT_TOLERANCE * float(stress.sum()):
                 break
             stress = 0.5 * (stress + last)
         else:
@@ -173,11 +186,11 @@ def traction(
     )
 
 
-def _eyring(contact: LineContact, thickening: Array, film: Array) -> tuple[Array, Array]:
+def _eyring(contact: LubricatedContact, thickening: Array, film: Array) -> tuple[Array, Array]:
     """Shear stress of the film [Pa] >= 0 from ln(viscosity) over that at the inlet, and its derivative by that."""
     oil = contact.oil
     rate = abs(contact.sliding_velocity) / np.maximum(film, 1e-12)
-    newtonian = oil.viscosity * np.exp(np.minimum(thickening, _STIFFEST)) * rate
+    newtonian = oil.viscosity * np.exp(np.minimum(thickening, LOG_VISCOSITY_LIMIT)) * rate
     if math.isinf(oil.eyring_stress):
         return np.asarray(newtonian), np.asarray(newtonian)
     strain = newtonian / oil.eyring_stress
@@ -185,7 +198,7 @@ def _eyring(contact: LineContact, thickening: Array, film: Array) -> tuple[Array
 
 
 def film_temperature(
-    contact: LineContact,
+    contact: LubricatedContact,
     position: Array,
     stress: Array,
     film: Array,
@@ -201,12 +214,13 @@ def film_temperature(
 
     Parameters
     ----------
-    contact : LineContact
-    position, stress, film : (n) arrays
-        [m], [Pa], [m].
-    conductivity : (n) array or float
-        Of the oil [W/(m K)].
-    effusivity : float
+    contact
+        What the contact works under.
+    position, stress, film
+        Of the nodes (n) [m], [Pa], [m].
+    conductivity
+        Of the oil (n) [W/(m K)].
+    effusivity
         Of the bodies [J/(m^2 K s^0.5)].
     """
     heat = np.abs(stress * contact.sliding_velocity)

@@ -32,7 +32,6 @@ SHADES = {
     "sliding_velocity": "Oranges",
     "slide_to_roll": "Purples",
     "equivalent_radius": "Greys",
-    "radius_along_line": "Greys",
     "lambda_ratio": "Greens",
     "friction_coefficient": "YlOrRd",
 }
@@ -41,11 +40,9 @@ NAMES = {
     "sliding_velocity": "sliding velocity [m/s]",
     "slide_to_roll": "slide-to-roll ratio",
     "equivalent_radius": "equivalent radius [mm]",
-    "radius_along_line": "radius along the contact line [mm]",
     "lambda_ratio": "lambda ratio",
     "friction_coefficient": "friction coefficient",
 }
-CONVENTIONS = ("rolling_frame", "sliding_of_ratio")
 GRID = (121, 61)
 LEVELS = 7
 DARKEST = 0.62  # of a colour map
@@ -197,13 +194,10 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     at = chosen_condition(friction)
     index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
     here, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
-    maps = velocity_maps(tree, view, at["speed"], FrictionModel(**{n: friction.attrs[n] for n in CONVENTIONS}))
+    maps = velocity_maps(tree, view, at["speed"], FrictionModel(rolling_frame=friction.attrs["rolling_frame"]))
     force = here["force"] if "force" in here else under_load["force"]
     touching = under_load.assign(force=force)
-    if "radius_along_line" in friction:
-        maps["radius_along_line"] = loaded_map(touching, friction["radius_along_line"])
-    else:
-        maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
+    maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
     for name in ("lambda_ratio", "friction_coefficient"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])

@@ -1,20 +1,19 @@
-"""Fitting the friction formula to a study, and how far formulas are from the model."""
+"""Regression of the friction formula on a study, and errors of formulas against the model."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ....core import checks
 from ....core.errors import InputError
-from .. import checks
-from ..film_certificate import Status
-from ..line_contact_conditions import STEEL
+from ...conditions import STEEL_MODULUS
+from ..equations.film_certificate import Status
 from .friction_formula import (
     TERMS,
     FrictionFormula,
@@ -33,7 +32,7 @@ Bools = NDArray[np.bool_]
 #: Bounds of the lambda ratio between which errors are told apart.
 REGIMES = (0.0, 0.2, 0.5, 1.0, 3.0, math.inf)
 #: What of a study a fit needs.
-_FITTED = (
+FITTED_VARIABLES = (
     "contact_pressure",
     "contact_radius",
     "rolling_velocity",
@@ -46,26 +45,16 @@ _FITTED = (
     "film_friction",
     "asperity_share",
 )
-_FOLDS = 10
-_FEWEST_CASES = 3 * len(TERMS)
+FOLDS = 10
+FEWEST_CASES = 3 * len(TERMS)
 #: Where the fit starts, shares beyond are those of the ends; its steps, and the relative change that ends them.
-_LEAST_SHARE, _STEPS, _SETTLED = 1e-4, 20, 1e-4
+LEAST_SHARE, FIT_ITERATIONS, FIT_TOLERANCE = 1e-4, 20, 1e-4
 #: Keeps products that the cases do not tell apart from growing against each other.
-_RIDGE = 1e-7
-
-#: Space-filling subsets of the design of the dissertation and of `design.REFINED`, run with the defaults.
-SHIPPED = tuple(Path(__file__).with_name(name) for name in ("study.nc", "study_refined.nc"))
-#: A subset of the former with moving profiles instead, which the formula is not fitted to.
-SHIPPED_RIDGES = Path(__file__).with_name("study_ridges.nc")
-
-
-def shipped_studies() -> tuple[xr.Dataset, ...]:
-    """Return the studies that come with the package, see `SHIPPED`."""
-    return tuple(xr.load_dataset(path, engine="netcdf4") for path in SHIPPED)
+RIDGE = 1e-7
 
 
 def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
-    """What a formula is called with for each case of a study; SI."""
+    """Arguments of a formula for each case of a study; SI."""
     oils = {float(t): oil_75w90(float(t)) for t in np.unique(dataset["temperature"].values)}
     own = [oils[float(t)] for t in dataset["temperature"].values]
     return (
@@ -76,7 +65,7 @@ def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
         np.array([oil.viscosity for oil in own]),
         np.array([oil.pressure_viscosity for oil in own]),
         1e-6 * np.hypot(dataset["roughness_1"].values, dataset["roughness_2"].values),
-        np.array(STEEL),
+        np.array(STEEL_MODULUS),
     )
 
 
@@ -85,27 +74,29 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
 
     Parameters
     ----------
-    studies : xarray.Dataset
-        Of `study.run_study`, one or more with the same boundary friction.
+    studies
+        Of ``run_study``, one or more with the same boundary friction.
 
     Raises
     ------
     InputError
-        There is no study, they differ in the boundary friction, or a certified case lacks a number; too few cases are
+        If there is no study, they differ in the boundary friction, a certified case lacks a number, too few cases are
         certified, or a variable has the same value in all of them.
     """
     boundary = _boundary_friction(studies)
-    dataset = xr.concat([study[list(_FITTED)] for study in studies], "combination", combine_attrs="drop_conflicts")
+    dataset = xr.concat(
+        [study[list(FITTED_VARIABLES)] for study in studies], "combination", combine_attrs="drop_conflicts"
+    )
     friction = dataset["friction_coefficient"].values.astype(float)
     certified = dataset["status"].values == Status.CERTIFIED
     for name in ("friction_coefficient", "asperity_share", "film_friction"):
         lacking = certified & ~np.isfinite(dataset[name].values.astype(float))
         if lacking.any():
             first = int(dataset["combination"].values[lacking][0])
-            raise InputError(f"{name} must be a number in every certified case: combination {first} has none")
+            raise InputError(f"{name} of combination {first} = nan: must be a number in every certified case")
     good = certified & (friction > 0.0)
-    if good.sum() < _FEWEST_CASES:
-        raise InputError(f"{int(good.sum())} certified cases are too few to fit a formula: {_FEWEST_CASES} at least")
+    if good.sum() < FEWEST_CASES:
+        raise InputError(f"certified cases = {int(good.sum())}: must be {FEWEST_CASES} or more to fit a formula")
     logarithms, material, modulus = (values[good] for values in logarithms_of(*study_inputs(dataset)))
     ratio = lambda_ratio(logarithms, material, modulus)
     friction = friction[good]
@@ -114,7 +105,7 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
     if (highest - lowest <= 0.0).any():
         raise InputError("a variable has the same value in all cases: the study does not cover the parameters")
     columns = products(normalised(logarithms, ratio, lowest, highest, ratios))
-    share = np.clip(dataset["asperity_share"].values[good].astype(float), _LEAST_SHARE, 1.0 - _LEAST_SHARE)
+    share = np.clip(dataset["asperity_share"].values[good].astype(float), LEAST_SHARE, 1.0 - LEAST_SHARE)
     film = np.maximum(dataset["film_friction"].values[good].astype(float), 1e-9)
     guesses = np.stack([np.log(share / (1.0 - share)), np.log(film / (1.0 - share))])
 
@@ -126,9 +117,9 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
 
     everything = np.ones(friction.size, dtype=bool)
     coefficients = fitted(everything)
-    fold = np.random.default_rng(0).permutation(friction.size) % _FOLDS
+    fold = np.random.default_rng(0).permutation(friction.size) % FOLDS
     predicted = np.empty_like(friction)
-    for k in range(_FOLDS):
+    for k in range(FOLDS):
         predicted[fold == k] = error(fold == k, fitted(fold != k))
     return FrictionFormula(
         share=coefficients[0],
@@ -152,21 +143,21 @@ def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayL
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of `study.run_study`.
-    formula : FrictionFormula or callable
-        The latter takes the keywords of `easeoff.friction.friction_coefficient`.
+    dataset
+        Of ``run_study``.
+    formula
+        The latter takes the keywords of ``easeoff.friction.friction_coefficient``.
 
     Raises
     ------
     InputError
-        The dataset is no study, or the formula neither.
+        If the dataset is no study, or the formula neither.
     """
     _check_study(dataset)
     if isinstance(formula, FrictionFormula):
         return _compared(dataset, formula(*study_inputs(dataset))[0])
     if not callable(formula):
-        raise InputError(f"formula must be a FrictionFormula or a function like friction_coefficient, not {formula!r}")
+        raise InputError(f"formula = {formula!r}: must be a FrictionFormula, or a function like friction_coefficient")
     p, r, u, s, *_ = study_inputs(dataset)
     own = formula(
         hertz_pressure=p,
@@ -187,20 +178,20 @@ def _compared(dataset: xr.Dataset, own: ArrayLike) -> tuple[RegimeError, ...]:
 
 def _check_study(study: xr.Dataset) -> None:
     checks.instance("study", study, xr.Dataset)
-    missing = [name for name in _FITTED if name not in study]
+    missing = [name for name in FITTED_VARIABLES if name not in study]
     if missing:
-        raise InputError(f"a dataset is no study of run_study: it has no {', '.join(missing)}")
+        raise InputError(f"study = a dataset without {', '.join(missing)}: must be a study of run_study")
 
 
 def _boundary_friction(studies: tuple[xr.Dataset, ...]) -> float:
     """The one of all studies, once they are found to be some."""
     if not studies:
-        raise InputError("there is no study to fit: give one or more, as in fit_friction(first, second)")
+        raise InputError("studies = none: must be one study or more, as in fit_friction(first, second)")
     for study in studies:
         _check_study(study)
     found = {float(study.attrs.get("boundary_friction", math.nan)) for study in studies}
     if len(found) > 1 or math.isnan(max(found)):
-        raise InputError(f"boundary_friction must be the same attribute of all studies, not {sorted(found)}")
+        raise InputError(f"boundary_friction = {sorted(found)}: must be the same attribute of all studies")
     return found.pop()
 
 
@@ -221,7 +212,7 @@ def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_frict
     odds, logarithm = guesses
     size = columns.shape[1]
     coefficients, error = np.zeros(2 * size), math.inf
-    for _ in range(_STEPS):
+    for _ in range(FIT_ITERATIONS):
         part = 1.0 / (1.0 + np.exp(-np.clip(odds, -30.0, 30.0)))
         film = np.exp(np.minimum(logarithm, 0.0))
         friction = boundary_friction * part + (1.0 - part) * film
@@ -230,11 +221,11 @@ def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_frict
         slopes = np.concatenate([columns * by_odds[:, None], columns * by_film[:, None]], axis=1)
         target = wanted - np.log(friction) + by_odds * odds + by_film * logarithm
         normal = slopes.T @ slopes
-        ridge = _RIDGE * np.diag(normal).mean() * np.eye(2 * size)
+        ridge = RIDGE * np.diag(normal).mean() * np.eye(2 * size)
         coefficients = np.linalg.solve(normal + ridge, slopes.T @ target)
         odds, logarithm = columns @ coefficients[:size], columns @ coefficients[size:]
         last, error = error, _rms(wanted - np.log(shared(odds, logarithm, boundary_friction)))
-        if abs(error - last) < _SETTLED * error:
+        if abs(error - last) < FIT_TOLERANCE * error:
             break
     return coefficients[:size], coefficients[size:]
 

@@ -1,4 +1,4 @@
-"""A formula for the friction coefficient, fitted to a study: the fast evaluator for use inside a gear analysis.
+"""Formula of the friction coefficient, fitted to a study: a fast model for use inside a gear analysis.
 
 As in the model, the load is shared: with a the part that asperities carry and m that of the film's friction,
 
@@ -21,24 +21,23 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ....core import checks
 from ....core.errors import InputError
 from ....core.files import check_writable, whole_file
-from ...conditions import ContactConditions
-from .. import checks
-from ..line_contact_conditions import STEEL
+from ...conditions import STEEL_MODULUS, ContactConditions
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
-VARIABLES = ("hertz_pressure", "radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
+VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
 #: All products of up to as many variables, each term after the one that it extends.
-_DEGREE = 3
-TERMS = tuple(t for d in range(_DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
+DEGREE = 3
+TERMS = tuple(t for d in range(DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
 #: How far ln(G) may be from that of the study's oil at the same viscosity.
-_OTHER_OIL = 0.15
-_CHUNK = 16384
+OIL_TOLERANCE = 0.15
+CHUNK_SIZE = 16384
 #: How many numbers each array of a formula has.
-_ARRAYS = {
+ARRAY_SIZES = {
     "share": len(TERMS),
     "film": len(TERMS),
     "lowest": len(VARIABLES),
@@ -47,20 +46,21 @@ _ARRAYS = {
     "oil": 2,
 }
 
-#: The formula fitted to the studies that come with the package, see `regression.SHIPPED`.
-SHIPPED_FORMULA = Path(__file__).with_name("formula.json")
+#: The formula fitted to both studies in ``docs/data``.
+FORMULA_FILE = Path(__file__).with_name("formula.json")
 
 
 @dataclass(frozen=True)
 class RegimeError:
     """Error of the formula in a range of the lambda ratio, each case predicted from other nine tenths.
 
-    Attributes
+    Parameters
     ----------
-    lowest, highest : float
+    lowest, highest
         Of the lambda ratio.
-    cases : int
-    mean, rms, worst : float
+    cases
+        Number of cases in the range.
+    mean, rms, worst
         Error of ln(mu): formula less model.
     """
 
@@ -76,26 +76,28 @@ class RegimeError:
 class FrictionFormula:
     """Fitted friction coefficient with its range and its errors.
 
-    Attributes
+    Parameters
     ----------
-    share, film : (k) arrays
-        Coefficients of the `TERMS` for ln[a / (1 - a)] and ln(m).
-    lowest, highest : (6) arrays
-        Range of the logarithms of pressure, radius, rolling velocity, slide-to-roll ratio, viscosity and composite
+    share, film
+        Coefficients of the ``TERMS`` for ln[a / (1 - a)] and ln(m) (k).
+    lowest, highest
+        Range of the logarithms (6) of pressure, radius, rolling velocity, slide-to-roll ratio, viscosity and composite
         roughness in the study.
-    ratios : (2) array
-        That of the lambda ratio. With it, the `VARIABLES` are brought to [-1, 1].
-    oil : (2) array
-        ln(G) of the study's oil as a straight line in ln(viscosity).
-    boundary_friction : float
+    ratios
+        Range of the logarithm of the lambda ratio (2). With it, the ``VARIABLES`` are brought to -1 ... 1.
+    oil
+        ln(G) of the study's oil as a straight line in ln(viscosity) (2).
+    boundary_friction
         [1].
-    cases : int
-    fit_error, prediction_error, worst_error : float
+    cases
+        Number of cases of the fit.
+    fit_error, prediction_error, worst_error
         Root of the mean square of the error of ln(mu) over the cases of the fit; the same with each case predicted from
         other nine tenths; the largest of the latter kind.
-    determination : float
+    determination
         1 - square of the prediction error over the variance of ln(mu).
-    regimes : tuple of RegimeError
+    regimes
+        Errors by ranges of the lambda ratio.
     """
 
     share: Array
@@ -115,54 +117,59 @@ class FrictionFormula:
     def __call__(
         self,
         hertz_pressure: ArrayLike,
-        radius: ArrayLike,
+        equivalent_radius: ArrayLike,
         rolling_velocity: ArrayLike,
         slide_to_roll: ArrayLike,
         viscosity: ArrayLike,
         pressure_viscosity: ArrayLike,
         composite_roughness: ArrayLike,
-        reduced_modulus: ArrayLike = STEEL,
+        contact_modulus: ArrayLike = STEEL_MODULUS,
     ) -> tuple[Array, Bools]:
         """Friction coefficient, in one call for any number of conditions; arrays are broadcast.
 
         Parameters
         ----------
-        hertz_pressure, radius, rolling_velocity, slide_to_roll, viscosity, pressure_viscosity, composite_roughness
-            [Pa], [m], [m/s], [1], [Pa s], [1/Pa], [m]; the last is the root of the sum of the squares of both surfaces.
-            The sign of the slide-to-roll ratio does not matter.
-        reduced_modulus
-            [Pa].
+        hertz_pressure, equivalent_radius, rolling_velocity
+            (...) [Pa], [m], [m/s].
+        slide_to_roll
+            (...) [1]; its sign does not matter.
+        viscosity, pressure_viscosity
+            (...) [Pa s], [1/Pa].
+        composite_roughness
+            Root of the sum of the squares of both surfaces' rms heights (...) [m].
+        contact_modulus
+            (...) [Pa].
 
         Returns
         -------
-        friction_coefficient : array
+        friction_coefficient
             [1]. Variables beyond the range of the study are taken at its end, as is a slide-to-roll ratio or a
             roughness of zero; NaN where an input is not finite, or otherwise not positive.
-        inside : bool array
+        inside
             Where nothing was beyond the range, and the oil like that of the study: its pressure-viscosity coefficient
             within 15 % of the other's at the same viscosity.
         """
         inputs = (
             hertz_pressure,
-            radius,
+            equivalent_radius,
             rolling_velocity,
             slide_to_roll,
             viscosity,
             pressure_viscosity,
             composite_roughness,
-            reduced_modulus,
+            contact_modulus,
         )
         logarithms, material, modulus = logarithms_of(*inputs)
         slack = 1e-9
         inside = np.all((logarithms >= self.lowest - slack) & (logarithms <= self.highest + slack), axis=-1)
         usual = np.polyval(self.oil, np.clip(logarithms[..., 4], self.lowest[4], self.highest[4]))
-        inside &= np.abs(material - usual) <= _OTHER_OIL
-        material = np.clip(material, usual - _OTHER_OIL, usual + _OTHER_OIL)
+        inside &= np.abs(material - usual) <= OIL_TOLERANCE
+        material = np.clip(material, usual - OIL_TOLERANCE, usual + OIL_TOLERANCE)
         flat = logarithms.reshape(-1, len(VARIABLES))
         material, modulus = material.reshape(-1), modulus.reshape(-1)
         friction = np.empty(flat.shape[0])
-        for at in range(0, flat.shape[0], _CHUNK):  # in pieces that stay in the cache
-            part = slice(at, at + _CHUNK)
+        for at in range(0, flat.shape[0], CHUNK_SIZE):  # in pieces that stay in the cache
+            part = slice(at, at + CHUNK_SIZE)
             within = np.clip(flat[part], self.lowest, self.highest)
             ratio = lambda_ratio(within, material[part], modulus[part])
             columns = products(normalised(within, ratio, self.lowest, self.highest, self.ratios))
@@ -170,7 +177,7 @@ class FrictionFormula:
         return friction.reshape(inside.shape), np.asarray(inside)
 
     def coefficient(self, conditions: ContactConditions) -> Array:
-        """Friction coefficient of the segments of a gear analysis: a model that `easeoff.friction` takes."""
+        """Friction coefficient of the segments of a gear analysis: a model that ``easeoff.friction`` takes."""
         friction, _ = self(
             conditions.hertz_pressure,
             conditions.equivalent_radius,
@@ -186,8 +193,15 @@ class FrictionFormula:
 
 @cache
 def shipped_formula() -> FrictionFormula:
-    """Return the formula fitted to both studies that come with the package."""
-    return read_formula(SHIPPED_FORMULA)
+    """Return the formula fitted to a study of all conditions of the dissertation, and one with levels in between.
+
+    Examples
+    --------
+    >>> friction, inside = shipped_formula()(1e9, 0.02, 5.0, 0.25, 0.0208, 11.4e-9, 0.6e-6)
+    >>> print(f"{friction:.4f}", inside)
+    0.0405 True
+    """
+    return read_formula(FORMULA_FILE)
 
 
 def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> None:
@@ -196,7 +210,7 @@ def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> Non
     Raises
     ------
     InputError
-        The file cannot be written.
+        If the file cannot be written.
     """
     content = {
         name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(formula).items()
@@ -209,18 +223,18 @@ def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> Non
 
 
 def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
-    """Read what `write_formula` wrote.
+    """Read what ``write_formula`` wrote.
 
     Raises
     ------
     InputError
-        The file is not a formula.
+        If the file is not a formula.
     """
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         if not isinstance(content, dict):
-            raise InputError("it must be an object with the attributes of a FrictionFormula")
-        arrays = {name: checks.row(name, content[name], "1", size=size) for name, size in _ARRAYS.items()}
+            raise InputError("must be an object with the attributes of a FrictionFormula")
+        arrays = {name: checks.array(name, content[name], ndim=1, size=size) for name, size in ARRAY_SIZES.items()}
         regimes = tuple(RegimeError(*numbers) for numbers in content["regimes"])
         formula = FrictionFormula(**(content | arrays | {"regimes": regimes}))
         checks.positive("boundary_friction", formula.boundary_friction, "1", zero=True)
@@ -272,9 +286,9 @@ def products(normal: Array) -> Array:
     columns = np.empty((len(TERMS), normal.shape[0]))
     factors = np.ascontiguousarray(normal.T)
     columns[0] = 1.0
-    place = {term: at for at, term in enumerate(TERMS)}
+    row = {term: at for at, term in enumerate(TERMS)}
     for at, term in enumerate(TERMS[1:], start=1):
-        np.multiply(columns[place[term[:-1]]], factors[term[-1]], out=columns[at])
+        np.multiply(columns[row[term[:-1]]], factors[term[-1]], out=columns[at])
     return columns.T
 
 

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ....core import checks
 from ....core.attributes import labelled
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.files import check_writable, whole_file
-from .. import checks
-from ..film_certificate import Status
-from ..load_sharing import Asperities
+from ..equations.film_certificate import Status
+from ..rolling_contact.asperities import Asperities
 from .study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
 from .study_design import Condition, Design, numbers
 
@@ -44,32 +44,32 @@ def run_study(
         The netCDF file; missing folders are made. What is known is kept beside it, in a file of one JSON object a line
         with the ending ``.rows``: a study that was interrupted goes on where it stopped. A study that is there already
         is replaced; any other file is refused.
-    wanted : iterable of int, int, or None
+    wanted
         Numbers of combinations; the size of a space-filling subset; or all of them.
     design, resolution
         Those of the dissertation and the defaults if not given. Rows of another design, resolution or version of the
-        model (`cases.MODEL_VERSION`) are not used.
-    dask : bool
+        model (``MODEL_VERSION``) are not used.
+    dask
         Spread the cases over dask: over the client that is active, or else the processes of this machine. Each process
         imports the program that called: a script must call from below ``if __name__ == "__main__":``, or else it
         begins anew in each of them, which ends in a BrokenProcessPool.
-    seconds : float
-        Begin no case after as many; the rest are rows with the status `NOT_RUN`.
-    progress : callable, optional
+    seconds
+        Begin no case after as many; the rest are rows with the status ``NOT_RUN``.
+    progress
         Called with the number of cases done and of all that were missing.
 
     Returns
     -------
     xarray.Dataset
-        What was written; see `study_dataset`.
+        What was written; see ``study_dataset``.
 
     Raises
     ------
     InputError
-        The file cannot be written or is no study, an argument cannot be used, or a number is not in the design; all
+        If the file cannot be written or is no study, an argument cannot be used, or a number is not in the design; all
         before the first case.
     MissingPackageError
-        dask is asked for and not installed.
+        If dask is asked for and not installed.
     """
     design = Design() if design is None else design
     resolution = Resolution() if resolution is None else resolution
@@ -111,15 +111,15 @@ def run_study(
 
 
 def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
-    """Return rows as a labelled dataset over the dimension `combination`, failed ones included.
+    """Return rows as a labelled dataset over the dimension ``combination``, failed ones included.
 
-    Variables: the condition, `status`, `friction_coefficient` and its parts by film and asperities, `asperity_share`,
-    `mean_film`, `smooth_film` (smallest of the smooth surfaces), `lambda_ratio`, `certified_share`, and the cost;
-    `failure`, what went wrong, if a case has failed.
+    Variables: the condition, ``status``, ``friction_coefficient`` and its parts by film and asperities,
+    ``asperity_share``, ``mean_film``, ``smooth_film`` (smallest of the smooth surfaces), ``lambda_ratio``,
+    ``certified_share``, and the cost; ``failure``, what went wrong, if a case has failed.
     """
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))
-    renamed = {"hertz_pressure": "contact_pressure", "radius": "contact_radius"}
+    renamed = {"hertz_pressure": "contact_pressure", "equivalent_radius": "contact_radius"}
     data: dict[str, Any] = {
         renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
         for name in names

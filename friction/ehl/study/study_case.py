@@ -1,4 +1,4 @@
-"""One case of the parameter study: a combination of conditions, by the model that is asked for."""
+"""One case of the parameter study: a combination of conditions, computed with the film model."""
 
 from __future__ import annotations
 
@@ -10,62 +10,63 @@ from typing import Literal
 
 import numpy as np
 
+from ....core import checks
 from ....core.errors import EaseoffError
-from .. import checks
-from ..film_certificate import Status
-from ..line_contact_conditions import LineContact
-from ..load_sharing import Asperities
-from ..rough_passage import FLOODED, TOUCHING_FILM, rough_passage
+from ..equations.film_certificate import Status
+from ..film import FEWEST_NODES, MOST_NODES, Film, domain, mixed_film, smooth_film
+from ..rolling_contact.asperities import Asperities
+from ..rolling_contact.lubricated_contact import LubricatedContact
+from ..rolling_contact.surface_roughness import generated_profile
+from ..rough_passage import ROUGH_INLET_GAP_RATIO, TOUCHING_FILM, rough_passage
 from ..shear_traction import BOUNDARY_FRICTION, traction
-from ..steady_film import _FEWEST, _MOST, Film, domain, mixed_film, smooth_film
-from ..surface_roughness import generated_profile
 from .study_design import Condition
 
 #: Of the model and its numerics. To be raised with every change that changes results: rows of another version that a
 #: study finds on disk are not used.
 MODEL_VERSION = 1
 #: A case whose certified steps are fewer than this share is not converged.
-ENOUGH_STEPS = 0.9
+CERTIFIED_SHARE_MINIMUM = 0.9
 #: Lubricant that the others may make or lose, of all that flows through.
-MOST_LEAKAGE = 0.01
-_RAMP = 20
+LEAKAGE_LIMIT = 0.01
+RAMP_STEPS = 20
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """What the study assumes beyond the conditions, and how finely it computes.
+    """Model, assumptions and grid of a study.
 
-    Attributes
+    Parameters
     ----------
-    model : {"load_sharing", "passage"}
-        Roughness by its statistics, see `load_sharing`, or profiles that move through the contact, see `moving`. The
-        former needs `correlation_length`, `fewest`, `boundary_friction` and `thermal` alone of what follows.
-    correlation_length : float
+    model
+        ``load_sharing``: roughness by its statistics, see ``Asperities``, which needs ``correlation_length``,
+        ``fewest``, ``boundary_friction`` and ``thermal`` alone of what follows. ``passage``: profiles that move through
+        the contact, see ``rough_passage``.
+    correlation_length
         Of the roughness of both surfaces [m].
-    points : float
+    points
         Grid spacings in a correlation length.
-    fewest, most : int
+    fewest, most
         Bounds of the number of nodes. Where the upper one cuts in, the profile is coarser.
-    travel : float
+    travel
         How far the mean flow moves while averages are taken: as many correlation lengths, or one half width of the
         contact if that is more. Before, it moves from the inlet to the middle.
-    smooth_from : float
+    smooth_from
         Lambda ratio from which on the smooth film stands for the rough one.
-    flooded : float
-        See `steady.domain`.
-    order : int
-        Of the differences in space and time, see `moving.rough_passage`.
-    seed : int
+    flooded
+        See ``domain``.
+    order
+        Of the differences in space and time, see ``rough_passage``.
+    seed
         Of the profiles; the surfaces have different ones.
-    touching_film, boundary_friction : float
+    touching_film, boundary_friction
         [m], [1].
-    thermal : bool
+    thermal
         Lower the viscosity in the shear stress by the film's own heat.
 
     Raises
     ------
     InputError
-        There is no such model, or a number cannot be used.
+        If there is no such model, or a number cannot be used.
     """
 
     model: Literal["load_sharing", "passage"] = "load_sharing"
@@ -75,7 +76,7 @@ class Resolution:
     most: int = 1025
     travel: float = 30.0
     smooth_from: float = 3.0
-    flooded: float = FLOODED
+    flooded: float = ROUGH_INLET_GAP_RATIO
     order: int = 2
     seed: int = 1
     touching_film: float = TOUCHING_FILM
@@ -87,11 +88,13 @@ class Resolution:
         checked = {
             "correlation_length": checks.positive("correlation_length", self.correlation_length, "m"),
             "points": checks.positive("points", self.points, "1"),
-            "fewest": checks.whole("fewest", self.fewest, _FEWEST, _MOST),
-            "most": checks.whole("most", self.most, self.fewest if self.model == "passage" else _FEWEST, _MOST),
+            "fewest": checks.whole("fewest", self.fewest, FEWEST_NODES, MOST_NODES),
+            "most": checks.whole(
+                "most", self.most, self.fewest if self.model == "passage" else FEWEST_NODES, MOST_NODES
+            ),
             "travel": checks.positive("travel", self.travel, "1", zero=True),
             "smooth_from": checks.positive("smooth_from", self.smooth_from, "1", zero=True, infinite=True),
-            "flooded": checks.above("flooded", self.flooded, 1.0, "1"),
+            "flooded": checks.number("flooded", self.flooded, above=1.0),
             "order": checks.whole("order", self.order, 1, 2),
             "seed": checks.whole("seed", self.seed, 0),
             "touching_film": checks.positive("touching_film", self.touching_film, "m"),
@@ -125,8 +128,8 @@ def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
     Returns
     -------
     dict
-        `status` and the numbers of the dataset, in its units. A case that the model or its arithmetic fails at is a row
-        with the status `FAILED` and a `message`; a mistake in the program is an exception as ever.
+        ``status`` and the numbers of the dataset, in its units. A case that the model or its arithmetic fails at is a
+        row with the status ``FAILED`` and a ``message``; a mistake in the program is an exception as ever.
     """
     checks.instance("condition", condition, Condition)
     resolution = Resolution() if resolution is None else resolution
@@ -191,13 +194,13 @@ def _steady(film: Film, resolution: Resolution) -> Row:
     )
 
 
-def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -> Row:
+def _rough(condition: Condition, contact: LubricatedContact, resolution: Resolution) -> Row:
     span = domain(contact, resolution.flooded)
     length = (span[1] - span[0]) * contact.half_width
     wanted = math.ceil(resolution.points * length / resolution.correlation_length) + 1
     nodes = min(max(wanted, resolution.fewest), resolution.most)
     spacing = length / (nodes - 1)
-    settle = max(_RAMP, math.ceil(-span[0] * contact.half_width / spacing))
+    settle = max(RAMP_STEPS, math.ceil(-span[0] * contact.half_width / spacing))
     averaged = math.ceil(max(resolution.travel * resolution.correlation_length, contact.half_width) / spacing)
     period = max(2.0 * length, 50.0 * resolution.correlation_length)
     first, second = (
@@ -213,7 +216,7 @@ def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -
         second,
         steps=settle + averaged,
         nodes=nodes,
-        ramp=_RAMP,
+        ramp=RAMP_STEPS,
         settle=settle,
         span=span,
         touching_film=resolution.touching_film,
@@ -222,7 +225,11 @@ def _rough(condition: Condition, contact: LineContact, resolution: Resolution) -
         thermal=resolution.thermal,
     )
     friction = passage.friction_coefficient
-    enough = passage.certified_share >= ENOUGH_STEPS and passage.leakage <= MOST_LEAKAGE and math.isfinite(friction)
+    enough = (
+        passage.certified_share >= CERTIFIED_SHARE_MINIMUM
+        and passage.leakage <= LEAKAGE_LIMIT
+        and math.isfinite(friction)
+    )
     return {
         "status": float(Status.CERTIFIED if enough else Status.NOT_CONVERGED),
         "film_friction": passage.average("film_friction"),

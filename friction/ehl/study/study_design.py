@@ -1,4 +1,4 @@
-"""The parameter study of the dissertation (its tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
+"""Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets."""
 
 from __future__ import annotations
 
@@ -14,42 +14,43 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from ....core import checks
 from ....core.errors import InputError
+from ...conditions import STEEL_MODULUS
 from ...lubricant import lubricant
-from .. import checks
-from ..film_oil import Oil
-from ..line_contact_conditions import STEEL, LineContact
+from ..rolling_contact.lubricated_contact import PRESSURE_PARAMETER_LIMIT, LubricatedContact
+from ..rolling_contact.oil import Oil
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
-_EYRING_STRESS = 5e6
+EYRING_STRESS = 5e6
 #: Units of the parameters, the temperatures that the oil is known at, and the pressure beyond which nothing is a Hertz
-#: contact of steel (`LineContact` refuses it), in these units.
-_UNITS = {
+#: contact of steel (``LubricatedContact`` refuses it), in these units.
+LEVEL_UNITS = {
     "hertz_pressure": "GPa",
-    "radius": "mm",
+    "equivalent_radius": "mm",
     "rolling_velocity": "m/s",
     "slide_to_roll": "1",
-    "temperature": "deg C",
+    "temperature": "degC",
     "roughness": "um",
     "roughness_1": "um",
     "roughness_2": "um",
 }
-_TEMPERATURES = (25.0, 100.0)
-_HIGHEST = 0.1 * STEEL * 1e-9
+TEMPERATURE_RANGE = (25.0, 100.0)
+PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
-    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 deg C.
+    """Return the oil of the dissertation (its table 5.2) at a temperature from 25 to 100 degC.
 
     Raises
     ------
     InputError
-        The temperature is beyond the table.
+        If the temperature is beyond the table.
     """
-    checks.number("temperature", temperature, "deg C")
+    checks.number("temperature", temperature, "degC")
     return Oil.of(
         lubricant("75w90").at(temperature),
-        eyring_stress=_EYRING_STRESS,
+        eyring_stress=EYRING_STRESS,
         law="two_slope",
         inlet_temperature=temperature,
     )
@@ -58,41 +59,41 @@ def oil_75w90(temperature: float) -> Oil:
 def _level(name: str, value: Any) -> float:
     """Return a level of a parameter, checked."""
     if name == "slide_to_roll":
-        return checks.within(name, value, -2.0, 2.0, _UNITS[name])
+        return checks.number(name, value, least=-2.0, most=2.0)
     if name == "temperature":
-        return checks.within(name, value, *_TEMPERATURES, _UNITS[name])
+        return checks.number(name, value, LEVEL_UNITS[name], least=TEMPERATURE_RANGE[0], most=TEMPERATURE_RANGE[1])
     if name == "hertz_pressure":
-        return checks.within(name, checks.positive(name, value, _UNITS[name]), 0.0, _HIGHEST, _UNITS[name])
-    return checks.positive(name, value, _UNITS[name])
+        return checks.number(name, value, LEVEL_UNITS[name], above=0.0, most=PRESSURE_LIMIT)
+    return checks.positive(name, value, LEVEL_UNITS[name])
 
 
 @dataclass(frozen=True)
 class Condition:
     """One combination of the study, in its units.
 
-    Attributes
+    Parameters
     ----------
-    hertz_pressure : float
+    hertz_pressure
         [GPa].
-    radius : float
+    equivalent_radius
         [mm].
-    rolling_velocity : float
+    rolling_velocity
         [m/s].
-    slide_to_roll : float
+    slide_to_roll
         [1].
-    temperature : float
-        Of the oil in the inlet [deg C].
-    roughness_1, roughness_2 : float
+    temperature
+        Of the oil in the inlet [degC].
+    roughness_1, roughness_2
         Rms heights of the surfaces [um].
 
     Raises
     ------
     InputError
-        A number is not positive, or not in the range of a contact or of the oil.
+        If a number is not positive, or not in the range of a contact or of the oil.
     """
 
     hertz_pressure: float
-    radius: float
+    equivalent_radius: float
     rolling_velocity: float
     slide_to_roll: float
     temperature: float
@@ -104,15 +105,15 @@ class Condition:
             _level(field.name, getattr(self, field.name))
 
     @property
-    def contact(self) -> LineContact:
+    def contact(self) -> LubricatedContact:
         """The line contact between steel bodies."""
-        return LineContact(
+        return LubricatedContact(
             hertz_pressure=1e9 * self.hertz_pressure,
-            radius=1e-3 * self.radius,
+            equivalent_radius=1e-3 * self.equivalent_radius,
             rolling_velocity=self.rolling_velocity,
             oil=oil_75w90(self.temperature),
             slide_to_roll=self.slide_to_roll,
-            reduced_modulus=STEEL,
+            contact_modulus=STEEL_MODULUS,
         )
 
     @property
@@ -130,11 +131,11 @@ class Design:
     Raises
     ------
     InputError
-        A parameter has no levels, or one that a `Condition` cannot have.
+        If a parameter has no levels, or one that a ``Condition`` cannot have.
     """
 
     hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)
-    radius: tuple[float, ...] = (5.0, 20.0, 40.0)
+    equivalent_radius: tuple[float, ...] = (5.0, 20.0, 40.0)
     rolling_velocity: tuple[float, ...] = (1.0, 5.0, 10.0, 15.0, 20.0)
     slide_to_roll: tuple[float, ...] = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
     temperature: tuple[float, ...] = (25.0, 50.0, 75.0, 100.0)
@@ -144,7 +145,7 @@ class Design:
         for field in fields(self):
             levels = getattr(self, field.name)
             if not isinstance(levels, list | tuple | np.ndarray) or np.ndim(levels) != 1 or not len(levels):
-                raise InputError(f"{field.name} must be levels in a row, such as (1.0, 2.0), not {levels!r}")
+                raise InputError(f"{field.name} = {checks.shown(levels)}: must be levels in a row, such as (1.0, 2.0)")
             object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
 
     @cached_property
@@ -152,7 +153,7 @@ class Design:
         pairs = tuple(combinations_with_replacement(self.roughness, 2))
         return (
             self.hertz_pressure,
-            self.radius,
+            self.equivalent_radius,
             self.rolling_velocity,
             self.slide_to_roll,
             self.temperature,
@@ -175,11 +176,9 @@ class Design:
         Raises
         ------
         InputError
-            There is no such combination.
+            If there is no such combination.
         """
-        if not _is_whole(number) or not 0 <= number < self.size:
-            raise InputError(f"combination {number!r} does not exist: 0 to {self.size - 1}")
-        levels = np.unravel_index(number, self.shape)
+        levels = np.unravel_index(checks.whole("number", number, 0, self.size - 1), self.shape)
         *single, pair = (axis[int(level)] for axis, level in zip(self._axes, levels, strict=True))
         return Condition(*single, *pair)
 
@@ -188,9 +187,9 @@ class Design:
 
         Parameters
         ----------
-        size : int
+        size
             How many.
-        seed : int
+        seed
             Of the scrambling.
 
         Returns
@@ -202,7 +201,7 @@ class Design:
         Raises
         ------
         InputError
-            More than there are, or none; or the seed is no whole number.
+            If more than there are, or none; or the seed is no whole number.
         """
         size = checks.whole("size", size, 1, self.size)
         checks.whole("seed", seed, 0)
@@ -220,7 +219,7 @@ class Design:
 #: The levels of the dissertation and others between them: what a formula needs that holds between the former as well.
 REFINED = Design(
     hertz_pressure=(0.5, 0.6, 0.75, 0.9, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5),
-    radius=(5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0),
+    equivalent_radius=(5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0),
     rolling_velocity=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 15.0, 17.0, 20.0),
     slide_to_roll=(0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.35, 0.5, 0.75, 1.0),
     temperature=(25.0, 30.0, 37.5, 45.0, 50.0, 55.0, 62.5, 70.0, 75.0, 82.5, 90.0, 100.0),
@@ -234,7 +233,7 @@ def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.in
     Raises
     ------
     InputError
-        A number is not whole, or there is none.
+        If a number is not whole, or there is none.
     """
     if wanted is None:
         return np.arange(design.size)
@@ -245,7 +244,9 @@ def numbers(design: Design, wanted: Iterable[int] | int | None) -> NDArray[np.in
     except TypeError:
         given = []
     if not given or not all(map(_is_whole, given)):
-        raise InputError(f"wanted must be a number of cases, numbers of combinations or None for all, not {wanted!r}")
+        raise InputError(
+            f"wanted = {checks.shown(wanted)}: must be a number of cases, numbers of combinations, or None for all"
+        )
     return np.array([operator.index(number) for number in given], dtype=int)
 
 

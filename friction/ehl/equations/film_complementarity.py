@@ -15,7 +15,7 @@ with the mean velocity, one node a step, so that no lubricant is made or lost. W
 these are as many equations as unknowns: the pressures, and the approach H_0 of the surfaces.
 
 Each of the three is divided by a positive scale, and the smallest says which of them the next Newton step sets to zero.
-The linear system is that of `hierarchical`, with the derivative by H_0 as a second right-hand side.
+The linear system is that of ``hierarchical_matrix``, with the derivative by H_0 as a second right-hand side.
 """
 
 from __future__ import annotations
@@ -28,23 +28,29 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ..rolling_contact.asperities import Asperities
+from ..rolling_contact.lubricated_contact import LubricatedContact
 from . import hierarchical_matrix as hierarchical
 from .elastic_deflection import Deflection
-from .line_contact_conditions import LineContact
-from .load_sharing import Asperities
 from .reynolds_equation import Balance, History, balance, chained
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
 
 #: Load in units of half width times Hertz pressure.
-LOAD = 0.5 * math.pi
+HERTZ_LOAD = 0.5 * math.pi
 #: Change of the pressures, in units of the Hertz pressure, at which the iteration has converged.
-_TOLERANCE = 1e-9
+PRESSURE_TOLERANCE = 1e-9
 
 
 class State(IntEnum):
-    """What holds at a node; the order is that of the members of the condition."""
+    """Which condition holds at a node; the order is that of the members of the condition.
+
+    Examples
+    --------
+    >>> [state.name for state in State]
+    ['FILM', 'RUPTURED', 'TOUCHING']
+    """
 
     FILM = 0
     RUPTURED = 1
@@ -53,16 +59,16 @@ class State(IntEnum):
 
 @dataclass(frozen=True)
 class Pace:
-    """How the iteration goes about its steps.
+    """Limits and scales of the steps of the iteration.
 
-    Attributes
+    Parameters
     ----------
-    step_limit : float
+    step_limit
         Largest change of a pressure in one step, in units of the Hertz pressure.
-    gap_scale : float
+    gap_scale
         Scale of the gap in the condition, in units of the deflection under a node's own pressure. Below 1, a node that
         penetrates is taken to touch whatever its mass balance says.
-    iterations : int
+    iterations
         After as many the iteration gives up.
     """
 
@@ -82,22 +88,25 @@ ROUGH = (Pace(3.0, 0.1, 30), Pace(10.0, 0.1, 40), Pace(10.0, 1e-4, 40), Pace(3.0
 class Problem:
     """One steady state or one step in time, in units of the Hertz contact.
 
-    Attributes
+    Parameters
     ----------
-    contact : LineContact
-    deflection : Deflection
-    profile : (n) array
-        Gap of the undeformed surfaces but for the approach: the parabola less the heights of both surfaces.
-    touching_film : float
+    contact
+        What the contact works under.
+    deflection
+        Of the surfaces, on the grid.
+    profile
+        Gap of the undeformed surfaces but for the approach: the parabola less the heights of both surfaces (n).
+    touching_film
         H_c; minus infinity for surfaces that cannot touch.
-    history : History, optional
-    lacking : (n) array or float
-        V that arrives at each node from upstream.
-    asperities : Asperities, optional
+    history
+        The steps in time before; none for a steady state.
+    lacking
+        V that arrives at each node from upstream (n).
+    asperities
         Roughness by its statistics, which carries a part of the pressure; H is then the separation of the mean planes.
     """
 
-    contact: LineContact
+    contact: LubricatedContact
     deflection: Deflection
     profile: Array
     touching_film: float = -math.inf
@@ -110,21 +119,22 @@ class Problem:
 class Point:
     """A point of the iteration.
 
-    Attributes
+    Parameters
     ----------
-    pressure, film : (n) arrays
-        P and H.
-    approach : float
+    pressure, film
+        P and H (n).
+    approach
         H_0.
-    balance : Balance
-    lack : (n) array
-        V.
-    gap : (n) array
-        g.
-    fluid, fluid_by_film : (n) arrays
-        Pressure of the lubricant, and its derivative by H: P itself, or what statistical asperities leave of it.
-    clearance : (n) array
-        Mean thickness of the film: H, or the mean gap between statistically rough surfaces.
+    balance
+        Of the lubricant's mass.
+    lack
+        V (n).
+    gap
+        g (n).
+    fluid, fluid_by_film
+        Pressure of the lubricant, and its derivative by H: P itself, or what statistical asperities leave of it (n).
+    clearance
+        Mean thickness of the film: H, or the mean gap between statistically rough surfaces (n).
     """
 
     pressure: Array
@@ -142,15 +152,17 @@ class Point:
 class Outcome:
     """How an iteration ended.
 
-    Attributes
+    Parameters
     ----------
-    point : Point
-    state : (n) int array
-        Values of `State`.
-    iterations : int
+    point
+        Where it ended.
+    state
+        Values of ``State`` (n).
+    iterations
         Of all attempts together.
-    converged : bool
-    history : tuple of float
+    converged
+        Whether the last change was below the tolerance with the states settled.
+    history
         Largest violation of the condition at each step of the last attempt.
     """
 
@@ -168,7 +180,7 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
     fluid, fluid_by_film, clearance, by_film = pressure, np.zeros_like(film), film, np.ones_like(film)
     if problem.asperities is not None:
         separation = contact.film_scale * film
-        carried, slope = problem.asperities.pressure(separation, contact.reduced_modulus)
+        carried, slope = problem.asperities.pressure(separation, contact.contact_modulus)
         fluid = pressure - carried / contact.hertz_pressure
         fluid_by_film = -contact.film_scale / contact.hertz_pressure * slope
         clearance, by_film = problem.asperities.mean_gap(separation)
@@ -192,11 +204,14 @@ def solve(problem: Problem, pressure: Array, approach: float, paces: Sequence[Pa
 
     Parameters
     ----------
-    problem : Problem
-    pressure : (n) array
-        Where to start; zero at both ends.
-    approach : float
-    paces : sequence of Pace
+    problem
+        What is to be solved.
+    pressure
+        Where to start; zero at both ends (n).
+    approach
+        Of the surfaces, where to start.
+    paces
+        To be tried in turn.
 
     Returns
     -------
@@ -227,7 +242,7 @@ def _attempt(problem: Problem, pressure: Array, approach: float, pace: Pace, spe
         fraction = min(1.0, pace.step_limit / size) if size > 0.0 else 1.0
         point = evaluate(problem, point.pressure + fraction * change, point.approach + fraction * lift)
         settled = before is not None and np.array_equal(before, state)
-        if fraction == 1.0 and settled and size < _TOLERANCE:
+        if fraction == 1.0 and settled and size < PRESSURE_TOLERANCE:
             return Outcome(point, state, spent + iteration, True, tuple(violations))
         before, state = state, _states(problem, point, pace)
         violations.append(size)
@@ -266,7 +281,7 @@ def _newton_step(problem: Problem, point: Point, state: States) -> tuple[Array, 
     unit = -spacing / math.pi
     sides = np.stack([-value, by_film.sum(axis=0)], axis=1)
     by_value, by_lift = hierarchical.solve(by_pressure, unit * by_film, sides).T
-    missing = LOAD / spacing - float(point.pressure.sum())
+    missing = HERTZ_LOAD / spacing - float(point.pressure.sum())
     total = float(by_lift.sum())
     if total == 0.0:
         raise np.linalg.LinAlgError("no node feels the approach")

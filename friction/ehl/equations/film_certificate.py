@@ -11,16 +11,22 @@ from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
-from ...core.stored_status import StoredStatus
-from .film_complementarity import LOAD, Problem, evaluate
-from .reynolds_equation import THINNEST, Array
+from ....core.stored_status import StoredStatus
+from .film_complementarity import HERTZ_LOAD, Problem, evaluate
+from .reynolds_equation import THINNEST_FILM, Array
 
 #: What each entry must reach.
-TOLERANCE = 1e-8
+CERTIFICATE_TOLERANCE = 1e-8
 
 
 class Status(StoredStatus):
-    """How a solve ended."""
+    """How a solve ended.
+
+    Examples
+    --------
+    >>> Status(0).name
+    'CERTIFIED'
+    """
 
     CERTIFIED = 0
     NOT_CONVERGED = 1
@@ -31,23 +37,28 @@ class Status(StoredStatus):
 
 @dataclass(frozen=True)
 class Certificate:
-    """Violations of the conditions.
+    """Violations of the conditions by an answer.
 
-    Attributes
+    Parameters
     ----------
-    load : float
+    load
         |integral of P - load| / load.
-    negative_pressure : float
+    negative_pressure
         max(-P, 0) of the lubricant, in units of the Hertz pressure.
-    negative_lack : float
+    negative_lack
         max(-V, 0) over the mean flow: more lubricant than the gap holds.
-    negative_gap : float
+    negative_gap
         max(-g, 0), penetration, over the film left between touching asperities; 0 where none can touch.
-    negative_film : float
+    negative_film
         How far the film is below the thinnest that the mass balance tells from none, over that: smooth surfaces, which
         have no asperities to touch with, may not pass through one another either.
-    complementarity : float
+    complementarity
         Largest of min(P, |V|, g), each by its scale: somewhere a node is neither film, nor ruptured, nor touching.
+
+    Examples
+    --------
+    >>> Certificate(1e-12, 0.0, 0.0, 0.0, 0.0, 1e-9).passes()
+    True
     """
 
     load: float
@@ -63,7 +74,7 @@ class Certificate:
         entries: tuple[float, ...] = astuple(self)
         return math.inf if any(map(math.isnan, entries)) else max(entries)
 
-    def passes(self, tolerance: float = TOLERANCE) -> bool:
+    def passes(self, tolerance: float = CERTIFICATE_TOLERANCE) -> bool:
         """Whether every violation is within the tolerance."""
         return self.worst <= tolerance
 
@@ -73,10 +84,12 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
 
     Parameters
     ----------
-    problem : Problem
-    pressure : (n) array
-        In units of the Hertz pressure.
-    approach : float
+    problem
+        What was to be solved.
+    pressure
+        In units of the Hertz pressure (n).
+    approach
+        Of the surfaces, in units of the film thickness.
 
     Returns
     -------
@@ -96,11 +109,11 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
     load = problem.deflection.spacing * float(pressure.sum())
     shared = np.minimum(np.minimum(point.fluid[inner], np.abs(lack)), np.abs(gap))
     return Certificate(
-        load=abs(load - LOAD) / LOAD,
+        load=abs(load - HERTZ_LOAD) / HERTZ_LOAD,
         negative_pressure=max(-float(point.fluid.min()), 0.0) + float(np.abs(point.fluid[[0, -1]]).max()),
         negative_lack=max(-float(lack.min()), 0.0),
         negative_gap=max(-float(gap.min()), 0.0),
-        negative_film=max(1.0 - float(clearance.min()) / THINNEST, 0.0),
+        negative_film=max(1.0 - float(clearance.min()) / THINNEST_FILM, 0.0),
         complementarity=max(float(shared.max()), 0.0),
     )
 

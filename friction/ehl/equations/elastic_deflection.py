@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 #: From this distance on, in grid spacings, a series replaces the closed form, whose digits cancel there.
-_SERIES_FROM = 40
+SERIES_DISTANCE = 40
 
 
 def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
@@ -28,8 +28,8 @@ def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    distance : (n) int array
-        Distance k between node and centre of the hat, in spacings; its sign does not matter.
+    distance
+        Distance k between node and centre of the hat, in spacings (n); its sign does not matter.
 
     Returns
     -------
@@ -38,13 +38,13 @@ def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
         its expansion ln k - 1/(12 k^2) - 1/(60 k^4) - 1/(168 k^6), to rounding.
     """
     k = np.abs(np.asarray(distance, dtype=np.float64))
-    near = k < _SERIES_FROM
+    near = k < SERIES_DISTANCE
 
     def antiderivative(x: NDArray[np.float64]) -> NDArray[np.float64]:
         size = np.abs(x)
         return 0.5 * x**2 * np.log(np.where(size > 0.0, size, 1.0)) - 0.75 * x**2
 
-    small, large = np.where(near, k, 0.0), np.where(near, _SERIES_FROM, k)
+    small, large = np.where(near, k, 0.0), np.where(near, SERIES_DISTANCE, k)
     closed = antiderivative(small + 1.0) - 2.0 * antiderivative(small) + antiderivative(small - 1.0)
     inverse = large**-2
     series = np.log(large) - inverse * (1.0 / 12.0 + inverse * (1.0 / 60.0 + inverse / 168.0))
@@ -55,11 +55,11 @@ def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
 class Deflection:
     """Deflection of the surfaces on a uniform grid.
 
-    Attributes
+    Parameters
     ----------
-    nodes : int
+    nodes
         Number of nodes n.
-    spacing : float
+    spacing
         Distance of neighbouring nodes, in half widths of the Hertz contact.
     """
 

@@ -1,16 +1,17 @@
-"""The equivalent radius as the dissertation seems to have it: of both flanks' radii along the contact line."""
+"""The equivalent radius and the slide-to-roll ratio as the dissertation may have them, to redraw its figures."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..contact.lines.flank_splines import fit
-from ..core.errors import InputError
-from ..geometry.vectors import dot
+from easeoff.contact.lines.flank_splines import fit
+from easeoff.friction import COEFFICIENTS, ContactConditions
+from easeoff.geometry.vectors import dot
 
 Array = NDArray[Any]
 
@@ -28,15 +29,8 @@ def radii_along_line(tree: xr.DataTree, points: Array) -> Array:
         A result of ``analyze`` or ``read_result``.
     points
         Lengthwise and profile fractions (2, ...).
-
-    Raises
-    ------
-    InputError
-        If the result has no flanks.
     """
     order = ("lengthwise", "profile")
-    if "flanks" not in tree.children:
-        raise InputError("this result has no group flanks, which the radius along the contact line needs")
     ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
     flanks = {
         # At the points of action the pinion's normals turn along the line as its flank bends.
@@ -57,3 +51,25 @@ def radii_along_line(tree: xr.DataTree, points: Array) -> Array:
 
     lines = {name: (along(f"{name}_position"), along(f"{name}_normal")) for name in flanks}
     return np.asarray(1.0 / sum(np.abs(dot(line, turn)) / dot(line, line) for line, turn in lines.values()))
+
+
+def with_radius_along_line(tree: xr.DataTree) -> xr.DataTree:
+    """A result whose equivalent radii, and the Hertz pressures that go with them, are those along the contact line."""
+    loaded = tree["loaded"].to_dataset()
+    exists = loaded["lengthwise"].notnull().values[0]
+    points = np.stack([loaded[name].values[0][exists] for name in ("lengthwise", "profile")])
+    along = np.full(exists.shape, np.nan)
+    along[exists] = 1e3 * radii_along_line(tree, points)
+    radius = xr.DataArray(along, dims=("mesh_position", "segment")).broadcast_like(loaded["equivalent_radius"])
+    radius = radius.transpose(*loaded["equivalent_radius"].dims)
+    pressure = loaded["pressure"] * np.sqrt(loaded["equivalent_radius"] / radius)
+    changed = loaded.assign(
+        equivalent_radius=radius, pressure=pressure, max_pressure=pressure.max(("mesh_position", "segment"))
+    )
+    return tree.assign(loaded=xr.DataTree(changed))
+
+
+def whole_sliding(conditions: ContactConditions) -> Array:
+    """The dissertation's friction coefficient, the slide-to-roll ratio made of the whole sliding velocity."""
+    ratio = conditions.sliding_velocity / conditions.rolling_velocity
+    return COEFFICIENTS["kolivand"](replace(conditions, slide_to_roll=ratio))

@@ -1,4 +1,4 @@
-"""Smooth surfaces in a steady state."""
+"""Film of a lubricated contact in a steady state: between smooth surfaces, and with asperities that share the load."""
 
 from __future__ import annotations
 
@@ -8,59 +8,69 @@ from functools import cached_property
 
 import numpy as np
 
+from ...core import checks
 from ...core.errors import InputError
-from . import checks
-from .elastic_deflection import Deflection
-from .film_certificate import Certificate, Status, certify, judge
-from .film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
-from .line_contact_conditions import LineContact
-from .load_sharing import Asperities
-from .reynolds_equation import Array
+from .equations.elastic_deflection import Deflection
+from .equations.film_certificate import Certificate, Status, certify, judge
+from .equations.film_complementarity import ROUGH, SMOOTH, Outcome, Problem, State, States, solve
+from .equations.reynolds_equation import Array
+from .rolling_contact.asperities import Asperities
+from .rolling_contact.lubricated_contact import LubricatedContact
 
 #: The inlet lies where the gap of the rigid surfaces is as many times the film.
-_FLOODED = 120.0
+INLET_GAP_RATIO = 120.0
 #: The coarsest grid of the sequence that leads to the wanted one has at most twice as many nodes.
-_COARSEST = 96
-_FEWEST, _USUAL, _MOST = 65, 513, 16385
-#: `Film.resolution` from which on a smooth film is within 4 % of that on a fine grid; at 0.5 it may be off by a half.
-RESOLVED = 1.0
+COARSEST_NODES = 96
+FEWEST_NODES, DEFAULT_NODES, MOST_NODES = 65, 513, 16385
+#: ``Film.resolution`` from which on a smooth film is within 4 % of that on a fine grid; at 0.5 it may be off by a half.
+RESOLUTION_LIMIT = 1.0
 #: Separation in rms heights at which statistical asperities hardly touch any more.
-_APART = 4.0
+PARTED_SEPARATION = 4.0
 #: Rolling velocities to start rough passages from, as factors of their own.
-_FASTER = (1.0, 2.0, 4.0, 8.0, 16.0)
+START_VELOCITY_FACTORS = (1.0, 2.0, 4.0, 8.0, 16.0)
 #: Thicker and thinner films to start from on the coarsest grid, as factors of the estimate.
-_STARTS = (1.0, 2.0, 0.5, 4.0, 8.0)
+START_FILM_FACTORS = (1.0, 2.0, 0.5, 4.0, 8.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Film:
     """Pressure and film of a lubricated line contact.
 
-    Attributes
+    Parameters
     ----------
-    contact : LineContact
-    position : (n) array
-        Along the rolling direction, from the middle of the dry contact [m].
-    pressure : (n) array
-        [Pa].
-    film : (n) array
-        Film thickness [m], the mean gap between statistically rough surfaces; beyond the end of the film the gap.
-    state : (n) int array
-        Values of `State`.
-    status : Status
-        Only of `CERTIFIED` films the numbers mean anything.
-    certificate : Certificate
-    iterations : int
+    contact
+        What the contact works under.
+    position
+        Along the rolling direction, from the middle of the dry contact (n) [m].
+    pressure
+        Of lubricant and asperities together (n) [Pa].
+    film
+        Film thickness (n) [m]; between statistically rough surfaces the mean gap, beyond the end of the film the gap.
+    state
+        Values of ``State`` (n).
+    status
+        Only of ``CERTIFIED`` films the numbers mean anything.
+    certificate
+        How well the answer holds each condition.
+    iterations
         Of the Newton method on the finest grid.
-    outcome : Outcome
+    outcome
         The same in units of the Hertz contact, with the mass balance.
-    problem : Problem
+    problem
         What was solved.
-    asperity_pressure : (n) array
-        What statistical asperities carry of the pressure [Pa]; zero between smooth surfaces.
+    asperity_pressure
+        What statistical asperities carry of the pressure (n) [Pa]; zero between smooth surfaces.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> film = smooth_film(contact, nodes=129)
+    >>> film.certified, film.within_film.stop < film.position.size
+    (True, True)
     """
 
-    contact: LineContact
+    contact: LubricatedContact
     position: Array
     pressure: Array
     film: Array
@@ -95,7 +105,7 @@ class Film:
 
     @property
     def resolution(self) -> float:
-        """Smallest film over what the grid can tell apart between smooth surfaces [1], see `RESOLVED`.
+        """Smallest film over what the grid can tell apart between smooth surfaces [1], see ``RESOLUTION_LIMIT``.
 
         In units of the Hertz contact the smallest film over the node distance to the power of 3/2: as the gap of the
         dry contact opens from its edge.
@@ -122,41 +132,43 @@ class Film:
         return float(np.ptp(flow) / abs(flow.mean()))
 
 
-def domain(contact: LineContact, flooded: float = _FLOODED) -> tuple[float, float]:
+def domain(contact: LubricatedContact, flooded: float = INLET_GAP_RATIO) -> tuple[float, float]:
     """Ends of the part of the contact that is solved for, in half widths.
 
     Parameters
     ----------
-    contact : LineContact
-    flooded : float
+    contact
+        What the contact works under.
+    flooded
         Gap of the rigid surfaces at the inlet over the film. Starvation by a short inlet thins the film: by 0.3 % at
         40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
     """
-    checks.instance("contact", contact, LineContact)
-    checks.above("flooded", flooded, 1.0, "1")
+    checks.instance("contact", contact, LubricatedContact)
+    checks.number("flooded", flooded, above=1.0)
     film = contact.central_film_estimate() / contact.film_scale
     inlet = max(2.0, math.sqrt(2.0 * flooded * film) + 1.0)
     return -inlet, max(1.5, 1.2 + 1.5 * math.sqrt(film))
 
 
 def smooth_film(
-    contact: LineContact,
+    contact: LubricatedContact,
     *,
     nodes: int | None = None,
-    flooded: float = _FLOODED,
+    flooded: float = INLET_GAP_RATIO,
     span: tuple[float, float] | None = None,
 ) -> Film:
     """Solve for the film between smooth surfaces in a steady state.
 
     Parameters
     ----------
-    contact : LineContact
-    nodes : int, optional
+    contact
+        What the contact works under.
+    nodes
         Nodes of the uniform grid, from 65 to 16385. By default 513, or as many more as the film needs to be resolved.
-    flooded : float
-        See `domain`.
-    span : (float, float), optional
-        Ends of the domain in half widths of the dry contact; `domain` chooses them if not given.
+    flooded
+        See ``domain``.
+    span
+        Ends of the domain in half widths of the dry contact; ``domain`` chooses them if not given.
 
     Returns
     -------
@@ -166,64 +178,81 @@ def smooth_film(
     Raises
     ------
     InputError
-        The number of nodes or the domain cannot be used.
+        If the number of nodes or the domain cannot be used.
 
     Notes
     -----
     The grid is refined by halves from about a hundred nodes on, each starting from the one before: the end of the film
     then moves by a node or two on each grid, and the number of Newton steps does not grow with the number of nodes.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> film = smooth_film(contact, nodes=257)
+    >>> print(f"{film.status.name}, {1e6 * film.minimum_film:.2f} um")
+    CERTIFIED, 0.37 um
     """
     ends = domain(contact, flooded) if span is None else span
     if nodes is not None:
         return _refined(contact, nodes, ends, None)
-    nodes = _USUAL
+    nodes = DEFAULT_NODES
     film = _refined(contact, nodes, ends, None)
-    while not (film.certified and film.resolution >= RESOLVED) and 2 * nodes - 1 <= _MOST:
+    while not (film.certified and film.resolution >= RESOLUTION_LIMIT) and 2 * nodes - 1 <= MOST_NODES:
         nodes = 2 * nodes - 1
         film = _refined(contact, nodes, ends, None)
     return film
 
 
 def mixed_film(
-    contact: LineContact,
+    contact: LubricatedContact,
     asperities: Asperities,
     *,
     nodes: int = 257,
-    flooded: float = _FLOODED,
+    flooded: float = INLET_GAP_RATIO,
     span: tuple[float, float] | None = None,
 ) -> Film:
-    """Solve for the mean film between rough surfaces whose asperities share the load, see `load_sharing`.
+    """Solve for the mean film between rough surfaces whose asperities share the load, see ``Asperities``.
 
     Parameters
     ----------
-    contact : LineContact
-    asperities : Asperities
+    contact
+        What the contact works under.
+    asperities
         Both surfaces' roughness together.
     nodes, flooded, span
-        As for `smooth_film`.
+        As for ``smooth_film``.
 
     Returns
     -------
     Film
-        With `asperity_pressure`; otherwise as from `smooth_film`.
+        With ``asperity_pressure``; otherwise as from ``smooth_film``.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, Asperities
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> film = mixed_film(contact, Asperities(composite_roughness=0.4e-6, correlation_length=20e-6), nodes=129)
+    >>> print(f"{film.status.name}, {100 * film.asperity_share:.0f} % of the load on asperities")
+    CERTIFIED, 16 % of the load on asperities
     """
     checks.instance("asperities", asperities, Asperities)
     if span is None:
         start, end = domain(contact, flooded)
         # Far enough for the asperities to part.
-        end = max(end, 1.2 + 1.5 * math.sqrt(_APART * asperities.rms / contact.film_scale))
+        end = max(end, 1.2 + 1.5 * math.sqrt(PARTED_SEPARATION * asperities.composite_roughness / contact.film_scale))
         span = min(start, -end), end
     return _refined(contact, nodes, span, asperities)
 
 
-def touching_start(contact: LineContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
-    """The film between smooth surfaces, which touch where it would be thinner than `touching_film` [m].
+def touching_start(contact: LubricatedContact, nodes: int, span: tuple[float, float], touching_film: float) -> Film:
+    """Film between smooth surfaces, which touch where it would be thinner than ``touching_film`` [m].
 
-    What rough surfaces start from: where the film is thicker than twice that, it is `smooth_film`. Where neither can be
-    found, just above the touching film on a coarse grid, it is the film of faster surfaces, which the first steps
+    What rough surfaces start from: where the film is thicker than twice that, it is ``smooth_film``. Where neither can
+    be found, just above the touching film on a coarse grid, it is the film of faster surfaces, which the first steps
     carry away.
     """
-    for factor in _FASTER:
+    for factor in START_VELOCITY_FACTORS:
         faster = replace(contact, rolling_velocity=factor * contact.rolling_velocity)
         film = _refined(faster, nodes, span, None)
         if film.certified and film.film.min() > 2.0 * touching_film:
@@ -235,22 +264,22 @@ def touching_start(contact: LineContact, nodes: int, span: tuple[float, float], 
 
 
 def _refined(
-    contact: LineContact,
+    contact: LubricatedContact,
     nodes: int,
     span: tuple[float, float],
     asperities: Asperities | None,
     touching_film: float = -math.inf,
 ) -> Film:
-    checks.instance("contact", contact, LineContact)
-    start, end = checks.row("span", span, "half widths", size=2)
+    checks.instance("contact", contact, LubricatedContact)
+    start, end = checks.array("span", span, "half widths", ndim=1, size=2)
     if not (start < -1.0 and end > 1.0):
-        raise InputError(f"span must reach from below -1 to above 1 half widths, not from {start:g} to {end:g}")
-    nodes = checks.whole("nodes", nodes, _FEWEST, _MOST)
+        raise InputError(f"span = ({start:g}, {end:g}): must reach from below -1 to above 1 [half widths]")
+    nodes = checks.whole("nodes", nodes, FEWEST_NODES, MOST_NODES)
     sizes = [nodes]
-    while sizes[-1] > 2 * _COARSEST:
+    while sizes[-1] > 2 * COARSEST_NODES:
         sizes.append((sizes[-1] + 1) // 2)
     grids = [np.linspace(start, end, size) for size in reversed(sizes)]
-    for factor in _STARTS:
+    for factor in START_FILM_FACTORS:
         film = _from_dry_contact(contact, grids, factor, asperities, touching_film)
         if film.certified:
             break
@@ -258,15 +287,15 @@ def _refined(
 
 
 def _from_dry_contact(
-    contact: LineContact, grids: list[Array], factor: float, asperities: Asperities | None, touching_film: float
+    contact: LubricatedContact, grids: list[Array], factor: float, asperities: Asperities | None, touching_film: float
 ) -> Film:
-    """Refine from the dry contact with a film of `factor` times the estimate in between."""
+    """Refine from the dry contact with a film of ``factor`` times the estimate in between."""
     x = grids[0]
     problem = _problem(contact, x, asperities, touching_film)
     paces = SMOOTH if math.isinf(touching_film) else (*SMOOTH, *ROUGH)
     film = factor * contact.central_film_estimate() / contact.film_scale
     if asperities is not None:
-        film = max(film, factor * asperities.rms / contact.film_scale)
+        film = max(film, factor * asperities.composite_roughness / contact.film_scale)
     # A film that is thick against the flattening spreads the load over more than the dry contact.
     width = max(1.0, 1.5 * math.sqrt(film))
     pressure = np.sqrt(np.maximum(1.0 - (x / width) ** 2, 0.0)) / width
@@ -281,12 +310,12 @@ def _from_dry_contact(
     return described(contact, x, problem, outcome)
 
 
-def _problem(contact: LineContact, x: Array, asperities: Asperities | None, touching_film: float) -> Problem:
+def _problem(contact: LubricatedContact, x: Array, asperities: Asperities | None, touching_film: float) -> Problem:
     deflection = Deflection(x.size, float(x[1] - x[0]))
     return Problem(contact, deflection, 0.5 * x**2, touching_film, asperities=asperities)
 
 
-def described(contact: LineContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
+def described(contact: LubricatedContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
     """Certify an outcome on the positions x (half widths), and give it units."""
     point = outcome.point
     certificate = certify(problem, point.pressure, point.approach)

@@ -34,20 +34,20 @@ _BELOW, _ABOVE = 2, 1
 _BANDS = len(OFFSETS)
 
 #: Blocks on the diagonal are not halved below about this size.
-_LEAF = 48
+LEAF_SIZE = 48
 #: Accuracy of the blocks beside the diagonal, relative to their largest entry.
-_TOLERANCE = 1e-12
+BLOCK_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class _Halving:
     """Influence of one half of a block on the other, as products of thin matrices.
 
-    Attributes
+    Parameters
     ----------
-    on_first, on_second : pair of arrays
-        (rows, v) with influence = rows v'. `rows` (h + 3, r) has a row for each node of the half that feels it and
-        for the neighbours that the bands of C reach; `v` (h, r) one for each node of the half that acts.
+    on_first, on_second
+        Pairs (rows, v) with influence = rows v'. ``rows`` (h + 3, r) has a row for each node of the half that feels it
+        and for the neighbours that the bands of C reach; ``v`` (h, r) one for each node of the half that acts.
     """
 
     on_first: tuple[Array, Array]
@@ -66,7 +66,7 @@ class _Tree:
 
 @lru_cache(maxsize=16)
 def _tree(nodes: int) -> _Tree:
-    levels = max(0, int(np.log2(nodes / _LEAF)))
+    levels = max(0, int(np.log2(nodes / LEAF_SIZE)))
     leaf = -(-nodes // 2**levels)
     halvings = []
     for level in range(levels):
@@ -94,7 +94,7 @@ def _thin_factors(entry: Callable[..., Array], rows: int, columns: int) -> tuple
         row = entry(pivot_row, all_columns) - sum(u[pivot_row] * v for u, v in zip(left, right, strict=True))
         pivot_column = int(np.argmax(np.abs(row)))
         pivot = row[pivot_column]
-        if abs(pivot) <= 0.1 * _TOLERANCE * largest:
+        if abs(pivot) <= 0.1 * BLOCK_TOLERANCE * largest:
             if not free.any() or len(left) > 3:
                 break
         else:
@@ -107,7 +107,7 @@ def _thin_factors(entry: Callable[..., Array], rows: int, columns: int) -> tuple
     q_left, r_left = np.linalg.qr(np.array(left).T)
     q_right, r_right = np.linalg.qr(np.array(right).T)
     u, values, v = np.linalg.svd(r_left @ r_right.T)
-    kept = int(np.sum(values > _TOLERANCE * values[0]))
+    kept = int(np.sum(values > BLOCK_TOLERANCE * values[0]))
     return q_left @ (u[:, :kept] * values[:kept]), q_right @ v[:kept].T
 
 
@@ -116,11 +116,11 @@ def solve(a: Array, c: Array, sides: Array) -> Array:
 
     Parameters
     ----------
-    a, c : (4, n) arrays
-        Diagonals of A and C by row: ``a[k, i]`` is the entry of row i in column i + OFFSETS[k].
-        Entries outside the matrix are zero in `a`; in `c` they must be zero too.
-    sides : (n, q) array
-        Right-hand sides.
+    a, c
+        Diagonals of A and C by row (4, n): ``a[k, i]`` is the entry of row i in column i + OFFSETS[k]. Entries outside
+        the matrix are zero in ``a``; in ``c`` they must be zero too.
+    sides
+        Right-hand sides (n, q).
 
     Returns
     -------
@@ -129,7 +129,7 @@ def solve(a: Array, c: Array, sides: Array) -> Array:
     Raises
     ------
     numpy.linalg.LinAlgError
-        A block on the diagonal is singular.
+        If a block on the diagonal is singular.
     """
     nodes, columns = sides.shape
     tree = _tree(nodes)

@@ -15,40 +15,46 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from ...core.errors import InputError
-from . import checks
+from ....core import checks
+from ....core.errors import InputError
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 #: Points in a correlation length of a generated profile.
-_POINTS = 12
+POINTS_PER_LENGTH = 12
 #: A trace whose heights are smaller than this, over its largest number, is flat: what is left of it is rounding.
-_FLAT = 1e-12
+FLATNESS_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class RoughProfile:
     """A profile that repeats itself, given by heights at equal distances with a cubic spline in between.
 
-    Attributes
+    Parameters
     ----------
-    heights : (n) array
-        [m], with mean zero; the point after the last is the first again.
-    spacing : float
+    heights
+        Of the points (n) [m], with mean zero; the point after the last is the first again.
+    spacing
         Distance of neighbouring points [m].
 
     Raises
     ------
     InputError
-        There are fewer than three heights, one is not finite, or the spacing is not positive.
+        If there are fewer than three heights, one is not finite, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> profile = RoughProfile(1e-6 * np.array([0.0, 1.0, 0.0, -1.0]), spacing=1e-5)
+    >>> print(f"{1e6 * profile.rms:.3f} um rms over {1e6 * profile.length:.0f} um")
+    0.707 um rms over 40 um
     """
 
     heights: Array
     spacing: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "heights", checks.row("heights", self.heights, "m", fewest=3))
+        object.__setattr__(self, "heights", checks.array("heights", self.heights, "m", ndim=1, fewest=3))
         checks.positive("spacing", self.spacing, "m")
 
     @property
@@ -76,13 +82,13 @@ class RoughProfile:
         Raises
         ------
         InputError
-            The rms height is negative, or positive while the profile is flat.
+            If the rms height is negative, or positive while the profile is flat.
         """
         checks.positive("rms", rms, "m", zero=True)
         if rms == 0.0:
             return RoughProfile(np.zeros_like(self.heights), self.spacing)
         if self.rms == 0.0:
-            raise InputError(f"rms {rms!r} m: a flat profile has no heights that could be scaled")
+            raise InputError(f"rms = {rms:g}: must be 0 [m] for a flat profile, which has no heights to scale")
         return RoughProfile(self.heights * (rms / self.rms), self.spacing)
 
 
@@ -91,32 +97,39 @@ def generated_profile(rms: float, correlation_length: float, length: float, seed
 
     Parameters
     ----------
-    rms : float
+    rms
         Root mean square height [m], met exactly.
-    correlation_length : float
+    correlation_length
         Distance at which the autocorrelation has fallen to 1/e [m].
-    length : float
+    length
         Period [m].
-    seed : int
+    seed
         The same seed gives the same profile.
 
     Raises
     ------
     InputError
-        A length is not positive, the period is shorter than ten correlation lengths, or the seed no whole number.
+        If a length is not positive, the period is shorter than ten correlation lengths, or the seed no whole number.
 
     Notes
     -----
     Sum of waves of the period's fundamental and its multiples, with the amplitudes of the spectral density,
     exp(-(k l)^2 / 8) for the wave number k and correlation length l, and random phases. The shortest wave kept is
     l / 6, whose amplitude is nil.
+
+    Examples
+    --------
+    >>> print(f"{1e6 * generated_profile(0.3e-6, 20e-6, 1e-3, seed=1).rms:.3f} um")
+    0.300 um
     """
     for name, value in (("rms", rms), ("correlation_length", correlation_length), ("length", length)):
         checks.positive(name, value, "m")
     checks.whole("seed", seed, 0)
     if length < 10.0 * correlation_length:
-        raise InputError(f"length {length:g} m is below ten correlation lengths of {correlation_length:g} m")
-    points = math.ceil(_POINTS * length / correlation_length)
+        raise InputError(
+            f"length = {length:g}: must be ten correlation lengths, {10 * correlation_length:g} m, or more"
+        )
+    points = math.ceil(POINTS_PER_LENGTH * length / correlation_length)
     wave_number = 2.0 * math.pi * np.fft.rfftfreq(points, length / points)
     phase = 2.0 * math.pi * np.random.default_rng(seed).random(wave_number.size)
     spectrum = np.exp(-((wave_number * correlation_length) ** 2) / 8.0 + 1j * phase)
@@ -130,11 +143,11 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
 
     Parameters
     ----------
-    heights : (n) array
-        Heights at equal distances [m], at least 16.
-    spacing : float
+    heights
+        Heights at equal distances (n) [m], at least 16.
+    spacing
         Their distance [m].
-    detrend : bool
+    detrend
         Take out the straight line through them; their mean is taken out in any case.
 
     Returns
@@ -146,17 +159,23 @@ def measured_profile(heights: ArrayLike, spacing: float, *, detrend: bool = True
     Raises
     ------
     InputError
-        Too few heights, a height that is not finite, or a spacing that is not positive.
+        If there are too few heights, one is not finite, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> trace = 1e-6 * np.sin(np.arange(40.0)) + 0.1e-6 * np.arange(40.0)
+    >>> print(f"{1e6 * measured_profile(trace, spacing=1e-6).rms:.2f} um")
+    0.70 um
     """
-    trace = checks.row("heights", heights, "m", fewest=16)
+    trace = checks.array("heights", heights, "m", ndim=1, fewest=16)
     checks.positive("spacing", spacing, "m")
     largest = np.abs(trace).max()
     if detrend:
-        place = np.arange(trace.size)
-        trace = trace - np.polyval(np.polyfit(place, trace, 1), place)
+        index = np.arange(trace.size)
+        trace = trace - np.polyval(np.polyfit(index, trace, 1), index)
     trace = np.concatenate([trace, trace[-2:0:-1]])
     trace = trace - trace.mean()
-    return RoughProfile(trace if np.abs(trace).max() > _FLAT * largest else np.zeros_like(trace), spacing)
+    return RoughProfile(trace if np.abs(trace).max() > FLATNESS_TOLERANCE * largest else np.zeros_like(trace), spacing)
 
 
 def wave(amplitude: float, wavelength: float) -> Profile:
@@ -165,27 +184,37 @@ def wave(amplitude: float, wavelength: float) -> Profile:
     Raises
     ------
     InputError
-        The amplitude is not finite, or the wavelength not positive.
+        If the amplitude is not finite, or the wavelength not positive.
+
+    Examples
+    --------
+    >>> (1e6 * wave(0.1e-6, 1e-4)(np.array([0.0, 0.5e-4]))).round(3)
+    array([ 0.1, -0.1])
     """
     checks.number("amplitude", amplitude, "m")
     checks.positive("wavelength", wavelength, "m")
     return lambda position: amplitude * np.cos(2.0 * math.pi * position / wavelength)
 
 
-def asperity(height: float, width: float, place: float) -> Profile:
-    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a place on the surface; all [m].
+def asperity(height: float, width: float, point: float) -> Profile:
+    """Return a single hump height cos^2(pi s / width), |s| < width / 2, around a point of the surface; all [m].
 
     Raises
     ------
     InputError
-        A number is not finite, or the width not positive.
+        If a number is not finite, or the width not positive.
+
+    Examples
+    --------
+    >>> (1e6 * asperity(0.5e-6, 4e-5, 1e-4)(np.array([0.0, 1e-4]))).round(3)
+    array([0. , 0.5])
     """
     checks.number("height", height, "m")
     checks.positive("width", width, "m")
-    checks.number("place", place, "m")
+    checks.number("point", point, "m")
 
     def profile(position: Array) -> Array:
-        s = (position - place) / width
+        s = (position - point) / width
         return np.where(np.abs(s) < 0.5, height * np.cos(math.pi * s) ** 2, 0.0)
 
     return profile

@@ -18,7 +18,7 @@ the storage are one derivative along the path of the mean flow, which advances b
 What the flow carries is neither smeared nor made to ripple by it, and a state that does not change is one of the steady
 equations. The flow under pressure has the mean of rho phi / eta of both nodes, but the harmonic mean of their H^3:
 where a gap closes, nothing flows through. Where asperities touch, only the part of P that the lubricant carries drives
-it, see `fluid_part`.
+it, see ``fluid_part``.
 """
 
 from __future__ import annotations
@@ -29,27 +29,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .line_contact_conditions import LineContact
+from ..rolling_contact.lubricated_contact import LubricatedContact
 
 Array = NDArray[np.float64]
 
 #: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R. The iteration may
-#: pass through thinner and negative films; no answer may, see `certificate`.
-THINNEST = 1e-9
+#: pass through thinner and negative films; no answer may, see ``film_certificate``.
+THINNEST_FILM = 1e-9
 #: Largest ln(viscosity) that is told apart from a solid: the flow under pressure is nil long before.
-_STIFFEST = 100.0
+LOG_VISCOSITY_LIMIT = 100.0
 
 
 @dataclass(frozen=True)
 class History:
-    """What a step in time needs of those before; in one step the mean flow advances by one node.
+    """Storage of the steps in time before; in one step the mean flow advances by one node.
 
-    Attributes
+    Parameters
     ----------
-    storage : (n) array
-        What rho H of the new step is compared with, along the path of the mean flow: rho H of the node upstream a step
-        ago (first order), or twice that less half of the next node upstream two steps ago (second order).
-    weight : float
+    storage
+        What rho H of the new step is compared with, along the path of the mean flow (n): rho H of the node upstream a
+        step ago (first order), or twice that less half of the next node upstream two steps ago (second order).
+    weight
         Factor of the new rho H: 1 or 3/2.
     """
 
@@ -61,14 +61,14 @@ class History:
 class Balance:
     """Mass balance of all nodes.
 
-    Attributes
+    Parameters
     ----------
-    residual : (n) array
-        F; zero at both ends.
-    flow : (n - 1) array
-        q between the nodes; in time with m of the node upstream.
-    by_pressure, by_film : (4, n) arrays
-        Derivatives of F(i) by P(i + k) at fixed H and by H(i + k) at fixed P, for k of `OFFSETS`.
+    residual
+        F (n); zero at both ends.
+    flow
+        q between the nodes (n - 1); in time with m of the node upstream.
+    by_pressure, by_film
+        Derivatives of F(i) by P(i + k) at fixed H and by H(i + k) at fixed P, for k of ``OFFSETS`` (4, n).
     """
 
     residual: Array
@@ -78,7 +78,7 @@ class Balance:
 
 
 def balance(
-    contact: LineContact,
+    contact: LubricatedContact,
     spacing: float,
     pressure: Array,
     film: Array,
@@ -90,22 +90,23 @@ def balance(
 
     Parameters
     ----------
-    contact : LineContact
-    spacing : float
+    contact
+        What the contact works under.
+    spacing
         Distance of the nodes in half widths.
-    pressure, film : (n) arrays
-        P and H; negative values, which occur on the way to a solution, count as none and as next to none.
-    history : History, optional
+    pressure, film
+        P and H (n); negative values, which occur on the way to a solution, count as none and as next to none.
+    history
         The steps before; none for the steady state.
-    touching_film : float
-        H_c, see `fluid_part`.
+    touching_film
+        H_c, see ``fluid_part``.
     """
     oil, unit = contact.oil, contact.hertz_pressure
     positive = np.maximum(pressure, 0.0)
     inside = pressure >= 0.0
     density, density_slope = oil.relative_density(unit * positive)
     density_slope = np.where(inside, unit * density_slope, 0.0)
-    thick = np.maximum(film, THINNEST)
+    thick = np.maximum(film, THINNEST_FILM)
     mobility, mobility_slope, mobility_by_film = _mobility(contact, positive, thick, density, density_slope)
     mobility_slope = np.where(inside, mobility_slope, 0.0)
     mass, mass_slope = density * film, density_slope * film
@@ -171,10 +172,10 @@ def chained(flow: Balance, pressure_by_film: Array, film_by_film: Array) -> Bala
 
     Parameters
     ----------
-    flow : Balance
+    flow
         With derivatives by the lubricant's own pressure and the mean gap.
-    pressure_by_film, film_by_film : (n) arrays
-        Derivatives of both by the separation.
+    pressure_by_film, film_by_film
+        Derivatives of both by the separation (n).
     """
     by_film = np.zeros_like(flow.by_film)
     nodes = pressure_by_film.size
@@ -201,12 +202,12 @@ def fluid_part(film: Array, touching_film: float) -> tuple[Array, Array]:
 
 
 def _mobility(
-    contact: LineContact, pressure: Array, film: Array, density: Array, density_slope: Array
+    contact: LubricatedContact, pressure: Array, film: Array, density: Array, density_slope: Array
 ) -> tuple[Array, Array, Array]:
     """Return rho phi / (eta lambda), and its derivatives by P and H."""
     thickening, slope = contact.oil.log_viscosity(contact.hertz_pressure * pressure)
-    slope = np.where(thickening < _STIFFEST, contact.hertz_pressure * slope, 0.0)
-    viscosity = np.exp(np.minimum(thickening, _STIFFEST))
+    slope = np.where(thickening < LOG_VISCOSITY_LIMIT, contact.hertz_pressure * slope, 0.0)
+    viscosity = np.exp(np.minimum(thickening, LOG_VISCOSITY_LIMIT))
     newtonian = density / (viscosity * contact.reynolds_number)
     # Newtonian shear stress over the Eyring stress.
     strain = contact.oil.viscosity * abs(contact.sliding_velocity) / contact.film_scale

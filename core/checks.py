@@ -1,0 +1,298 @@
+"""Checks of arguments, with one form of message: ``NAME = VALUE: must be ... [UNIT]``.
+
+Each check returns the value, ready for use, or raises ``InputError``. A truth value, a text or an array is no number.
+"""
+
+from __future__ import annotations
+
+import operator
+import reprlib
+from collections.abc import Iterable
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+
+
+def number(
+    name: str,
+    value: Any,
+    unit: str = "1",
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+    infinite: bool = False,
+) -> float:
+    """Return a number within bounds.
+
+    Parameters
+    ----------
+    name
+        Of the argument, as the user writes it.
+    value
+        What the user gave.
+    unit
+        Of the number; ``1`` is left out of the message.
+    above, least, most
+        Bounds, the first of which does not belong to the range.
+    infinite
+        Whether infinity is a value; it is none where ``most`` is given.
+
+    Raises
+    ------
+    InputError
+        If it is no number, not finite, or out of the bounds.
+
+    Examples
+    --------
+    >>> number("slide_to_roll", 1, least=-2.0, most=2.0)
+    1.0
+    >>> number("slide_to_roll", 2.5, least=-2.0, most=2.0)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: slide_to_roll = 2.5: must be a number from -2 to 2
+    """
+    if not (_is_number(value) and bool(_within(float(value), above, least, most, infinite))):
+        raise InputError(f"{name} = {shown(value)}: must be a {_range('number', unit, above, least, most, infinite)}")
+    return float(value)
+
+
+def positive(name: str, value: Any, unit: str = "1", *, zero: bool = False, infinite: bool = False) -> float:
+    """Return a positive number.
+
+    Parameters
+    ----------
+    name, value, unit, infinite
+        As for ``number``.
+    zero
+        Whether zero is a value, too.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> positive("torque", 500, "N m")
+    500.0
+    >>> positive("torque", -1.0, "N m", zero=True)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: torque = -1: must be a finite number of 0 or more [N m]
+    """
+    return number(name, value, unit, above=None if zero else 0.0, least=0.0 if zero else None, infinite=infinite)
+
+
+def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
+    """Return a whole number from ``least`` to ``most``.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> whole("segments", 20, 1)
+    20
+    >>> whole("segments", 2.5, 1)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: segments = 2.5: must be a whole number of 1 or more
+    """
+    try:
+        counted = None if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        counted = None
+    if counted is None or counted < least or (most is not None and counted > most):
+        allowed = f"of {least} or more" if most is None else f"from {least} to {most}"
+        raise InputError(f"{name} = {reprlib.repr(value)}: must be a whole number {allowed}")
+    return counted
+
+
+def truth(name: str, value: Any) -> bool:
+    """Return True or False.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+
+    Examples
+    --------
+    >>> truth("thermal", 1)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: thermal = 1: must be True or False
+    """
+    if not isinstance(value, bool):
+        raise InputError(f"{name} = {shown(value)}: must be True or False")
+    return value
+
+
+def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:
+    """Return a word that is one of those allowed.
+
+    Raises
+    ------
+    InputError
+        If it is not among them.
+
+    Examples
+    --------
+    >>> one_of("flank", "side", ("drive", "coast"))
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: flank = 'side': must be one of drive, coast
+    """
+    words = tuple(allowed)
+    if not (isinstance(value, str) and value in words):
+        raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(words)}")
+    return value
+
+
+def instance(name: str, value: Any, kind: type) -> None:
+    """Refuse what is not of a type.
+
+    Raises
+    ------
+    InputError
+        If it is of another type.
+
+    Examples
+    --------
+    >>> instance("operation", 500, dict)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: operation = 500: must be a dict
+    """
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise InputError(f"{name} = {shown(value)}: must be {article} {kind.__name__}")
+
+
+def array(
+    name: str,
+    values: Any,
+    unit: str = "1",
+    *,
+    ndim: int | None = None,
+    size: int | None = None,
+    fewest: int = 0,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+    infinite: bool = False,
+) -> NDArray[np.float64]:
+    """Return an array of numbers within bounds.
+
+    Parameters
+    ----------
+    name, unit, above, least, most, infinite
+        As for ``number``; the bounds hold for every entry.
+    values
+        An array, or what can be made one.
+    ndim
+        Number of dimensions; any if left out.
+    size, fewest
+        Number of entries, or the least number of them.
+
+    Raises
+    ------
+    InputError
+        If it is no array of numbers, has another shape, or an entry is out of the bounds.
+
+    Examples
+    --------
+    >>> array("position", [0, 1, 2], "m", ndim=1, fewest=2)
+    array([0., 1., 2.])
+    >>> array("position", [0.0], "m", ndim=1, fewest=2)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: position = [0.0]: must be finite numbers [m], 2 or more in a row
+    """
+    wanted = _range("numbers", unit, above, least, most, infinite)
+    count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
+    form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
+    wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
+    try:
+        found = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} = {shown(values)}: must be {wanted}") from error
+    if (ndim is not None and found.ndim != ndim) or found.size < fewest or (size is not None and found.size != size):
+        raise InputError(f"{name} = {shown(values)}: must be {wanted}")
+    bad = ~_within(found, above, least, most, infinite)
+    if np.any(bad):
+        one = _range("number", unit, above, least, most, infinite)
+        raise InputError(f"{name} = {shown(found[bad].flat[0])}: must be a {one}")
+    return found
+
+
+def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[np.float64]:
+    """Return one number, or several that differ, as an array in one dimension.
+
+    Parameters
+    ----------
+    name, unit
+        As for ``number``.
+    values
+        A number or a list of numbers.
+    **bounds
+        Those of ``number``.
+
+    Raises
+    ------
+    InputError
+        If it is neither, a number is out of the bounds, or one comes twice.
+
+    Examples
+    --------
+    >>> distinct("speed", 1500, "1/min", above=0.0)
+    array([1500.])
+    >>> distinct("speed", [500, 500], "1/min", above=0.0)
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: speed = [500.0, 500.0]: must be numbers that differ; 500 comes twice
+    """
+    found = np.atleast_1d(array(name, values, unit, fewest=1, **bounds))
+    if found.ndim > 1:
+        raise InputError(f"{name} = {shown(values)}: must be a number, or numbers in a row")
+    different, counts = np.unique(found, return_counts=True)
+    if different.size != found.size:
+        twice = shown(different[counts > 1][0])
+        raise InputError(f"{name} = {found.tolist()}: must be numbers that differ; {twice} comes twice")
+    return found
+
+
+def shown(value: Any) -> str:
+    """A value as messages show it: a number to twelve digits, an array by its shape, anything else in short.
+
+    Examples
+    --------
+    >>> shown(0.1 + 0.2), shown("drive")
+    ('0.3', "'drive'")
+    """
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"array of shape {value.shape}"
+    return f"{float(value):.12g}" if _is_number(value) else reprlib.repr(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _within(value: Any, above: float | None, least: float | None, most: float | None, infinite: bool) -> Any:
+    """Whether a number, or each entry of an array, is within the bounds."""
+    valid = ~np.isnan(value) if infinite else np.isfinite(value)
+    valid = valid if above is None else valid & (value > above)
+    valid = valid if least is None else valid & (value >= least)
+    return valid if most is None else valid & (value <= most)
+
+
+def _range(noun: str, unit: str, above: float | None, least: float | None, most: float | None, infinite: bool) -> str:
+    """What is allowed, in words."""
+    finite = "" if infinite or most is not None else "finite "
+    if least is not None and most is not None:
+        bounds = f" from {least:g} to {most:g}"
+    else:
+        lower = f" above {above:g}" if above is not None else f" of {least:g} or more" if least is not None else ""
+        upper = f" of at most {most:g}" if most is not None else ""
+        bounds = f"{lower} and{upper.removeprefix(' of')}" if lower and upper else lower + upper
+    return f"{finite}{noun}{bounds}" + (f" [{unit}]" if unit not in ("", "1") else "")

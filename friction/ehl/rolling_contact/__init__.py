@@ -1,0 +1,1 @@
+"""The rolling contact: its oil, its operating conditions and its rough surfaces."""

@@ -1,0 +1,56 @@
+"""Checks of arguments: every message names the argument, its value and what is allowed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from easeoff.core import checks
+from easeoff.core.errors import InputError
+
+
+@pytest.mark.parametrize("value", [None, "1", True, [1.0], 1 + 0j, math.nan, math.inf, -1.0])
+def test_what_is_no_number_within_the_bounds_is_refused(value: Any) -> None:
+    with pytest.raises(InputError, match=r"^length = .*: must be a finite number of 0 or more \[mm\]$"):
+        checks.positive("length", value, "mm", zero=True)
+
+
+@pytest.mark.parametrize("value", [3, 3.0, np.float32(3.0), np.int64(3)])
+def test_numbers_of_numpy_are_numbers(value: Any) -> None:
+    assert type(checks.number("length", value, least=0.0, most=5.0)) is float
+    assert checks.array("length", value).tolist() == 3.0
+
+
+def test_infinity_is_a_value_where_it_is_allowed() -> None:
+    assert checks.positive("limit", math.inf, infinite=True) == math.inf
+    with pytest.raises(InputError, match=r"must be a number above 0$"):
+        checks.positive("limit", math.nan, infinite=True)
+
+
+@pytest.mark.parametrize(
+    ("check", "message"),
+    [
+        (
+            lambda: checks.array("x", [[1.0], [1.0, 2.0]], "m"),
+            r"^x = \[\[1.0\], \[1.0, 2.0\]\]: must be finite numbers",
+        ),
+        (lambda: checks.array("x", np.ones((2, 3)), ndim=1), r"^x = array of shape \(2, 3\): .*, in a row$"),
+        (lambda: checks.array("x", [1.0, 2.0], ndim=1, size=3), "must be finite numbers, 3 in a row$"),
+        (
+            lambda: checks.array("x", [1.0, -2.0], above=0.0, most=9.0),
+            "^x = -2: must be a number above 0 and at most 9$",
+        ),
+        (lambda: checks.array("x", [1.0, math.nan]), "^x = nan: must be a finite number$"),
+        (lambda: checks.distinct("x", [[1.0, 2.0]]), "must be a number, or numbers in a row$"),
+        (lambda: checks.distinct("x", "fast", "1/min"), r"^x = 'fast': must be finite numbers \[1/min\], 1 or more$"),
+        (lambda: checks.whole("x", 1.0, 0, 5), r"^x = 1.0: must be a whole number from 0 to 5$"),
+        (lambda: checks.one_of("x", ["a"], ("a", "b")), r"^x = \['a'\]: must be one of a, b$"),
+    ],
+)
+def test_messages_name_argument_value_and_what_is_allowed(check: Callable[[], object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        check()
