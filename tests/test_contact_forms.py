@@ -130,7 +130,7 @@ def is_loaded(problem: ContactProblem) -> bool:
 
 
 @pytest.mark.parametrize("structured", [True, False])
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_every_form_has_the_answer_of_the_native_solver(structured: bool, data: st.DataObject) -> None:
     problem = data.draw(contact_problems(structured=structured))
