@@ -1,4 +1,4 @@
-"""Shared by the tests: one BLAS thread, a cache of their own, and examples that are drawn alike each time."""
+"""Shared by the tests: one BLAS thread, a cache of their own, examples drawn alike each time, and a quick suite."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import atexit
 import os
 import shutil
 import tempfile
+from collections import defaultdict
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -22,3 +24,18 @@ settings.register_profile(
     "random", max_examples=400, deadline=None, print_blob=True, suppress_health_check=list(HealthCheck)
 )
 settings.load_profile("alike")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as thorough what the mark ``quick(count)`` leaves out: all but that many cases, spread over the test's."""
+    cases = defaultdict(list)
+    for item in items:
+        mark = item.get_closest_marker("quick")
+        if mark is not None:
+            cases[item.nodeid.partition("[")[0], *mark.args].append(item)
+    for (_, count), found in cases.items():
+        quick = {len(found) * k // count for k in range(count)}
+        for number, item in enumerate(found):
+            if number not in quick:
+                item.add_marker(pytest.mark.thorough)

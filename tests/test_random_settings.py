@@ -177,6 +177,7 @@ def outcome(pair: GearPair, *, teeth: bool) -> str:
 
 
 @pytest.mark.parametrize("seed", range(BATCHES))
+@pytest.mark.quick(2)
 def test_random_settings_give_a_message_or_a_sound_flank(seed: int) -> None:
     rng = np.random.default_rng(seed)
     outcomes = []
