@@ -6,10 +6,15 @@ import doctest
 import importlib
 import importlib.util
 import pkgutil
+import shlex
+import subprocess
 import tomllib
 from pathlib import Path
 
+import pytest
+
 import easeoff
+from easeoff.core.errors import how_to_install
 
 ROOT = Path(__file__).parents[1]
 CODE = ("geometry", "contact", "friction", "cases", "study", "core", "verification")
@@ -50,3 +55,21 @@ def test_examples_in_docstrings_work() -> None:
 def test_public_names_are_there() -> None:
     for name in easeoff.__all__:
         assert getattr(easeoff, name) is not None
+
+
+@pytest.mark.parametrize("pip", [True, False])
+def test_message_names_a_command_that_runs_here(pip: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether or not the environment has pip, is activated, or is the working folder."""
+    if importlib.util.find_spec("pip") is None and pip:
+        pytest.skip("this environment has no pip")
+    real = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pip" and not pip else real(name))
+    said, command = how_to_install("easeoff[cad]").split(" installs it: ")
+    assert said == "easeoff[cad]"
+    words = shlex.split(command)
+    runs, what = words[: words.index("install")], words[words.index("install") + 1 :]
+    root = Path(easeoff.__file__).resolve().parent
+    assert what == (["-e", f"{root}[cad]"] if (root / "pyproject.toml").exists() else ["easeoff[cad]"])
+    found = subprocess.run([*runs, "--version"], capture_output=True, text=True, cwd="/", check=True)
+    assert found.stdout.startswith("pip ")
+    assert how_to_install("osqp").endswith(" install osqp")

@@ -248,7 +248,7 @@ def test_command_writes_and_says_nothing_else(tmp_path: Path, capfd: pytest.Capt
 
 def test_without_opencascade_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP.collections", None)
-    with pytest.raises(MissingPackageError, match=r"easeoff\[cad\] installs it.*install -e '\.\[cad\]'"):
+    with pytest.raises(MissingPackageError, match=r"easeoff\[cad\] installs it: .* install .*\[cad\]"):
         write_step(ring_segment(), tmp_path / "x.step")
     done = CliRunner().invoke(main, ["export", "fm-11x41", "-o", str(tmp_path / "x.step")])
     assert done.exit_code == 2
