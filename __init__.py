@@ -6,6 +6,7 @@ and ``friction``.
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -24,6 +25,10 @@ _HOMES = {
     "read_result": ".study.result",
     "write_result": ".study.result",
 }
+
+# Beside the package's own folders a checkout has some that are no part of it: they cannot be imported from it.
+for _folder in ("tests", "docs", "benchmarks"):
+    sys.modules[f"{__name__}.{_folder}"] = None  # type: ignore[assignment]
 
 
 def __getattr__(name: str) -> Any:

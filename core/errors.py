@@ -39,5 +39,5 @@ def how_to_install(requirement: str) -> str:
     if importlib.util.find_spec("pip") is not None:
         pip = [sys.executable, "-m", "pip"]
     else:
-        pip = [sys._base_executable, "-m", "pip", "--python", sys.prefix]
+        pip = [getattr(sys, "_base_executable", sys.executable), "-m", "pip", "--python", sys.prefix]
     return f"{requirement} installs it: {shlex.join([*pip, 'install', *what])}"

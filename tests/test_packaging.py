@@ -1,4 +1,4 @@
-"""The package as it ships: every folder with code is listed, every docstring example works."""
+"""The package as it ships: public names are there, every docstring example works, messages name commands that run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import importlib.util
 import pkgutil
 import shlex
 import subprocess
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -18,16 +17,6 @@ from easeoff.core.errors import how_to_install
 
 ROOT = Path(__file__).parents[1]
 CODE = ("geometry", "contact", "friction", "cases", "study", "core", "verification")
-
-
-def test_every_folder_with_code_is_listed_as_a_package() -> None:
-    """A sub-package missing from the list works in a checkout and is absent from the wheel."""
-    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
-    folders = {"easeoff"}
-    for part in CODE:
-        for file in (ROOT / part).rglob("*.py"):
-            folders.add("easeoff." + ".".join(file.parent.relative_to(ROOT).parts))
-    assert folders == set(listed)
 
 
 def test_only_the_package_file_stands_at_the_root() -> None:
@@ -40,8 +29,6 @@ NEEDS = {"easeoff.contact.solvers.modal_kernel": "numba"}  # modules that only a
 def test_examples_in_docstrings_work() -> None:
     tried = 0
     for part in CODE:
-        if not (ROOT / part).exists():
-            continue
         package = importlib.import_module(f"easeoff.{part}")
         for found in pkgutil.walk_packages(package.__path__, f"easeoff.{part}."):
             if found.name in NEEDS and importlib.util.find_spec(NEEDS[found.name]) is None:

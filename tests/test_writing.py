@@ -7,13 +7,11 @@ from pathlib import Path
 
 import pytest
 from case_strategies import cases
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from easeoff.cases import Case, case_toml, parse_case, read_case, shipped_cases, write_case
 from easeoff.core.errors import InputError
-
-calm = settings(suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.mark.parametrize("name", shipped_cases())
@@ -22,7 +20,6 @@ def test_shipped_cases_survive(name: str) -> None:
     assert parse_case(case_toml(case)).model_dump() == case.model_dump()
 
 
-@calm
 @given(cases())
 def test_any_case_survives(case: Case) -> None:
     text = case_toml(case)
