@@ -6,8 +6,9 @@ and ``friction``.
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
+
+from .core.checkout import fence
 
 if TYPE_CHECKING:
     from .cases import Case, read_case
@@ -26,9 +27,7 @@ _HOMES = {
     "write_result": ".study.result",
 }
 
-# Beside the package's own folders a checkout has some that are no part of it: they cannot be imported from it.
-for _folder in ("tests", "docs", "benchmarks"):
-    sys.modules[f"{__name__}.{_folder}"] = None  # type: ignore[assignment]
+fence()
 
 
 def __getattr__(name: str) -> Any:
