@@ -1,23 +1,49 @@
 # Everything needed is set up on first use; only Python 3.11+ and pip are expected on the machine.
 PYTHON ?= python3
+WORKERS ?= 2
+export PYTHON
+PIP := $(PYTHON) -m pip --python .venv install -q
+PYTEST := .venv/bin/python -m pytest -q -n $(WORKERS) --dist loadscope
+# The tests need more than a user does, the checks more than the tests; the time stamps say that it is there.
 READY := .venv/bin/easeoff
-# The tests need more than a user does; the time stamp says that it is there.
 READY_FOR_TESTS := .venv/tests
+READY_FOR_CHECKS := .venv/checks
 
 run: $(READY)
 	$(READY) run fm-11x41 -o results/fm-11x41.nc --plots results
 	$(READY) show results/fm-11x41.nc
 
+# What is quick and touches every module. Examples that are drawn at random are drawn alike each time.
 test: $(READY_FOR_TESTS)
-	.venv/bin/python -m pytest -q
+	$(PYTEST) -m "not thorough"
 
-$(READY): pyproject.toml
-	test -d .venv || $(PYTHON) -m venv --without-pip .venv
-	$(PYTHON) -m pip --python .venv install -q -e .
+# Everything: style, types, all tests, and the quick ones again on the package as it is installed from a wheel.
+check: $(READY_FOR_CHECKS)
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.ci/types
+	$(PYTEST)
+	.ci/wheel $(WORKERS)
+
+# Other examples than those of the tests, and more of them.
+random: SEED := $(or $(SEED),$(shell $(PYTHON) -c "import secrets; print(secrets.randbits(32))"))
+random: $(READY_FOR_TESTS)
+	@echo "seed $(SEED): 'make random SEED=$(SEED)' draws the same again"
+	$(PYTEST) -m "hypothesis or random" --hypothesis-profile random --hypothesis-seed $(SEED)
+
+.venv:
+	$(PYTHON) -m venv --without-pip .venv
+
+$(READY): pyproject.toml | .venv
+	$(PIP) -e .
 	touch $@
 
-$(READY_FOR_TESTS): $(READY)
-	$(PYTHON) -m pip --python .venv install -q -e '.[test]'
+$(READY_FOR_TESTS): pyproject.toml | .venv
+	$(PIP) -e '.[test]'
 	touch $(READY) $@
 
-.PHONY: run test
+$(READY_FOR_CHECKS): pyproject.toml | .venv
+	$(PIP) -e '.[test,lint,dask]'
+	touch $(READY) $(READY_FOR_TESTS) $@
+
+.PHONY: run test check random

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .core.checkout import fence
+
 if TYPE_CHECKING:
     from .cases import Case, read_case
     from .study.analysis import analyze
@@ -24,6 +26,8 @@ _HOMES = {
     "read_result": ".study.result",
     "write_result": ".study.result",
 }
+
+fence()
 
 
 def __getattr__(name: str) -> Any:

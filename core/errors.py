@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
+import shlex
+import sys
+from pathlib import Path
+
 
 class EaseoffError(Exception):
     """Anything this package raises on purpose."""
@@ -24,6 +29,15 @@ class MissingPackageError(EaseoffError, ImportError):
 
 
 def how_to_install(requirement: str) -> str:
-    """What a message says about an extra such as ``easeoff[cad]``: what brings it, and how in a checkout."""
-    extra = requirement.removeprefix("easeoff")
-    return f"{requirement} installs it; in a checkout, python3 -m pip --python .venv install -e '.{extra}'"
+    """Return what installs a requirement such as ``easeoff[cad]`` here: in this environment, activated or not.
+
+    An environment made without pip is served by the pip of the Python that made it.
+    """
+    root = Path(__file__).resolve().parents[1]
+    checkout = requirement.startswith("easeoff[") and (root / "pyproject.toml").is_file()
+    what = ["-e", f"{root}{requirement.removeprefix('easeoff')}"] if checkout else [requirement]
+    if importlib.util.find_spec("pip") is not None:
+        pip = [sys.executable, "-m", "pip"]
+    else:
+        pip = [getattr(sys, "_base_executable", sys.executable), "-m", "pip", "--python", sys.prefix]
+    return f"{requirement} installs it: {shlex.join([*pip, 'install', *what])}"

@@ -13,7 +13,7 @@ from ..core.errors import InputError
 from ..core.files import check_writable
 from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
 from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
-from ..geometry.formats.mesh import FORMATS as MESH_FORMATS
+from ..geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
 from ..geometry.formats.step import SUFFIXES as STEP_SUFFIXES
 from ..geometry.formats.step import require_opencascade
 from ..geometry.pair.gear_pair import GearPair
@@ -124,7 +124,7 @@ def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, optio
         If no format has this suffix, or an option belongs to another one; and as the two functions above.
     """
     suffix = path.suffix.lower()
-    surfaces = (*STEP_SUFFIXES, *MESH_FORMATS)
+    surfaces = (*STEP_SUFFIXES, *MESH_SUFFIXES)
     if suffix not in (*POINT_SUFFIXES, *surfaces):
         raise InputError(
             f"{path}: the suffix decides what is written: {', '.join(POINT_SUFFIXES)} for measuring points, "

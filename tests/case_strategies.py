@@ -121,7 +121,7 @@ def cases(draw: st.DrawFn) -> Case:
         )
     )  # fmt: skip
     data["contact"] = draw(
-        some(torques=st.lists(number(0.0, 1e7), min_size=1, max_size=3), separation=number(0.0, 1e3))
+        some(torques=st.lists(number(0.0, 1e7), min_size=1, max_size=3, unique=True), separation=number(0.0, 1e3))
     )
     data["compliance"] = draw(
         some(root=st.sampled_from(["weber", "odonnell", "clamped"]), shear_factor=number(0.0, 1.0))

@@ -1,4 +1,4 @@
-"""Shared by the tests: one BLAS thread, the shipped cases and an exactly conjugate hypoid pair."""
+"""Shared by the tests: one BLAS thread, a cache of their own, examples drawn alike each time, and a quick suite."""
 
 from __future__ import annotations
 
@@ -6,6 +6,11 @@ import atexit
 import os
 import shutil
 import tempfile
+from collections import defaultdict
+from typing import Any, cast
+
+import pytest
+from hypothesis import HealthCheck, settings
 
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
@@ -13,3 +18,35 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 CACHE = tempfile.mkdtemp(prefix="easeoff-cache-")
 atexit.register(shutil.rmtree, CACHE, ignore_errors=True)
 os.environ["EASEOFF_CACHE"] = CACHE
+
+# No test is judged by the clock. ``make random`` takes the second profile: other examples, and more of them.
+CALM: dict[str, Any] = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("alike", max_examples=40, derandomize=True, database=None, **CALM)
+settings.register_profile("random", max_examples=400, print_blob=True, **CALM)
+settings.load_profile("alike")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def patience() -> None:
+    """Give solvers as long as they need, on a machine however busy."""
+    from easeoff.contact.solvers import SOLVERS
+
+    for solver in SOLVERS.values():
+        for key in ("time_limit", "time_limit_secs"):
+            if key in solver.settings:
+                cast(dict[str, Any], solver.settings)[key] = 3600.0
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as thorough what the mark ``quick(count)`` leaves out: all but that many cases, spread over the test's."""
+    cases = defaultdict(list)
+    for item in items:
+        mark = item.get_closest_marker("quick")
+        if mark is not None:
+            cases[item.nodeid.partition("[")[0], *mark.args].append(item)
+    for (_, count), found in cases.items():
+        quick = {len(found) * k // count for k in range(count)}
+        for number, item in enumerate(found):
+            if number not in quick:
+                item.add_marker(pytest.mark.thorough)

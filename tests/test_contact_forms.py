@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
@@ -130,7 +130,6 @@ def is_loaded(problem: ContactProblem) -> bool:
 
 
 @pytest.mark.parametrize("structured", [True, False])
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_every_form_has_the_answer_of_the_native_solver(structured: bool, data: st.DataObject) -> None:
     problem = data.draw(contact_problems(structured=structured))

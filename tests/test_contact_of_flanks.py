@@ -43,6 +43,7 @@ def contact(position: int, beyond_lines: bool = True) -> FlankContact:
     return contact_of_flanks(flanks, responses(), (STEEL, STEEL), mesh, position, TORQUE, **guess)  # type: ignore[arg-type]
 
 
+@pytest.mark.thorough
 def test_pressures_carry_the_torque_and_end_within_the_cells() -> None:
     """Though the cells were laid for a quarter of the rotation."""
     for position in (0, 16):

@@ -32,6 +32,7 @@ def test_kept_contact_balances(kept: Any) -> None:
         assert float(reference["pressure"].min()) > 0.0
 
 
+@pytest.mark.thorough
 def test_finite_elements(kept: Any) -> None:
     """Mean within 3 %, peak to peak within 10 %, load share within 3 % of the load, pressure within 5 %.
 
@@ -68,6 +69,7 @@ def test_edges_are_what_a_line_contact_lacks(kept: Any) -> None:
     assert with_edges.share < 3.0
 
 
+@pytest.mark.thorough
 def test_solid_shell(kept: Any) -> None:
     """As finite elements in the mean and the pressure, without their time."""
     for torque in kept.TORQUES["fm-11x41"]:

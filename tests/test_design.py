@@ -46,6 +46,7 @@ def numbers(table: dict[str, Any], place: str = "") -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick(1)
 def test_shipped_case_follows_from_its_design(name: str) -> None:
     """Blank and gear to rounding; the pinion's settings as far as a least-squares fit stops at one point."""
     stored, again = numbers(read_case(name).model_dump()), numbers(made(name)[0].model_dump())
@@ -59,6 +60,7 @@ def test_shipped_case_follows_from_its_design(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick(1)
 def test_case_file_reads_back_as_the_same_case(name: str) -> None:
     case, _ = made(name)
     assert parse_case(case_toml(case)).model_dump() == case.model_dump()
@@ -66,6 +68,7 @@ def test_case_file_reads_back_as_the_same_case(name: str) -> None:
 
 @pytest.mark.parametrize("side", ["drive", "coast"])
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick(1)
 def test_ease_off_of_the_case_is_the_target_as_reported(name: str, side: Any) -> None:
     """The case, read back and computed on another grid than the fit's."""
     case, report = made(name)
@@ -80,6 +83,7 @@ def test_ease_off_of_the_case_is_the_target_as_reported(name: str, side: Any) ->
     assert np.sqrt(np.mean(left**2)) == pytest.approx(report.sides[side].rms_left, rel=0.2)
 
 
+@pytest.mark.thorough
 def test_report_warns_of_what_is_doubtful() -> None:
     """The shipped designs are sound; tips off the root cone and a fit without freedom are told."""
     for name in NAMES:
@@ -91,6 +95,7 @@ def test_report_warns_of_what_is_doubtful() -> None:
     assert any("free other settings" in warning for warning in warnings)
 
 
+@pytest.mark.thorough
 def test_report_warns_of_narrow_top_lands() -> None:
     thin = changed(r"^thickness_factor = .*$", "thickness_factor = 0.75")
     warnings = design_case(parse_design(thin))[1].warnings
@@ -116,6 +121,7 @@ def test_report_gives_every_setting_its_unit(name: str, unit: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick(1)
 def test_gear_tooth_has_the_thickness_of_the_blank(name: str) -> None:
     """At the mean point, from the azimuths of the two flanks of the tooth body."""
     case, report = made(name)
@@ -170,9 +176,9 @@ def test_a_design_that_is_not_there_lists_the_shipped_ones() -> None:
 
 
 def test_command_writes_a_case_and_reports(tmp_path: Path) -> None:
-    outcome = CliRunner().invoke(main, ["design", "fm-11x41", "-o", str(tmp_path / "case.toml"), "--report"])
+    outcome = CliRunner().invoke(main, ["design", "fh-12x41-45", "-o", str(tmp_path / "case.toml"), "--report"])
     assert outcome.exit_code == 0, outcome.output
-    assert read_case(tmp_path / "case.toml").model_dump() == made("fm-11x41")[0].model_dump()
+    assert read_case(tmp_path / "case.toml").model_dump() == made("fh-12x41-45")[0].model_dump()
     for word in ("Drive side", "Coast side", "mean spiral angle", "modified_roll_2c", "um"):
         assert word in outcome.output
     assert [p.name for p in tmp_path.iterdir()] == ["case.toml"]
@@ -187,6 +193,7 @@ def test_command_leaves_nothing_behind_after_a_mistake(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-design-a"])
+@pytest.mark.thorough
 def test_generated_gear_takes_the_same_target(name: str) -> None:
     """Rolled on its pitch cone it is fitted like the Formate one, and the pair is certified under load."""
     text = _text("design", name).replace("[gear]\n", '[gear]\ngeneration = "generated"\n')
@@ -199,6 +206,7 @@ def test_generated_gear_takes_the_same_target(name: str) -> None:
     assert np.all(analyze(case, torques=[200.0])["loaded"]["status"].values == 0)
 
 
+@pytest.mark.thorough
 def test_both_hands_make_the_same_pair() -> None:
     """The pinion of the other hand has the same settings, and the ease-off is the same."""
     mirrored, _ = design_case(parse_design(changed(r'"left"', '"right"')))
@@ -220,6 +228,7 @@ PRINTED: dict[str, tuple[tuple[float, float], float, float, dict[str, tuple[floa
 
 
 @pytest.mark.parametrize("name", PRINTED)
+@pytest.mark.quick(1)
 def test_printed_numbers_of_the_dissertation_come_out(name: str) -> None:
     spirals, rounding, offset, lengths = PRINTED[name]
     case, report = made(name)
@@ -238,6 +247,7 @@ def test_printed_numbers_of_the_dissertation_come_out(name: str) -> None:
 
 @pytest.mark.parametrize("side", ["drive", "coast"])
 @pytest.mark.parametrize("name", PRINTED)
+@pytest.mark.quick(1)
 def test_hobbed_gear_flanks_have_the_spiral_angle_of_the_blank(name: str, side: Any) -> None:
     """Measured on the case as read from its file, with its ten decimals."""
     gear, blank = gear_pair(read_case(name), side).gear, made(name)[1].blank
@@ -258,6 +268,7 @@ def test_designs_a_and_b_have_matched_ease_offs(side: Any) -> None:
 
 @pytest.mark.parametrize("side", ["drive", "coast"])
 @pytest.mark.parametrize("name", PRINTED)
+@pytest.mark.quick(2)
 def test_hobbed_pairs_are_certified_from_50_to_500_newton_metres(name: str, side: Any) -> None:
     """With a pattern in the middle of the flank at 50 N m that carries little at the ends of the lines."""
     case = read_case(name)

@@ -125,6 +125,7 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
         deviated_ease_off(pair, designed(pair), form="thesis")  # type: ignore[arg-type]
 
 
+@pytest.mark.thorough
 def test_the_update_errs_in_the_second_order_where_flanks_are_conjugate() -> None:
     pair = conjugate_pair()
     errors = [errors_of_the_update(pair, PINION_ERRORS, GEAR_ERRORS, factor) for factor in (1.0, 0.5, 0.25)]
@@ -135,6 +136,7 @@ def test_the_update_errs_in_the_second_order_where_flanks_are_conjugate() -> Non
 
 
 @pytest.mark.parametrize(("pinion", "gear"), [(PINION_ERRORS, GEAR_ERRORS), (worn, worn)])
+@pytest.mark.quick(1)
 def test_the_update_is_within_a_percent_on_a_real_pair(pinion: Formula, gear: Formula) -> None:
     pair = case_pair()
     gap, roll = errors_of_the_update(pair, pinion, gear, 1.0)
@@ -145,6 +147,7 @@ def test_the_update_is_within_a_percent_on_a_real_pair(pinion: Formula, gear: Fo
     assert roll < 0.05 * np.max(moved)
 
 
+@pytest.mark.thorough
 def test_what_is_of_first_order_in_the_error_is_the_lever_arm_of_the_pinion() -> None:
     """The gear's arm stands for both; with the arm of the pinion's own normal the error is of second order."""
     pair, before = case_pair(), designed(case_pair())
@@ -165,6 +168,7 @@ def test_what_is_of_first_order_in_the_error_is_the_lever_arm_of_the_pinion() ->
     assert errors[-1][0] > 2.0 * errors[-1][1]
 
 
+@pytest.mark.thorough
 def test_both_hands_and_every_kind_of_flank_deviate_alike() -> None:
     """Mirror images err alike to the last digit; coast flanks and face-hobbed ones err as little."""
     errors = {}
@@ -183,6 +187,7 @@ def test_both_hands_and_every_kind_of_flank_deviate_alike() -> None:
     assert max(roll for _, roll in errors.values()) < 2e-4
 
 
+@pytest.mark.thorough
 def test_flanks_of_several_sections_deviate_too() -> None:
     pair = case_pair()
 
@@ -220,6 +225,7 @@ def test_a_pinion_turned_as_a_whole_rolls_later_everywhere_by_its_angle() -> Non
     np.testing.assert_allclose(gap, angle / pair.assembly.ratio, rtol=1e-4)
 
 
+@pytest.mark.thorough
 def test_settings_of_a_machine_by_deviation() -> None:
     """The difference of two settings as a deviation gives the second one's ease-off: to rounding as a surface, to the
     second order by the update."""

@@ -50,6 +50,7 @@ WITH_CODE = (
     "finite_elements",
     "mixed_ehl",
 )
+QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 
 
 def text(name: str) -> str:
@@ -87,7 +88,9 @@ def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, A
     return namespace
 
 
-@pytest.mark.parametrize("name", WITH_CODE)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.thorough) for name in WITH_CODE]
+)
 def test_code_of_the_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     namespace = run(text(name), tmp_path, monkeypatch)
     if name == "contact_problems":
@@ -211,6 +214,7 @@ def test_numbers_beside_the_dissertation_are_those_of_the_program(monkeypatch: p
             assert float(printed[quantity]) == pytest.approx(float(value), rel=0.02, abs=0.15), quantity
 
 
+@pytest.mark.thorough
 def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
     """If not: run docs/make_efficiency_figures.py."""
     tables = script("efficiency_tables", monkeypatch)

@@ -68,6 +68,7 @@ def test_touching_and_rupture_neither_make_nor_lose_lubricant() -> None:
     assert seen == {State.FILM, State.RUPTURED, State.TOUCHING}
 
 
+@pytest.mark.thorough
 def test_asperities_take_the_load_as_the_film_becomes_thin() -> None:
     """From none of it to nearly all; and the friction coefficient goes to that of the boundary."""
     profiles = [generated_profile(0.4e-6, 20e-6, 3e-3, seed) for seed in (1, 2)]
@@ -101,6 +102,7 @@ def test_only_failed_steps_make_or_lose_lubricant() -> None:
     assert fast.leakage < 1e-9
 
 
+@pytest.mark.thorough
 def test_slow_surfaces_start_from_films_that_touch_or_from_faster_ones() -> None:
     """Where the smooth film would be thinner than the layers on the surfaces, and thinner than the grid can tell."""
     oil = Oil(0.0208, 11.4e-9)
@@ -111,6 +113,7 @@ def test_slow_surfaces_start_from_films_that_touch_or_from_faster_ones() -> None
         assert start.film.min() > 0.999 * TOUCHING_FILM
 
 
+@pytest.mark.thorough
 def test_rough_film_depends_neither_on_the_grid_nor_on_the_order() -> None:
     """Lambda ratio 0.3: what the flow carries along is neither smeared nor made to ripple."""
     contact = LubricatedContact(0.7e9, 0.02, 2.0, Oil(0.0106, 9.7e-9), slide_to_roll=0.45)

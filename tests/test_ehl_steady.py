@@ -122,6 +122,7 @@ def test_minimum_film_is_that_of_pan_and_hamrock_over_a_range() -> None:
     [(0.45, 1.714, (-0.128, 0.694, 0.568)), (1.0, 2.65, (-0.13, 0.70, 0.54))],
     ids=["Pan and Hamrock", "Dowson and Higginson"],
 )
+@pytest.mark.quick(1)
 def test_smallest_film_depends_on_load_speed_and_material_as_published(
     exponent: float, factor: float, powers: tuple[float, float, float]
 ) -> None:
@@ -154,6 +155,7 @@ def test_oil_of_exponent_one_is_exponential_and_makes_thicker_films() -> None:
 @pytest.mark.parametrize(
     ("load", "speed", "material"), [(1.3e-4, 1e-11, 5007.0), (2e-5, 1e-11, 5007.0), (1.3e-4, 1e-11, 10010.0)]
 )
+@pytest.mark.quick(1)
 def test_film_is_that_of_a_second_solver(load: float, speed: float, material: float) -> None:
     """Also where the formula of Pan and Hamrock gives 15 % less: the last."""
     film = smooth_film(by_groups(load, speed, material), nodes=1025)
@@ -258,6 +260,7 @@ def test_no_negative_film_is_certified(span: tuple[float, float] | None) -> None
     assert film.status == Status.NOT_CERTIFIED
 
 
+@pytest.mark.thorough
 def test_grid_is_refined_until_it_resolves_the_film() -> None:
     """Below a resolution of one a film may be far off although every equation of its grid holds."""
     for velocity, nodes in ((1.0, 513), (3e-3, 1025), (1e-3, 4097)):

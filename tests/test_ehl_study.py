@@ -82,6 +82,7 @@ def test_case_of_the_study_has_its_numbers_and_a_lambda_ratio(model: Literal["lo
 
 
 @pytest.mark.parametrize("model", ["load_sharing", "passage"])
+@pytest.mark.quick(1)
 def test_friction_rises_as_the_lambda_ratio_falls(model: Literal["load_sharing", "passage"]) -> None:
     """The published trend of Stribeck, with speed as well as with roughness."""
     coarse = Resolution(model=model, fewest=97, travel=6.0)

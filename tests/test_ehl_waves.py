@@ -59,11 +59,13 @@ def published(contact: LubricatedContact, wavelength: float) -> float:
 
 
 @pytest.mark.parametrize(("load", "viscous", "wavelength"), [(60, 8, 1.0), (20, 14, 1.0), (60, 8, 0.5)])
+@pytest.mark.quick(1)
 def test_amplitude_of_waves_is_reduced_as_published(load: float, viscous: float, wavelength: float) -> None:
     contact = by_moes(load, viscous)
     assert amplitude_ratio(contact, wavelength, 257) == pytest.approx(published(contact, wavelength), abs=0.035)
 
 
+@pytest.mark.thorough
 def test_reduction_does_not_depend_on_the_amplitude_and_long_waves_vanish() -> None:
     contact = by_moes(60, 8)
     small, large = (amplitude_ratio(contact, 1.0, 129, relative) for relative in (0.02, 0.3))

@@ -196,6 +196,7 @@ def test_what_cannot_be_told_is_asked_for_by_name(
         read_problems(foreign(dense(), tmp_path, change))
 
 
+@pytest.mark.thorough
 def test_thousands_of_problems_stay_exact_in_one_file(tmp_path: Path) -> None:
     written = [problem for name in ("realistic", "random_dense") for problem in problems(name, 1000)]
     start = time.process_time()

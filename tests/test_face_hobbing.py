@@ -150,6 +150,7 @@ def test_hobbed_pair_goes_through_the_whole_analysis() -> None:
     assert np.all(np.diff(loaded["mean_level"].values) > 0.0)
 
 
+@pytest.mark.thorough
 def test_undercut_does_not_disturb_the_rest_of_the_flank() -> None:
     """A quarter of this pinion cannot be cut, and curvatures grow without limit towards it: the error stays right."""
     pair = hobbed_pair("left")

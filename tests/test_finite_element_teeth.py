@@ -68,6 +68,7 @@ def kernel() -> Array:
 
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
 @pytest.mark.parametrize("member", ["pinion", "gear"])
+@pytest.mark.quick(2)
 def test_lattice_fills_the_generated_tooth(name: str, member: str) -> None:
     """Every brick is right way round, of every shipped pair and hand; the loaded side is the generated flank."""
     own = pair(name)
@@ -189,6 +190,7 @@ def test_root_stress_balances_the_bending_moment() -> None:
     assert abs(root.lengthwise[stress[:, 2].argmax()] - 0.5) < 0.15
 
 
+@pytest.mark.thorough
 def test_compliance_settles_as_the_bricks_get_smaller() -> None:
     """Differences to the finest of three lattices shrink at least with the first power of the bricks' size."""
     gauss, weights = np.polynomial.legendre.leggauss(3)

@@ -111,6 +111,7 @@ GENERATED = {**PERTURBED, "radial_distance": 0.1, "ratio_of_roll": 0.002}
 
 @pytest.mark.parametrize("case", ["fm-11x41", "fh-12x41-45", "nasa-12x36"])
 @pytest.mark.parametrize("name", ["pinion", "gear"])
+@pytest.mark.quick(2)
 def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) -> None:
     """Cut with wrong settings, measure, correct, cut with the same wrong settings and the correction, measure."""
     designed = member(case, name)
@@ -130,6 +131,7 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
     ("case", "flank", "name"),
     [("fh-design-a", "coast", "pinion"), ("nasa-12x36", "coast", "gear"), ("fh-design-b", "drive", "gear")],
 )
+@pytest.mark.quick(1)
 def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any, name: str) -> None:
     """A tenth of a millimetre off at first, a few hundredths of that after one pass, next to nothing after another."""
     designed = named_member(gear_pair(easeoff.read_case(case), flank), name)

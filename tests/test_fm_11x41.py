@@ -50,6 +50,7 @@ def test_ease_off_is_the_target_within_the_fit(case: Case) -> None:
     assert np.sqrt(np.mean(left**2)) < 1.5e-3
 
 
+@pytest.mark.thorough
 def test_teeth_have_the_thickness_of_the_blank(case: Case) -> None:
     """Mean normal thickness from the generated flanks against ISO 23509, at pitch height."""
     blank = fm_11x41.rebuild()[1].blank
@@ -131,6 +132,7 @@ def test_other_misalignments_move_the_pattern_as_the_dissertation_says() -> None
 
 
 @pytest.mark.parametrize("what", ["segments_per_line", "lengthwise_modes"])
+@pytest.mark.quick(1)
 def test_defaults_are_converged_within_one_percent(case: Case, what: str) -> None:
     """Error and greatest pressure against a much finer discretisation."""
     table, fine = ("contact", 93) if what == "segments_per_line" else ("compliance", 25)

@@ -58,6 +58,7 @@ def test_other_names_are_refused(name: str) -> None:
         scale_of(name)
 
 
+@pytest.mark.thorough
 def test_curved_blade_gives_profile_crowning_that_a_straight_one_cannot() -> None:
     """A hollow blade crowns the pinion; its curvature is near that of the wanted parabola over the flank's depth."""
     pair, target = conjugate_pair(), EaseOffTarget(profile_crowning=0.02)

@@ -53,6 +53,7 @@ def test_rule_for_ties_breaks_a_cycle(monkeypatch: pytest.MonkeyPatch) -> None:
     assert lemke(matrix, vector, 1000).ended == "pivot limit"
 
 
+@pytest.mark.thorough
 def test_semidefinite_problems_full_of_ties_all_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skew matrices of small integers with one right side in all rows; without the rule some go round for ever."""
 

@@ -11,6 +11,8 @@ from easeoff.contact import ContactProblem, Status, solve
 from easeoff.contact.solvers import SOLVERS
 from easeoff.study.library import entries, generate, reference_answers
 
+pytestmark = pytest.mark.thorough  # every backend on all problems
+
 ANSWERS = reference_answers()
 #: Larger ones take those backends seconds each that have no use for the structure; `docs/make_agreement.py` has them.
 LARGEST_DENSE = 500

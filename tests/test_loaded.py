@@ -75,6 +75,7 @@ def test_hertz_pressure_follows_from_force_length_and_radius(loaded: xr.Dataset)
     np.testing.assert_allclose(loaded["pressure"].values[carrying], expected[carrying], rtol=1e-9)
 
 
+@pytest.mark.thorough
 def test_all_solvers_agree() -> None:
     """Every installed solver gives the native transmission error within 1e-6 relative, certified by us."""
     case = small(mesh_positions=3)
@@ -93,6 +94,7 @@ def test_coast_side_runs_from_the_case_alone() -> None:
     assert tree.attrs["flank"] == "coast"
 
 
+@pytest.mark.thorough
 def test_error_converges_with_the_number_of_segments() -> None:
     """First to second order; the default of 31 is within half a percent of the converged error."""
     results = {}

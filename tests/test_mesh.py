@@ -6,10 +6,10 @@ import math
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from mesh_reader import read_mesh
 from numpy.typing import NDArray
 
 from easeoff.cases import gear_pair, read_case
@@ -115,8 +115,8 @@ def directed_edges(cells: Array) -> Array:
 def test_closed_body_has_its_volume(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"ring{suffix}"
     write_mesh(ring_segment(41), path)
-    found = meshio.read(path)
-    triangles = found.cells[0].data if suffix == ".stl" else halves(found.cells[0].data)
+    found = read_mesh(path)
+    triangles = found.cells if suffix == ".stl" else halves(found.cells)
     exact = 0.5 * math.pi / 6 * (12.0**2 - 10.0**2) * 3.0
     # Chords of the circles: the error is (angle between the nodes)^2 / 6.
     assert volume(found.points, triangles) == pytest.approx(exact, rel=(math.pi / 6 / 42) ** 2 / 5)
@@ -127,9 +127,9 @@ def test_closed_body_has_its_volume(suffix: str, tmp_path: Path) -> None:
 def test_patches_are_turned_to_agree_with_the_first(flipped: tuple[str, ...], tmp_path: Path) -> None:
     patches = {name: points[:, ::-1] if name in flipped else points for name, points in ring_segment().items()}
     write_mesh(patches, tmp_path / "ring.vtu")
-    found = meshio.read(tmp_path / "ring.vtu")
-    assert volume(found.points, halves(found.cells[0].data)) > 0.0
-    edges = directed_edges(found.cells[0].data)
+    found = read_mesh(tmp_path / "ring.vtu")
+    assert volume(found.points, halves(found.cells)) > 0.0
+    edges = directed_edges(found.cells)
     # Closed and consistent: every edge is passed once in each direction.
     assert len(np.unique(edges, axis=0)) == len(edges)
     assert {tuple(edge) for edge in edges.tolist()} == {tuple(edge[::-1]) for edge in edges.tolist()}
@@ -139,28 +139,35 @@ def test_members_close_where_their_teeth_meet(tmp_path: Path) -> None:
     """Twelve segments of 30 degrees are a whole ring; the borders between them fall together."""
     segment = {name: points for name, points in ring_segment().items() if name not in ("start", "end")}
     write_mesh(segment, tmp_path / "ring.vtu", teeth=12)
-    found = meshio.read(tmp_path / "ring.vtu")
-    cells = found.cells[0].data
+    found = read_mesh(tmp_path / "ring.vtu")
+    cells = found.cells
     edges = directed_edges(cells)
     assert {tuple(edge) for edge in edges.tolist()} == {tuple(edge[::-1]) for edge in edges.tolist()}
     assert volume(found.points, halves(cells)) == pytest.approx(math.pi * 44.0 * 3.0, rel=1e-3)
-    assert np.bincount(found.cell_data["tooth"][0]).tolist() == [len(cells) // 12] * 12
+    assert np.bincount(found.data["tooth"]).tolist() == [len(cells) // 12] * 12
 
 
 def test_cells_know_their_patch(tmp_path: Path) -> None:
     patches = ring_segment()
     for suffix in (".vtk", ".vtu"):
         write_mesh(patches, tmp_path / f"x{suffix}", teeth=2, pitch=1.0)
-        found = meshio.read(tmp_path / f"x{suffix}")
-        number, tooth = found.cell_data["patch"][0], found.cell_data["tooth"][0]
-        middle = found.points[found.cells[0].data].mean(axis=1)
+        found = read_mesh(tmp_path / f"x{suffix}")
+        number, tooth = found.data["patch"], found.data["tooth"]
+        middle = found.points[found.cells].mean(axis=1)
         outer = number == list(patches).index("outer")
         np.testing.assert_allclose(np.hypot(middle[outer, 0], middle[outer, 1]), 12.0, atol=0.01)
-        assert np.array_equal(found.cell_data["outer"][0] == 1, outer)
+        assert np.array_equal(found.data["outer"] == 1, outer)
         angle = np.arctan2(middle[:, 1], middle[:, 0])
         for which in (0, 1):
             assert angle[tooth == which].min() == pytest.approx(which)
             assert angle[tooth == which].max() == pytest.approx(which + math.pi / 6)
+
+
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu"])
+def test_a_patch_may_have_any_name(suffix: str, tmp_path: Path) -> None:
+    name = 'left & "right" <flank>, 50 %'
+    write_mesh({name: ring_segment()["outer"]}, tmp_path / f"x{suffix}")
+    assert list(read_mesh(tmp_path / f"x{suffix}").data) == ["patch", "tooth", name]
 
 
 def test_border_without_length_makes_no_empty_triangle(tmp_path: Path) -> None:
@@ -168,8 +175,8 @@ def test_border_without_length_makes_no_empty_triangle(tmp_path: Path) -> None:
     radius, angle = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 2.0 * math.pi, 33)
     disc = np.stack([np.outer(radius, np.cos(angle)), np.outer(radius, np.sin(angle)), np.zeros((5, 33))], axis=-1)
     write_mesh({"disc": disc}, tmp_path / "disc.stl")
-    found = meshio.read(tmp_path / "disc.stl")
-    a, b, c = found.points[found.cells[0].data].transpose(1, 0, 2)
+    found = read_mesh(tmp_path / "disc.stl")
+    a, b, c = found.points[found.cells].transpose(1, 0, 2)
     area = 0.5 * np.cross(b - a, c - a)
     assert np.all(area[:, 2] > 1e-4)
     assert area[:, 2].sum() == pytest.approx(16.0 * math.sin(2.0 * math.pi / 32), rel=1e-6)
@@ -180,8 +187,8 @@ def test_border_without_length_makes_no_empty_triangle(tmp_path: Path) -> None:
 def test_tooth_between_its_flanks_has_its_volume(name: str, tmp_path: Path) -> None:
     closed, exact = closed_tooth(gear_pair(read_case("nasa-12x36")), name, (41, 21))
     write_mesh(closed, tmp_path / "tooth.stl")
-    found = meshio.read(tmp_path / "tooth.stl")
-    assert volume(found.points.astype(float), found.cells[0].data) == pytest.approx(exact, rel=1e-3)
+    found = read_mesh(tmp_path / "tooth.stl")
+    assert volume(found.points.astype(float), found.cells) == pytest.approx(exact, rel=1e-3)
 
 
 def test_points_fall_together_within_rounding_only() -> None:
@@ -197,8 +204,8 @@ def test_flanks_look_out_of_the_tooth(pair: GearPair, name: str, tmp_path: Path)
     """Triangles against the exact normals of the flanks at their middles."""
     patches = tooth_patches(pair, name, (31, 15))
     write_mesh({key: points for key, points in patches.items() if key.endswith("flank")}, tmp_path / "x.stl")
-    found = meshio.read(tmp_path / "x.stl")
-    a, b, c = found.points[found.cells[0].data].transpose(1, 0, 2)
+    found = read_mesh(tmp_path / "x.stl")
+    a, b, c = found.points[found.cells].transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     middle = (a + b + c) / 3.0
@@ -222,10 +229,10 @@ def test_flanks_of_the_whole_member_turn_by_its_pitch(pair: GearPair, tmp_path: 
     )
     assert done.exit_code == 0, done.output
     assert "11 of 11 teeth of the pinion: convex_flank, convex_fillet, convex_root_land" in done.output
-    found = meshio.read(tmp_path / "x.vtu")
+    found = read_mesh(tmp_path / "x.vtu")
     first = tooth_patches(pair, "pinion", (9, 7))["convex_flank"].reshape(-1, 3)
-    chosen = found.cell_data["convex_flank"][0] == 1
-    tooth, cells = found.cell_data["tooth"][0][chosen], found.cells[0].data[chosen]
+    chosen = found.data["convex_flank"] == 1
+    tooth, cells = found.data["tooth"][chosen], found.cells[chosen]
     for number in range(11):
         points = found.points[np.unique(cells[tooth == number])]
         turned = 2.0 * math.pi * number / 11
@@ -277,8 +284,8 @@ def test_whole_member_is_one_surface(name: str, tmp_path: Path) -> None:
     """Flanks, fillets and lands of all teeth share their borders: only the toe and the heel are open."""
     pair = gear_pair(read_case("nasa-12x36"))
     write_mesh(tooth_patches(pair, name, (9, 7)), tmp_path / "x.vtu", teeth=getattr(pair, name).teeth)
-    found = meshio.read(tmp_path / "x.vtu")
-    edges = directed_edges(found.cells[0].data)
+    found = read_mesh(tmp_path / "x.vtu")
+    edges = directed_edges(found.cells)
     both = {tuple(edge) for edge in edges.tolist()}
     open_ends = np.unique([edge for edge in both if edge[::-1] not in both])
     section = getattr(pair, name).section

@@ -95,6 +95,7 @@ def differences(one: dict[str, xr.Dataset], two: dict[str, xr.Dataset]) -> dict[
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 @pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.quick(3)
 def test_mirror_image_gives_the_same_results_from_flank_to_pressure(name: str, flank: FlankName) -> None:
     pair = named(name, flank).misaligned(ERRORS)
     one, two = analysed(pair), analysed(mirrored(pair))

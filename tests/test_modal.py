@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from easeoff.cases import read_case
@@ -121,7 +121,6 @@ def test_modal_method_agrees_with_the_dense_one(name: str, path: str) -> None:
         assert rotation < 1e-13
 
 
-@settings(deadline=None, max_examples=60)
 @given(st.sampled_from(MODAL_CLASSES), st.integers(0, 10**6), st.floats(-2.0, 2.0))
 def test_modal_method_proves_any_load(name: str, seed: int, decades: float) -> None:
     problem = next(problems(name, 1, seed))

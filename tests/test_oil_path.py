@@ -126,7 +126,7 @@ def test_names_and_absolute_paths_are_written_as_they_are(case: Path, oil: str) 
 
 
 def test_a_design_hands_its_oil_on(case: Path) -> None:
-    text = (Path(easeoff.__file__).parent / "cases" / "designs" / "fm-11x41.toml").read_text(encoding="utf-8")
+    text = (Path(easeoff.__file__).parent / "cases" / "designs" / "fh-12x41-45.toml").read_text(encoding="utf-8")
     design = case.with_name("design.toml")
     design.write_text(text + TABLE, encoding="utf-8")
     assert oil_of(read_design(design).friction) == "mine"

@@ -163,6 +163,7 @@ def least_peak(bed: Bed, goal: Goal) -> float:
 
 
 @pytest.mark.parametrize(("seed", "reached"), [(0, True), (1, False), (2, True), (4, True)])
+@pytest.mark.quick(1)
 def test_search_never_beats_the_global_optimum_and_often_reaches_it(seed: int, reached: bool) -> None:
     """A mixed-integer programme gives the true optimum of a small case by another path, without any active set.
 

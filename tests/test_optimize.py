@@ -47,6 +47,7 @@ def line_load(tree: xr.DataTree) -> Any:
 
 
 @pytest.mark.parametrize("objective", ["peak_load", "peak_pressure", "even_load"])
+@pytest.mark.quick(1)
 def test_figures_are_those_of_ordinary_analyses(objective: str) -> None:
     tree = optimized(objective)
     record = tree["optimization"].isel(assembly=0)
@@ -82,6 +83,7 @@ def test_every_torque_gains_and_no_edge_loses(objective: str, name: str) -> None
     assert last["promised_objective"].item() == pytest.approx(last["fresh_objective"].item(), rel=2e-3)
 
 
+@pytest.mark.thorough
 def test_limit_of_transmission_error_is_kept_and_costs_load() -> None:
     free = optimized()["optimization"].sel(stage="after")
     limit = 0.85 * free["peak_to_peak"].max().item()
@@ -90,6 +92,7 @@ def test_limit_of_transmission_error_is_kept_and_costs_load() -> None:
     assert tight["max_line_load"].sum() > free["max_line_load"].sum()
 
 
+@pytest.mark.thorough
 def test_further_assembly_counts_as_much_as_the_own_one() -> None:
     tree = optimized(misalignments=(AWAY,))
     record = tree["optimization"].to_dataset()

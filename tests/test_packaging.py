@@ -1,4 +1,4 @@
-"""The package as it ships: every folder with code is listed, every docstring example works."""
+"""The package as it ships: public names are there, every docstring example works, messages name commands that run."""
 
 from __future__ import annotations
 
@@ -6,27 +6,20 @@ import doctest
 import importlib
 import importlib.util
 import pkgutil
-import tomllib
+import shlex
+import subprocess
 from pathlib import Path
 
+import pytest
+
 import easeoff
+from easeoff.core.errors import how_to_install
 
-ROOT = Path(__file__).parents[1]
-CODE = ("geometry", "contact", "friction", "cases", "study", "core", "verification")
-
-
-def test_every_folder_with_code_is_listed_as_a_package() -> None:
-    """A sub-package missing from the list works in a checkout and is absent from the wheel."""
-    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
-    folders = {"easeoff"}
-    for part in CODE:
-        for file in (ROOT / part).rglob("*.py"):
-            folders.add("easeoff." + ".".join(file.parent.relative_to(ROOT).parts))
-    assert folders == set(listed)
+PACKAGE = Path(easeoff.__file__).parent
 
 
 def test_only_the_package_file_stands_at_the_root() -> None:
-    assert [p.name for p in ROOT.glob("*.py")] == ["__init__.py"]
+    assert [p.name for p in PACKAGE.glob("*.py")] == ["__init__.py"]
 
 
 NEEDS = {"easeoff.contact.solvers.modal_kernel": "numba"}  # modules that only an optional package lets in
@@ -34,19 +27,33 @@ NEEDS = {"easeoff.contact.solvers.modal_kernel": "numba"}  # modules that only a
 
 def test_examples_in_docstrings_work() -> None:
     tried = 0
-    for part in CODE:
-        if not (ROOT / part).exists():
+    for name in ["easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."))]:
+        if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
             continue
-        package = importlib.import_module(f"easeoff.{part}")
-        for found in pkgutil.walk_packages(package.__path__, f"easeoff.{part}."):
-            if found.name in NEEDS and importlib.util.find_spec(NEEDS[found.name]) is None:
-                continue
-            outcome = doctest.testmod(importlib.import_module(found.name))
-            assert outcome.failed == 0, found.name
-            tried += outcome.attempted
+        outcome = doctest.testmod(importlib.import_module(name))
+        assert outcome.failed == 0, name
+        tried += outcome.attempted
     assert tried > 3
 
 
 def test_public_names_are_there() -> None:
     for name in easeoff.__all__:
         assert getattr(easeoff, name) is not None
+
+
+@pytest.mark.parametrize("pip", [True, False])
+def test_message_names_a_command_that_runs_here(pip: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether or not the environment has pip, is activated, or is the working folder."""
+    if importlib.util.find_spec("pip") is None and pip:
+        pytest.skip("this environment has no pip")
+    real = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pip" and not pip else real(name))
+    said, command = how_to_install("easeoff[cad]").split(" installs it: ")
+    assert said == "easeoff[cad]"
+    words = shlex.split(command)
+    runs, what = words[: words.index("install")], words[words.index("install") + 1 :]
+    root = Path(easeoff.__file__).resolve().parent
+    assert what == (["-e", f"{root}[cad]"] if (root / "pyproject.toml").exists() else ["easeoff[cad]"])
+    found = subprocess.run([*runs, "--version"], capture_output=True, text=True, cwd="/", check=True)
+    assert found.stdout.startswith("pip ")
+    assert how_to_install("osqp").endswith(" install osqp")

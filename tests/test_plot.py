@@ -109,6 +109,7 @@ def test_a_result_with_friction_has_two_pictures_more(lubricated: xr.DataTree, t
 
 
 @pytest.mark.parametrize("missing", [[3, 4, 20], list(range(32))])
+@pytest.mark.thorough
 def test_friction_of_uncertified_positions_leaves_gaps(
     lubricated: xr.DataTree, tmp_path: Path, missing: list[int]
 ) -> None:
@@ -118,6 +119,7 @@ def test_friction_of_uncertified_positions_leaves_gaps(
     assert len(write_pictures(gaps, tmp_path)) == len(PICTURES) + 2
 
 
+@pytest.mark.thorough
 def test_friction_without_fields_can_be_drawn(lubricated: xr.DataTree, tmp_path: Path) -> None:
     lean = changed(lubricated, "friction", lambda _: friction(lubricated, Operation(1500.0), segment_fields=False))
     assert len(write_pictures(lean, tmp_path)) == len(PICTURES) + 2
@@ -158,6 +160,7 @@ def test_loaded_map_holds_every_loaded_segment(lubricated: xr.DataTree) -> None:
 # --- the files
 
 
+@pytest.mark.quick(1)
 def test_every_picture_is_written_and_shows_something(tree: xr.DataTree, tmp_path: Path) -> None:
     folder = tmp_path / "new" / "pictures"
     written = write_pictures(tree, folder)
@@ -173,10 +176,12 @@ def test_every_picture_is_written_and_shows_something(tree: xr.DataTree, tmp_pat
 
 
 @pytest.mark.parametrize("missing", [[3, 4, 20], list(range(32))])
+@pytest.mark.thorough
 def test_uncertified_positions_leave_gaps(drive: xr.DataTree, tmp_path: Path, missing: list[int]) -> None:
     assert len(write_pictures(changed(drive, "loaded", lambda ds: without(ds, missing)), tmp_path)) == len(PICTURES)
 
 
+@pytest.mark.thorough
 def test_missing_values_of_the_unloaded_contact_leave_gaps(drive: xr.DataTree, tmp_path: Path) -> None:
     def hole(dataset: xr.Dataset) -> xr.Dataset:
         return dataset.where(~dataset["mesh_position"].isin(dataset["mesh_position"][10:14])).assign(
@@ -188,6 +193,7 @@ def test_missing_values_of_the_unloaded_contact_leave_gaps(drive: xr.DataTree, t
     assert len(write_pictures(nothing, tmp_path)) == len(PICTURES)
 
 
+@pytest.mark.thorough
 def test_a_hundred_torques_can_be_drawn(drive: xr.DataTree, tmp_path: Path) -> None:
     many = changed(drive, "loaded", lambda ds: ds.isel(torque=[1] * 100))
     assert len(write_pictures(many, tmp_path)) == len(PICTURES)

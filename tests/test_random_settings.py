@@ -177,8 +177,11 @@ def outcome(pair: GearPair, *, teeth: bool) -> str:
 
 
 @pytest.mark.parametrize("seed", range(BATCHES))
-def test_random_settings_give_a_message_or_a_sound_flank(seed: int) -> None:
-    rng = np.random.default_rng(seed)
+@pytest.mark.quick(2)
+@pytest.mark.random
+def test_random_settings_give_a_message_or_a_sound_flank(seed: int, request: pytest.FixtureRequest) -> None:
+    other = request.config.getoption("hypothesis_seed")  # of `make random`
+    rng = np.random.default_rng(seed if other is None else [seed, int(other)])
     outcomes = []
     with warnings.catch_warnings():
         warnings.simplefilter("error")

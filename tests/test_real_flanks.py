@@ -90,6 +90,7 @@ def test_worn_flanks_lower_both_errors_and_relieve_the_edge() -> None:
     assert lengths[1] > 1.05 * lengths[0]
 
 
+@pytest.mark.thorough
 def test_the_measured_deviation_raises_both_errors_and_moves_the_contact_to_the_heel() -> None:
     """Table 4.4: 36.9 to 61.5 and 23.9 to 29.8 urad; figures 4.11, 4.12 and 4.14."""
     unloaded, loaded = growth("measured")
@@ -102,6 +103,7 @@ def test_the_measured_deviation_raises_both_errors_and_moves_the_contact_to_the_
     assert peaks[1] == pytest.approx(peaks[0], rel=0.1)
 
 
+@pytest.mark.thorough
 def test_the_measured_deviations_compensate_one_another() -> None:
     """Figure 4.11: either alone changes the ease-off more than both together do."""
     case = CASES["measured"]
@@ -113,6 +115,7 @@ def test_the_measured_deviations_compensate_one_another() -> None:
     assert changes[2] < 0.7 * min(changes[:2])
 
 
+@pytest.mark.thorough
 def test_the_update_stands_up_to_the_surfaces_on_both_examples() -> None:
     for example, case in CASES.items():
         files: Any = {m: f"{case}-{example}-{m}" for m in ("pinion", "gear")}

@@ -71,7 +71,7 @@ def close(one: Any, two: Any) -> None:
         assert one == two
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(cases())
 def test_any_geometry_survives(tmp_path: Path, case: Case) -> None:
     write_rexs(case, tmp_path / "case.rexs")

@@ -42,6 +42,7 @@ def noisy(member: str, size: tuple[int, int], noise: float = NOISE) -> xr.Datase
 @pytest.mark.parametrize(
     ("member", "size"), [("pinion", (5, 9)), ("pinion", (15, 25)), ("gear", (5, 9)), ("gear", (15, 25))]
 )
+@pytest.mark.quick(1)
 def test_noise_is_refused_or_harmless_never_wrong(member: str, size: tuple[int, int]) -> None:
     """Either the update and the flanks themselves agree, or both are refused and say of which member and what to do."""
     deviations = {member: noisy(member, size)}

@@ -165,6 +165,7 @@ def test_a_tooth_turned_inside_out_is_refused() -> None:
 
 
 @pytest.mark.parametrize(("name", "member"), TEETH)
+@pytest.mark.quick(1)
 def test_solid_shell_against_finite_elements(name: str, member: str) -> None:
     """Free edge within 3 %, matrix and uniform load within 5 % of the finest lattices of benchmarks/finite_elements.py.
 
@@ -217,6 +218,7 @@ def changed(**compliance: Any) -> Case:
     )
 
 
+@pytest.mark.thorough
 def test_kept_on_disk_and_each_member_with_its_own_depth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
     pair = gear_pair(read_case("fm-11x41"))

@@ -69,6 +69,7 @@ def test_raw_units_mislead_where_scaled_ones_do_not() -> None:
     assert {("osqp", True)} <= set(misled)
 
 
+@pytest.mark.thorough
 def test_raw_units_that_bring_a_process_down_do_no_harm_when_scaled() -> None:
     """HiGHS goes round in circles, or writes where it must not: in a process of its own."""
     installed("highs")

@@ -112,6 +112,7 @@ def test_crossing_of_adjacent_pairs_is_the_largest_error(conjugate: tuple[GearPa
     assert set(result["carrying_pair"].values.tolist()) <= {-1, 0}
 
 
+@pytest.mark.thorough
 def test_error_converges_with_the_grid(nasa: tuple[GearPair, PairGeometry]) -> None:
     """Between grids the error shrinks by far more than the fourth order; the default is within 0.1 %."""
     pair, _ = nasa

@@ -107,6 +107,7 @@ def test_removed_volume_is_the_integral_of_the_depth() -> None:
     np.testing.assert_allclose(removed[:, 1], removed[:, 0] * 11 / 41, rtol=1e-12)
 
 
+@pytest.mark.thorough
 def test_halving_the_step_halves_the_error() -> None:
     """First order: successive differences of the depth at the same revolutions halve."""
     depths = [worn(step)["wear_depth"].values[-1] for step in (2.0, 1.0, 0.5)]
@@ -121,6 +122,7 @@ def test_halving_the_step_halves_the_error() -> None:
         assert history.attrs["completed"] == 1
 
 
+@pytest.mark.thorough
 def test_wear_begins_in_proportion_to_the_coefficient() -> None:
     """Twice the coefficient for half the revolutions is the same, lapping or not; none wears nothing."""
     first = wear(small_case(), WearLaw(1e-12, 2e-12, 1e6, 5.0), torque=200.0)
@@ -131,6 +133,7 @@ def test_wear_begins_in_proportion_to_the_coefficient() -> None:
     assert np.all(still["wear_depth"].values == 0.0)
 
 
+@pytest.mark.thorough
 def test_a_run_goes_on_from_where_another_ended() -> None:
     """As lapping does from one position to the next: the deviations left are those to start from."""
     law = WearLaw(1e-12, 1e-12, 4e6, 10.0)

@@ -26,6 +26,7 @@ from easeoff.study.wear import WearLaw, wear
 LAW = WearLaw(1e-12, 1e-12, 4e6, 10.0)
 
 
+@pytest.mark.thorough
 def test_a_duty_cycle_wears_as_its_torques_do_by_turns() -> None:
     """In one step the depth is the sum of what the torques take off, each for its revolutions."""
     together = wear(small_case(), LAW, torque={100.0: 0.7, 300.0: 0.3})
@@ -73,6 +74,7 @@ def lapped() -> tuple[list[xr.Dataset], list[Misalignment]]:
     return histories, positions
 
 
+@pytest.mark.thorough
 def test_lapping_in_displaced_positions_extends_the_pattern_there() -> None:
     histories, positions = lapped()
     left = left_by(histories[-1])
@@ -146,6 +148,7 @@ def test_mistakes_on_the_command_line_are_named(options: list[str], message: str
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.thorough
 def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -7,13 +7,11 @@ from pathlib import Path
 
 import pytest
 from case_strategies import cases
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from easeoff.cases import Case, case_toml, parse_case, read_case, shipped_cases, write_case
 from easeoff.core.errors import InputError
-
-calm = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.mark.parametrize("name", shipped_cases())
@@ -22,7 +20,6 @@ def test_shipped_cases_survive(name: str) -> None:
     assert parse_case(case_toml(case)).model_dump() == case.model_dump()
 
 
-@calm
 @given(cases())
 def test_any_case_survives(case: Case) -> None:
     text = case_toml(case)
@@ -43,7 +40,6 @@ def test_only_what_says_something_is_written_and_in_the_order_of_the_schema() ->
 
 
 @given(st.text(max_size=80))
-@settings(max_examples=100, deadline=None)
 def test_a_comment_stays_a_comment(comment: str) -> None:
     case = read_case("nasa-12x36")
     text = case_toml(case, comment)

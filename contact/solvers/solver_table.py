@@ -107,7 +107,7 @@ SOLVERS: dict[str, SolverSettings] = {
     ),
     "daqp": SolverSettings(
         "daqp",
-        "daqp",
+        _EXTRA,
         "MIT",
         "dual active set, dense",
         tolerance=1e-6,
@@ -116,7 +116,7 @@ SOLVERS: dict[str, SolverSettings] = {
     ),
     "piqp": SolverSettings(
         "piqp",
-        "piqp",
+        _EXTRA,
         "BSD-2-Clause",
         "proximal interior point, dense or sparse",
         tolerance=INTERIOR_POINT,

@@ -13,16 +13,12 @@ from numpy.typing import NDArray
 from ...core.errors import InputError
 from ...core.files import whole_file
 from ..vectors import rotate_z
+from .mesh_file import stl_file, vtk_file, vtu_file
 from .patches import merged, oriented, rotations
 
 Array = NDArray[Any]
 
-# Suffix: format of meshio and its options. Legacy VTK 4.2 is what every reader of VTK files knows.
-FORMATS: Mapping[str, tuple[str, dict[str, Any]]] = {
-    ".stl": ("stl", {"binary": True}),
-    ".vtk": ("vtk42", {}),
-    ".vtu": ("vtu", {}),
-}
+SUFFIXES = (".stl", ".vtk", ".vtu")
 
 
 def write_mesh(
@@ -47,22 +43,18 @@ def write_mesh(
     InputError
         If a patch is no grid of points, the suffix is another one, or the file cannot be written.
     """
-    import meshio
-
     suffix = Path(path).suffix.lower()
-    if suffix not in FORMATS:
-        raise InputError(f"{path}: meshes are written as {', '.join(FORMATS)}")
-    file_format, options = FORMATS[suffix]
+    if suffix not in SUFFIXES:
+        raise InputError(f"{path}: meshes are written as {', '.join(SUFFIXES)}")
     points, quads, patch, tooth = mesh(oriented(patches), rotations(teeth, pitch))
     if suffix == ".stl":
-        result = meshio.Mesh(points, [("triangle", triangles(points, quads))])
+        content = stl_file(points, triangles(points, quads))
     else:
-        data = {"patch": [patch], "tooth": [tooth]}
-        for index, name in enumerate(patches):
-            data[name] = [(patch == index).astype(np.int32)]
-        result = meshio.Mesh(points, [("quad", quads)], cell_data=data)
+        data = {"patch": patch, "tooth": tooth}
+        data |= {name: (patch == index).astype(np.int32) for index, name in enumerate(patches)}
+        content = (vtk_file if suffix == ".vtk" else vtu_file)(points, quads, data)
     with whole_file(path) as temporary:
-        meshio.write(temporary, result, file_format=file_format, **options)
+        temporary.write_bytes(content)
 
 
 def mesh(patches: Mapping[str, Array], angles: Array) -> tuple[Array, Array, Array, Array]:

@@ -1,0 +1,119 @@
+"""The structure of the package: folders are steps, imports run one way, names are unique, nothing is left over."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import easeoff
+
+PACKAGE = Path(easeoff.__file__).parent
+LARGEST_FOLDER = 16
+#: Each imports from those before it alone; what is not named comes after all that is.
+ORDER = {
+    "": ("core", "geometry", "contact", "friction", "cases", "study", "verification"),
+    "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
+    "contact": ("problem", "solvers", "lines", "compliance", "line_contact"),
+}
+PUBLIC = ("cases", "contact", "friction", "friction.ehl", "friction.ehl.study", "geometry", "geometry.tooth", "study")
+#: Where users come in; adapters of solvers are imported by the names of the solvers.
+ENTRIES = {"easeoff", "easeoff.study.cli", *(f"easeoff.{name}" for name in PUBLIC)}
+
+
+@cache
+def modules() -> dict[str, Path]:
+    """Every module of the package by its full name."""
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
+        if parts[0] in (*ORDER[""], "__init__"):
+            found[".".join(("easeoff", *parts)).removesuffix(".__init__")] = path
+    return found
+
+
+@cache
+def imports(name: str) -> frozenset[str]:
+    """Modules of the package that a module imports, wherever and under whatever condition it does so."""
+    path, found = modules()[name], set()
+    package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) + 1 - node.level] if node.level else []
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            within = {f"{base}.{alias.name}" for alias in node.names} & modules().keys()
+            found |= within if len(within) == len(node.names) else {base, *within}
+    return frozenset(found & modules().keys()) - {name}
+
+
+def entry(name: str, within: str) -> str | None:
+    """The module or folder in a folder of the package that a module is or is in; nothing if it is elsewhere."""
+    parts = name.split(".")[1:]
+    if within:
+        parts = parts[1:] if parts[:1] == [within] else []
+    return parts[0] if parts else None
+
+
+@pytest.mark.parametrize("within", ORDER)
+def test_folders_import_those_before_them_alone(within: str) -> None:
+    order = ORDER[within]
+    rank = {name: order.index(at) if at in order else len(order) for name in modules() if (at := entry(name, within))}
+    upward = [
+        f"{name} imports {other}" for name in rank for other in imports(name) & rank.keys() if rank[name] < rank[other]
+    ]
+    assert upward == []
+
+
+def test_modules_import_each_other_in_no_circle() -> None:
+    """Neither for types alone."""
+    try:
+        TopologicalSorter({name: imports(name) for name in modules()}).prepare()
+    except CycleError as error:
+        raise AssertionError(" <- ".join(error.args[1])) from None
+
+
+def test_no_two_modules_have_one_name() -> None:
+    names = Counter(path.stem for path in modules().values() if path.name != "__init__.py")
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_every_module_is_reached_from_an_entry_or_is_a_yardstick() -> None:
+    reached: set[str] = set()
+    waiting = ENTRIES | {name for name in modules() if name.startswith("easeoff.contact.solvers.adapters.")}
+    while waiting:
+        name = waiting.pop()
+        reached.add(name)
+        above = {".".join(name.split(".")[:n]) for n in range(1, name.count(".") + 1)}
+        waiting |= (imports(name) | above) - reached
+    left = {name for name in modules() if not name.startswith("easeoff.verification")} - reached
+    assert sorted(left) == []
+
+
+def test_folders_are_small_enough_to_be_seen_at_once() -> None:
+    entries = Counter(path.parent for path in modules().values() if path.name != "__init__.py")
+    entries.update(path.parent for path in {path.parent for path in modules().values()} - {PACKAGE})
+    assert {str(path.relative_to(PACKAGE)): count for path, count in entries.items() if count > LARGEST_FOLDER} == {}
+
+
+@pytest.mark.parametrize("name", ["tests", "docs", "benchmarks"])
+def test_what_stands_beside_the_package_is_no_part_of_it(name: str) -> None:
+    """In a checkout these folders stand in that of the package; here in a fresh process, as the first import."""
+    done = subprocess.run([sys.executable, "-c", f"import easeoff.{name}"], capture_output=True, text=True, check=False)
+    assert f"ModuleNotFoundError: No module named 'easeoff.{name}'" in done.stderr
+
+
+def test_every_folder_with_code_is_listed_as_a_package() -> None:
+    """A sub-package missing from the list works in a checkout and is absent from the wheel."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    packages = [name for name, path in modules().items() if path.name == "__init__.py"]
+    assert sorted(packages) == sorted(project["tool"]["setuptools"]["packages"])
+    assert {path.parent for path in modules().values()} == {modules()[name].parent for name in packages}
