@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
+from ..newton import cramers_rule
 from ..pair.gear_pair import GearPair, Member
 from ..vectors import dot
 from .deviation import Deviation
@@ -59,11 +60,9 @@ class DeviatedSurface(GeneratingSurface):
             tangents.append(tangent)
             stretched.append(tangent + deviation * turned)
             climbs.append(slope[0] * tangent[2] + slope[1] * radial)
-        a, b = (dot(tangents[0], stretched[k]) for k in (0, 1))
-        c, d = (dot(tangents[1], stretched[k]) for k in (0, 1))
-        determinant = a * d - b * c
-        lean = (climbs[0] * d - climbs[1] * c) / determinant * tangents[0]
-        lean = lean + (climbs[1] * a - climbs[0] * b) / determinant * tangents[1]
+        columns = ([dot(tangent, other) for other in stretched] for tangent in tangents)
+        first, second = cramers_rule(*columns, climbs)
+        lean = first * tangents[0] + second * tangents[1]
         return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), place
 
 

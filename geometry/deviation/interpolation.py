@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import NdBSpline, make_interp_spline
 
+from ..newton import cramers_rule, determinant
+
 Array = NDArray[Any]
 DEGREE = 3
 # Of the grid's size, over which these cease to change, smoothly:
@@ -141,7 +143,7 @@ class GridSpline:
         place = 0.5 + np.linalg.solve(jacobian, target - corners[0, 0, :2, None])
         for _ in range(LOCATING_STEPS):
             here = self._derivatives(place, 1)
-            step = _solved(here[1, 0, :2], here[0, 1, :2], target - here[0, 0, :2])
+            step = cramers_rule(here[1, 0, :2], here[0, 1, :2], target - here[0, 0, :2])
             place = place + step / np.maximum(1.0, np.abs(step) / 0.5)
             if np.max(np.abs(np.nan_to_num(step)), initial=0.0) < 1e-12:
                 break
@@ -155,7 +157,7 @@ class GridSpline:
         chart = self._derivatives(place, 1)
         along, up = chart[1, 0, :2], chart[0, 1, :2]
         # A last Newton step in the given numbers carries an imaginary part over to the grid coordinates.
-        shift = _solved(along, up, target - chart[0, 0, :2])
+        shift = cramers_rule(along, up, target - chart[0, 0, :2])
         grid = np.array([[0.0, 1.0], [0.0, 1.0]])
         value = self._settled(place, 2, self._bounds, TREND_FADING) + self._settled(place, 3, grid, REST_FADING)
         deviation = value[0, 0] + shift[0] * value[1, 0] + shift[1] * value[0, 1]
@@ -165,10 +167,9 @@ class GridSpline:
             bend = self._derivatives(place, 2)[:, :, :2]
             along = along + shift[0] * bend[2, 0] + shift[1] * bend[1, 1]
             up = up + shift[0] * bend[1, 1] + shift[1] * bend[0, 2]
-        determinant = along[0] * up[1] - along[1] * up[0]
-        by_axial = (slope[0] * up[1] - slope[1] * along[1]) / determinant
-        by_radial = (slope[1] * along[0] - slope[0] * up[0]) / determinant
-        return deviation.reshape(shape), np.stack([by_axial, by_radial]).reshape(2, *shape)
+        by_axial, by_radial = determinant(slope, (along[1], up[1])), -determinant(slope, (along[0], up[0]))
+        gradient = np.stack([by_axial, by_radial]) / determinant(along, up)
+        return deviation.reshape(shape), gradient.reshape(2, *shape)
 
     def _settled(self, place: Array, component: int, bounds: Array, fading: float) -> Array:
         """A component and its derivatives (3, 3, n) by grid coordinates (2, n), settling beyond bounds (2, 2)."""
@@ -200,10 +201,3 @@ def smoothed(value: Array) -> Array:
     terms = np.stack([np.multiply.outer(along**i, up**j).ravel() for i, j in orders], axis=-1)
     found, *_ = np.linalg.lstsq(terms, value.ravel(), rcond=None)
     return np.asarray((terms @ found).reshape(value.shape))
-
-
-def _solved(first: Array, second: Array, right: Array) -> Array:
-    """Solution (2, n) of first x + second y = right, columns (2, n)."""
-    determinant = first[0] * second[1] - first[1] * second[0]
-    found = np.stack([right[0] * second[1] - right[1] * second[0], first[0] * right[1] - first[1] * right[0]])
-    return np.asarray(found / determinant)

@@ -20,7 +20,7 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
 from ..flanks.flank_parts import deepest, pick
-from ..newton import NewtonResult, complex_steps, solve
+from ..newton import NewtonResult, complex_steps, cramers_rule, solve
 from .assembly import Assembly
 from .conjugate_motion import ConjugateMotion
 
@@ -164,9 +164,7 @@ def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Arr
         return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
 
     _, d = complex_steps(approach_and_place, arguments)
-    determinant = d[0][1] * d[1][2] - d[1][1] * d[0][2]
-    first = -(d[2][1] * d[1][2] - d[1][1] * d[2][2]) / determinant
-    second = -(d[0][1] * d[2][2] - d[2][1] * d[0][2]) / determinant
+    first, second = -cramers_rule(d[0][1:], d[1][1:], d[2][1:])
     return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second)), first, second
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank_parts import on_parts
-from ..newton import complex_steps
+from ..newton import complex_steps, cramers_rule
 from ..vectors import column, cross, dot
 from .conjugate_motion import ConjugateMotion
 from .ease_off import SKEW_STEP, EaseOff, gap_curvature
@@ -149,6 +149,4 @@ def _opposite(motion: ConjugateMotion, arguments: Array, near: Array) -> Array:
 
     there, d = complex_steps(place, near)
     miss = place(arguments) - there
-    determinant = d[0][0] * d[1][1] - d[1][0] * d[0][1]
-    step = np.stack([miss[0] * d[1][1] - miss[1] * d[1][0], miss[1] * d[0][0] - miss[0] * d[0][1]]) / determinant
-    return np.concatenate([near[:2] + step, near[2:]])
+    return np.concatenate([near[:2] + cramers_rule(d[0], d[1], miss), near[2:]])
