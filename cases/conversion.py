@@ -211,12 +211,11 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
     return ElasticModel(
         pinion,
         gear,
-        table.shell_form,
-        (table.profile_modes, table.lengthwise_modes),
-        table.shear_factor,
-        table.plate,
-        foundation,
-        None if teeth is None else (teeth[0].flank, teeth[1].flank),
+        modes=(table.profile_modes, table.lengthwise_modes),
+        shear_factor=table.shear_factor,
+        plate=table.plate,
+        foundation=foundation,
+        condensed=None if teeth is None else (teeth[0].flank, teeth[1].flank),
     )
 
 

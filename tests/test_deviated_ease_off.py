@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -33,6 +35,7 @@ from easeoff.geometry.pair.rolling import drift, relative_velocity, rolling
 Array = NDArray[np.float64]
 Formula = Callable[[Array, Array], Array]
 NODES = (15, 11)
+DOCS = Path(__file__).parent.parent / "docs"
 
 
 @cache
@@ -108,12 +111,14 @@ def test_equal_and_opposite_deviations_of_conjugate_points_cancel() -> None:
     np.testing.assert_allclose(updated["ease_off"].values, designed(pair)["ease_off"].values, rtol=0, atol=1e-8)
 
 
-def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
-    """Kolivand 2009, Eq. 4.5a: (u . n) d / L for d / (L (u . n))."""
+def test_the_printed_form_is_low_by_the_square_of_the_cosine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kolivand 2009, Eq. 4.5a: (u . n) d / L for d / (L (u . n)); the page on real flanks compares both."""
+    monkeypatch.syspath_prepend(DOCS)
+    studies = importlib.import_module("real_flanks_studies")
     pair = case_pair()
     gear = of(pair.gear, GEAR_ERRORS)
     correct = deviated_ease_off(pair, designed(pair), gear=gear)
-    printed = deviated_ease_off(pair, designed(pair), gear=gear, form="printed")
+    printed = studies.printed_update(pair, designed(pair), correct)
     flank = pair.gear.flank(*grid(NODES))
     radius = np.hypot(flank.position[0], flank.position[1])
     around = np.stack([-flank.position[1], flank.position[0], 0.0 * radius]) / radius
@@ -121,8 +126,6 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
     share = printed["ease_off_change"].values / correct["ease_off_change"].values
     np.testing.assert_allclose(share, cosine**2, rtol=1e-12)
     assert 0.55 < share.min() < share.max() < 0.8
-    with pytest.raises(InputError, match="allowed are correct, printed"):
-        deviated_ease_off(pair, designed(pair), form="thesis")  # type: ignore[arg-type]
 
 
 def test_the_update_errs_in_the_second_order_where_flanks_are_conjugate() -> None:

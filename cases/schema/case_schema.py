@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
-from .schema_table import Integer, Number, Table, number
+from .schema_table import InputFile, Integer, Number, Table, number
 
 
 class Blank(Table):
@@ -143,7 +143,6 @@ class ComplianceTable(Table):
     """Models of the elastic tooth."""
 
     model: Literal["shell", "solid_shell", "fe"] = "shell"
-    shell_form: Literal["five_field", "thesis"] = "five_field"
     plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
@@ -163,12 +162,6 @@ class ComplianceTable(Table):
         ge=0.2,
         le=4,
     )
-
-    @model_validator(mode="after")
-    def _plate_of_the_form(self) -> Self:
-        if self.plate == "fitted" and self.shell_form == "thesis":
-            raise ValueError('plate = "fitted": the shell_form "thesis" stands for an even plate; use "five_field"')
-        return self
 
 
 class TargetTable(Table):
@@ -201,7 +194,7 @@ class TargetsTable(Table):
     coast: TargetTable | None = None
 
 
-class Case(Table):
+class Case(InputFile):
     """A whole case file."""
 
     easeoff_case: Literal[1]
@@ -216,12 +209,6 @@ class Case(Table):
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
     target: TargetsTable = TargetsTable()
-    _text: str = PrivateAttr(default="")
-
-    @property
-    def text(self) -> str:
-        """The case file as it was read; empty for a case built in Python."""
-        return self._text
 
     @model_validator(mode="after")
     def _has_blanks_once(self) -> Self:

@@ -60,8 +60,8 @@ class DeviatedSurface(GeneratingSurface):
             tangents.append(tangent)
             stretched.append(tangent + deviation * turned)
             climbs.append(slope[0] * tangent[2] + slope[1] * radial)
-        columns = ([dot(tangent, other) for other in stretched] for tangent in tangents)
-        first, second = cramers_rule(*columns, climbs)
+        own, mixed = ([dot(tangent, other) for other in stretched] for tangent in tangents)
+        first, second = cramers_rule(own, mixed, climbs)
         lean = first * tangents[0] + second * tangents[1]
         return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), place
 

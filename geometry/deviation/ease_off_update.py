@@ -1,4 +1,4 @@
-"""The ease-off of deviating flanks without new flanks: the update of the dissertation, in its correct form.
+"""The ease-off of deviating flanks without new flanks: the update of the dissertation, its Eq. 4.5a corrected.
 
 A deviation d along the normal moves the place where the flank meets a circle about the member's axis by the angle
 d / ((a x r) . n), the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead,
@@ -13,14 +13,13 @@ instead: right for a flank turned as a whole, but without the slope of the devia
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.errors import InputError
 from ..pair.datasets import first_contact
 from ..pair.ease_off import compute
 from ..pair.gear_pair import GearPair
@@ -28,7 +27,6 @@ from ..pair.rolling import drift
 from .deviation import Deviation
 
 Array = NDArray[Any]
-Form = Literal["correct", "printed"]
 GRID = ("lengthwise", "profile")
 
 
@@ -38,7 +36,6 @@ def deviated_ease_off(
     *,
     pinion: Deviation | None = None,
     gear: Deviation | None = None,
-    form: Form = "correct",
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair whose flanks deviate (Kolivand 2009, Eq. 4.3 to 4.10).
 
@@ -54,33 +51,24 @@ def deviated_ease_off(
         The ease-off of its designed flanks, from ``pair_geometry``.
     pinion, gear
         Deviations of the members' flanks. The pinion's is taken at the point conjugate to the gear's node.
-    form
-        ``correct``, or ``printed`` for Eq. 4.5a as it stands in the dissertation.
 
     Returns
     -------
     xr.Dataset
         The same variables, of the deviating flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
         effect ``ease_off_change`` [um], and ``extrapolated``, 1 where a deviation is taken beyond its outermost nodes.
-
-    Raises
-    ------
-    InputError
-        If the form is unknown.
     """
-    if form not in get_args(Form):
-        raise InputError(f"form = {form!r}: allowed are {', '.join(get_args(Form))}")
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
-    lever, ratio = fields["lever_arm"], pair.assembly.ratio
+    lever = fields["lever_arm"]
     t, h = np.meshgrid(ease_off["lengthwise"].values, ease_off["profile"].values, indexing="ij")
     pinion_t, pinion_h = (ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID)
     on_gear, beyond_gear = _sampled(gear, t, h)
     on_pinion, beyond_pinion = _sampled(pinion, pinion_t, pinion_h)
-    by_gear, by_pinion = _turns(form, pair, lever, (t, h), (pinion_t, pinion_h))
     roll = fields["roll_angle"]
     if pinion is not None:
-        later = _later(pair, pinion, t, h) if form == "correct" else -on_pinion * by_pinion
-        roll = roll + later
+        roll = roll + _later(pair, pinion, t, h)
+    ratio = pair.assembly.ratio
+    by_gear, by_pinion = 1.0 / lever, ratio / lever  # rotation of a member per deviation of its flank [rad/mm]
     change = -(on_pinion * by_pinion / ratio + on_gear * by_gear)
     angle = fields["ease_off_angle"] + change
     inside = ease_off["inside"].transpose(*GRID).values.astype(bool)
@@ -95,7 +83,7 @@ def deviated_ease_off(
             gear_deviation=(GRID, 1e3 * on_gear),
             ease_off_change=(GRID, 1e3 * change * lever),
             extrapolated=(GRID, (beyond_pinion | beyond_gear).astype(np.int8)),
-        ).assign_attrs(first_contact_rad=ease_off.attrs["first_contact_rad"] + shift, deviation_form=form)
+        ).assign_attrs(first_contact_rad=ease_off.attrs["first_contact_rad"] + shift)
     )
 
 
@@ -104,17 +92,6 @@ def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> 
     if deviation is None:
         return np.zeros(lengthwise.shape), np.zeros(lengthwise.shape, dtype=bool)
     return deviation.at(lengthwise, profile), deviation.extrapolated(lengthwise, profile)
-
-
-def _turns(
-    form: Form, pair: GearPair, lever: Array, on_gear: tuple[Array, Array], on_pinion: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Rotation of gear and pinion per deviation of their flank (nt, nh) [rad/mm], at fractions of both flanks."""
-    ratio = pair.assembly.ratio
-    if form == "correct":
-        return 1.0 / lever, ratio / lever
-    distance, pinion_distance = (m.section.points(*p)[1] for m, p in ((pair.gear, on_gear), (pair.pinion, on_pinion)))
-    return lever / distance**2, lever / ratio / pinion_distance**2
 
 
 def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
