@@ -25,7 +25,7 @@ from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
-from .schema.cutting_table import FlankSettings, Machine, Motions
+from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
 
 Side = Literal["concave", "convex"]
 
@@ -120,7 +120,7 @@ def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Polynomial coefficients of the settings that move, angles in rad."""
     result = []
     for name, derivatives in motions:
-        unit = math.radians(1.0) if name in ("machine_root_angle", "cutter_tilt", "cutter_swivel") else 1.0
+        unit = math.radians(1.0) if name in ANGULAR_MOTIONS else 1.0
         if any(derivatives):
             result.append((name, tuple(unit * d / math.factorial(n) for n, d in enumerate(derivatives, start=1))))
     return tuple(result)

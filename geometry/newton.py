@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 Pair = Sequence[Array] | Array
-STEP = 1e-30
-BLOCK = 2000  # columns at a time, so that what lies between parameters and result stays in the processor's cache
+COMPLEX_STEP = 1e-30
+COLUMNS_PER_BLOCK = 2000  # so many that their intermediate results stay in the processor's cache
 
 
 def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tuple[Array, Array]:
@@ -35,15 +35,16 @@ def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tupl
         Value (..., n) and derivatives (m, ..., n).
     """
     count, n = parameters.shape
-    if n > BLOCK:
-        blocks = [complex_steps(function, parameters[:, i : i + BLOCK]) for i in range(0, n, BLOCK)]
+    if n > COLUMNS_PER_BLOCK:
+        starts = range(0, n, COLUMNS_PER_BLOCK)
+        blocks = [complex_steps(function, parameters[:, i : i + COLUMNS_PER_BLOCK]) for i in starts]
         values, slopes = zip(*blocks, strict=True)
         return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-1)
     stepped = np.tile(parameters.astype(complex), count)
     for index in range(count):
-        stepped[index, index * n : (index + 1) * n] += 1j * STEP
+        stepped[index, index * n : (index + 1) * n] += 1j * COMPLEX_STEP
     result = function(stepped)
-    derivatives = np.stack(np.split(result.imag / STEP, count, axis=-1))
+    derivatives = np.stack(np.split(result.imag / COMPLEX_STEP, count, axis=-1))
     return result[..., :n].real, derivatives
 
 

@@ -57,7 +57,7 @@ def fit_modification(
     flank
         ``drive``: the pinion's concave flank is cut anew; ``coast``: the convex one.
     free
-        Settings that may move; ``geometry.synthesis.FREE`` if left out.
+        Settings that may move; ``geometry.design.synthesis.FREE_SETTINGS`` if left out.
 
     Returns
     -------

@@ -16,8 +16,8 @@ from easeoff.core.errors import InputError
 from easeoff.geometry import Member
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
-from easeoff.geometry.design.synthesis import FREE
-from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE, corrective_settings
+from easeoff.geometry.design.synthesis import FREE_SETTINGS
+from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE_SETTINGS, corrective_settings
 from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
 from easeoff.geometry.deviation.global_errors import FlankErrors, angle_errors, fit_flank_errors
 from easeoff.geometry.deviation.measurement import distance_along_normals, zeroed
@@ -133,7 +133,7 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
 def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any, name: str) -> None:
     """A tenth of a millimetre off at first, a few hundredths of that after one pass, next to nothing after another."""
     designed = named_member(gear_pair(easeoff.read_case(case), flank), name)
-    free = FREE if designed.loaded.settings.generated else FREE_FORMATE
+    free = FREE_SETTINGS if designed.loaded.settings.generated else FREE_FORMATE_SETTINGS
     normal = np.random.default_rng(4).normal(size=len(free))
     wrong = {setting: 0.6 * scale_of(setting) * float(by) for setting, by in zip(free, normal, strict=True)}
     surface, left = designed.loaded, []

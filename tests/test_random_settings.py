@@ -15,7 +15,7 @@ from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.core.errors import EaseoffError
 from easeoff.geometry import Blade, GearPair, GeneratingSurface, Member, Misalignment, NodeStatus, pair_geometry
 from easeoff.geometry.cutting.blade_sections import Relief
-from easeoff.geometry.cutting.machine import MOVING
+from easeoff.geometry.cutting.machine import MOVING_SETTINGS
 from easeoff.geometry.flanks.flank import Flank
 from easeoff.geometry.flanks.flank_parts import on_parts
 from easeoff.geometry.pair.ease_off import EaseOff, compute
@@ -56,7 +56,7 @@ def shaken_surface(surface: GeneratingSurface, rng: Random, scale: float) -> Gen
     if settings.generated and rng.random() < 0.5:
         settings = replace(settings, modified_roll=tuple(0.2 * scale * rng.normal(size=rng.integers(1, 5))))
     if settings.generated and rng.random() < 0.3:
-        moving = rng.choice(MOVING, size=2, replace=False)
+        moving = rng.choice(MOVING_SETTINGS, size=2, replace=False)
         motions = tuple((str(m), tuple(SIZES[m] * scale * rng.normal(size=rng.integers(1, 4)))) for m in moving)
         settings = replace(settings, motions=motions)
     turned = (0.0, 0.0, 0.0)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.errors import InputError
-from .rexs_vocabulary import UNITS, Term
+from .rexs_vocabulary import UNIT_FACTORS, Term
 
 Value = str | float | int | tuple[float, ...]
 
@@ -70,9 +70,9 @@ class Component:
 
     def _converted(self, term: Term, text: str) -> float:
         unit = self.attributes[term.attribute].get("unit", term.unit).strip()
-        ours, factor = UNITS.get(unit, ("", math.nan))
+        ours, factor = UNIT_FACTORS.get(unit, ("", math.nan))
         if ours != term.unit:
-            allowed = ", ".join(repr(name) for name, (quantity, _) in UNITS.items() if quantity == term.unit)
+            allowed = ", ".join(repr(name) for name, (quantity, _) in UNIT_FACTORS.items() if quantity == term.unit)
             raise InputError(f"{self.described(term)}: unit {unit!r} is not known for it; known are {allowed}")
         try:
             value = float(text)

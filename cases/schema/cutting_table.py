@@ -8,6 +8,11 @@ from pydantic import Field, model_validator
 
 from .schema_table import Integer, Number, Table, number
 
+#: Keys of the modified roll, from the second derivative of the work rotation on.
+ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
+#: Moving settings that are angles.
+ANGULAR_MOTIONS = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
+
 
 class Cutter(Table):
     """The blade of a cutter: its profile, its reliefs and its edge radius."""
@@ -177,13 +182,7 @@ class Machine(Table):
     @property
     def modified_roll(self) -> tuple[float, ...]:
         """The derivatives 2C, 6D, 24E, ... as given."""
-        return (
-            self.modified_roll_2c,
-            self.modified_roll_6d,
-            self.modified_roll_24e,
-            self.modified_roll_120f,
-            self.modified_roll_720g,
-        )
+        return tuple(getattr(self, key) for key in ROLL_KEYS)
 
 
 class FlankSettings(Table):

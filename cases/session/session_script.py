@@ -15,30 +15,30 @@ from typing import Any
 from ...core.errors import InputError
 from ..reading import check_case
 from ..schema.case_schema import Case
-from .session_lines import ORDERS, MemberName, Place, Setting, read_settings
+from .session_lines import MOTION_ORDERS, MemberName, MenuPath, Setting, read_settings
 
 Settings = Mapping[str, Setting]
 
-BLANK = {
+BLANK_KEYWORDS = {
     "PITCHANGLE": "pitch_angle",
     "FACEANGLE": "face_angle",
     "OUTERCONEDIST": "outer_cone_distance",
     "FACEWIDTH": "face_width",
 }
-OPTIONAL_BLANK = {
+OPTIONAL_BLANK_KEYWORDS = {
     "PITCHAPEX": "pitch_apex_beyond_crossing_point",
     "FACEAPEX": "face_apex_beyond_crossing_point",
     "ROOTAPEX": "root_apex_beyond_crossing_point",
     "FRONTANGLE": "front_angle",
     "BACKANGLE": "back_angle",
 }
-GENERATED = {
+GENERATED_KEYWORDS = {
     "RADIALSETTING": "radial_distance",
     "CRADLEANGLE": "cradle_angle",
     "ROOTANGLE": "machine_root_angle",
     "RATIOROLL": "ratio_of_roll",
 }
-OPTIONAL_GENERATED = {
+OPTIONAL_GENERATED_KEYWORDS = {
     "TILTANGLE": "cutter_tilt",
     "SWIVELANGLE": "cutter_swivel",
     "BLANKOFFSET": "work_offset",
@@ -50,13 +50,13 @@ OPTIONAL_GENERATED = {
     "MODROLL_120F": "modified_roll_120f",
     "MODROLL_720G": "modified_roll_720g",
 }
-FORMATE = {
+FORMATE_KEYWORDS = {
     "HORIZONTAL": "horizontal_distance",
     "VERTICAL": "vertical_distance",
     "ROOTANGLE": "machine_root_angle",
 }
-OPTIONAL_FORMATE = {"MACHCTRBACK": "machine_center_to_crossing_point"}
-MOTIONS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
+OPTIONAL_FORMATE_KEYWORDS = {"MACHCTRBACK": "machine_center_to_crossing_point"}
+MOTION_LETTERS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
 
 
 def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
@@ -97,7 +97,7 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     return check_case(data, str(path)), notes + [f"not understood: {line}" for line in unknown]
 
 
-def _hand(settings: Mapping[Place, Settings], notes: list[str]) -> str:
+def _hand(settings: Mapping[MenuPath, Settings], notes: list[str]) -> str:
     """Hand of the pinion, RIGHT or LEFT."""
     given = [
         s.word("LEFT", "RIGHT")
@@ -128,10 +128,10 @@ def _given(table: Settings, keys: Mapping[str, str]) -> dict[str, Any]:
     return {key: table[keyword].number() for keyword, key in keys.items() if keyword in table}
 
 
-def _member(settings: Mapping[Place, Settings], member: MemberName, hand: str, notes: list[str]) -> dict[str, Any]:
+def _member(settings: Mapping[MenuPath, Settings], member: MemberName, hand: str, notes: list[str]) -> dict[str, Any]:
     common = settings.get((member, "", "COMMON"), {})
     where = f"COMMON of the {member.lower()}"
-    blank = _needed(common, BLANK, where) | _given(common, OPTIONAL_BLANK)
+    blank = _needed(common, BLANK_KEYWORDS, where) | _given(common, OPTIONAL_BLANK_KEYWORDS)
     blank["root_angle"] = _root_angle(settings, member, notes)
     teeth = _needed(common, {"NTEETH": "number_of_teeth"}, where)["number_of_teeth"]
     result: dict[str, Any] = {"number_of_teeth": int(teeth) if teeth.is_integer() else teeth, "blank": blank}
@@ -142,17 +142,17 @@ def _member(settings: Mapping[Place, Settings], member: MemberName, hand: str, n
         if not machine and not cutter:
             continue
         where = f"{flank} of the {member.lower()}"
-        if formate:
-            made = _needed(machine, FORMATE, f"MACHINE, {where},") | _given(machine, OPTIONAL_FORMATE)
-        else:
-            made = _needed(machine, GENERATED, f"MACHINE, {where},") | _given(machine, OPTIONAL_GENERATED)
+        needed = FORMATE_KEYWORDS if formate else GENERATED_KEYWORDS
+        optional = OPTIONAL_FORMATE_KEYWORDS if formate else OPTIONAL_GENERATED_KEYWORDS
+        made = _needed(machine, needed, f"MACHINE, {where},") | _given(machine, optional)
+        if not formate:
             made["motions"] = _motions(machine, member, hand, notes)
             _doubts(machine, member, notes)
         result[flank.lower()] = {"machine": made, "cutter": _cutter(cutter, f"CUTTER, {where},")}
     return result
 
 
-def _root_angle(settings: Mapping[Place, Settings], member: MemberName, notes: list[str]) -> float:
+def _root_angle(settings: Mapping[MenuPath, Settings], member: MemberName, notes: list[str]) -> float:
     """Root angle of the blank: that of COMMON or, if the cutter is not tilted, that of the machine."""
     common = settings.get((member, "", "COMMON"), {})
     if "ROOTANGLE" in common:
@@ -172,10 +172,10 @@ def _root_angle(settings: Mapping[Place, Settings], member: MemberName, notes: l
 def _motions(machine: Settings, member: MemberName, hand: str, notes: list[str]) -> dict[str, list[float]]:
     """Derivatives of the settings that move, by our cradle increment."""
     motions = {}
-    for letter, key in MOTIONS.items():
+    for letter, key in MOTION_LETTERS.items():
         # The reading of the program gives the vertical motion of a gear the sign opposite to its offset, both hands.
         sign = -1.0 if letter == "V" and member == "GEAR" else 1.0
-        values = [machine[f"{letter}{n}"].number() if f"{letter}{n}" in machine else 0.0 for n in ORDERS]
+        values = [machine[f"{letter}{n}"].number() if f"{letter}{n}" in machine else 0.0 for n in MOTION_ORDERS]
         while values and values[-1] == 0.0:
             values.pop()
         motions[key] = [sign * value + 0.0 for value in values]
@@ -204,7 +204,7 @@ def _hands_differ(letter: str, order: int, member: MemberName) -> bool:
 
 
 def _doubts(machine: Settings, member: MemberName, notes: list[str]) -> None:
-    """Notes on settings that are given, and whose meaning is not certain or has no place in a case."""
+    """Notes on settings that are given, and whose meaning is not certain or that a case file cannot hold."""
 
     def say(keyword: str, text: str) -> None:
         if keyword in machine and machine[keyword].number() != 0.0:

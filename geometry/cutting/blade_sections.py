@@ -48,7 +48,7 @@ class BladeSection:
     begin, end
         Coordinate of its ends along the edge; the last section has no end.
     outward, height
-        Place of its beginning in the plane of the blade [mm].
+        Coordinates of its beginning in the plane of the blade [mm].
     angle
         Angle between edge and cutter axis at the beginning [rad].
     rate
@@ -82,7 +82,7 @@ class BladeSection:
         return self.angle + self.rate * (coordinate - self.begin)
 
     def point(self, coordinate: float) -> tuple[float, float]:
-        """Place (outward, height) [mm] at a coordinate."""
+        """Point (outward, height) [mm] at a coordinate."""
         along = coordinate - self.begin
         if self.radius is None:
             return self.outward + along * math.sin(self.angle), self.height + along * math.cos(self.angle)
@@ -111,11 +111,11 @@ class BladeSection:
 
 
 def _part(
-    name: SectionName, place: tuple[float, float], angle: float, radius: float | None, begin: float = 0.0
+    name: SectionName, point: tuple[float, float], angle: float, radius: float | None, begin: float = 0.0
 ) -> BladeSection:
-    """A section through a place; the coordinate counts from there, both ways."""
+    """A section through a point; the coordinate counts from there, both ways."""
     rate = 0.0 if radius is None else 1.0 / radius
-    return BladeSection(name, begin, math.inf, place[0], place[1], angle, rate, radius)
+    return BladeSection(name, begin, math.inf, point[0], point[1], angle, rate, radius)
 
 
 def blade_sections(
@@ -165,8 +165,8 @@ def blade_sections(
             f"{profile.point(start)[1]:g} mm above the tip plane"
         )
     sections["profile"] = _cut(profile, start, begin, begin + top - start)
-    place, angle = profile.point(top), profile.angle_at(top) + flankrem.angle
-    return sections | {"flankrem": _part("flankrem", place, angle, flankrem.radius, begin + top - start)}
+    point, angle = profile.point(top), profile.angle_at(top) + flankrem.angle
+    return sections | {"flankrem": _part("flankrem", point, angle, flankrem.radius, begin + top - start)}
 
 
 def _cut(part: BladeSection, start: float, begin: float, end: float) -> BladeSection:

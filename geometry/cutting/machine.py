@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...core.errors import InputError
 
 Array = NDArray[Any]
-MOVING = (
+MOVING_SETTINGS = (
     "radial_distance",
     "machine_root_angle",
     "work_offset",
@@ -77,8 +77,8 @@ class MachineSettings:
 
     def __post_init__(self) -> None:
         for name, coefficients in self.motions:
-            if name not in MOVING:
-                raise InputError(f"motion of {name!r}: allowed are {', '.join(MOVING)}")
+            if name not in MOVING_SETTINGS:
+                raise InputError(f"motion of {name!r}: allowed are {', '.join(MOVING_SETTINGS)}")
             if not np.all(np.isfinite(coefficients)):
                 raise InputError(f"motion of {name} = {coefficients}: must be finite numbers")
         for field in fields(self):

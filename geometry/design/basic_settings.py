@@ -22,7 +22,7 @@ from .mean_point import mean_point_angles
 
 Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
-CLOSE = 1e-11  # residual of the corrected flanks [rad]
+ANGLE_TOLERANCE = 1e-11  # residual of the corrected flanks [rad]
 
 
 def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
@@ -255,7 +255,7 @@ def hobbing_blade(
 def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     """Settings near the start at which the measured errors vanish."""
     found = root(error, start, tol=1e-14)
-    if not np.max(np.abs(error(found.x))) < CLOSE:
+    if not np.max(np.abs(error(found.x))) < ANGLE_TOLERANCE:
         raise GeometryError(
             "no settings of the gear were found that give the blank's spiral angle and pressure angles: "
             f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum "

@@ -19,7 +19,7 @@ from .conjugate_pinion import conjugate_pinion
 from .mean_point import mean_point_angles
 from .synthesis import EaseOffTarget, Synthesis, fit_pinion
 
-POOR = 0.005  # root mean square left of a target [mm] that is worth another try
+RETRY_RESIDUAL = 0.005  # root mean square left of a target [mm] that is worth another try
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 
@@ -127,7 +127,7 @@ def design_pair(
 def _fitted(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:
     """The fit, and where it stops far from the target a second one that takes the form first and the root cone then."""
     fit = fit_pinion(pair, target, free=free, follow_root=follow_root)
-    if not follow_root or free is not None or fit.rms < POOR:
+    if not follow_root or free is not None or fit.rms < RETRY_RESIDUAL:
         return fit
     try:
         form = fit_pinion(pair, target)

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import CURVATURE, get_setting, scale_of, with_settings
+from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
 from ..flanks.flank import Flank
 from ..pair.ease_off import EaseOff, angle_near, compute
 from ..pair.gear_pair import GearPair, grid
@@ -20,9 +20,9 @@ from .root_line import RootLine
 
 Array = NDArray[Any]
 
-FAR = 1e9  # residual [um] of settings with which the flanks do not meet
+MISSING_RESIDUAL = 1e9  # residual [um] of settings with which the flanks do not meet
 # Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
-FREE = (
+FREE_SETTINGS = (
     "point_radius",
     "pressure_angle",
     "radial_distance",
@@ -35,7 +35,7 @@ FREE = (
 
 
 # To follow the root cone the cutter has to be tilted anew; the others then hold the flank.
-FREE_WITH_TILT = (*FREE, "cutter_tilt", "cutter_swivel", "sliding_base")
+FREE_SETTINGS_WITH_TILT = (*FREE_SETTINGS, "cutter_tilt", "cutter_swivel", "sliding_base")
 ROOT_WEIGHT = 50.0  # [um/mm]
 
 
@@ -141,7 +141,7 @@ class _Fit:
         residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
         if not np.all(np.isfinite(residual)):
             # A step so large that the flanks no longer meet: the search must take a shorter one.
-            return np.linspace(FAR, 2.0 * FAR, residual.size)
+            return np.linspace(MISSING_RESIDUAL, 2.0 * MISSING_RESIDUAL, residual.size)
         self.parameters, self.root_line = parameters, root_line
         return residual
 
@@ -164,7 +164,8 @@ def fit_pinion(
         The wanted ease-off on the gear flank (n) [mm] at fractions (n) lengthwise and up the profile, up to a rotation
         of the gear: an ``EaseOffTarget`` or any other function.
     free
-        Settings that may move, see ``free_settings``; ``FREE`` or, to follow the root, ``FREE_WITH_TILT`` if left out.
+        Settings that may move, see ``free_settings``; ``FREE_SETTINGS`` if left out, or
+        ``FREE_SETTINGS_WITH_TILT`` to follow the root.
     nodes
         Gear nodes of the fit, lengthwise and along the profile.
     follow_root
@@ -183,7 +184,7 @@ def fit_pinion(
     GeometryError
         If the flanks do not meet on enough of the gear flank.
     """
-    names = free if free is not None else FREE_WITH_TILT if follow_root else FREE
+    names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
@@ -194,7 +195,7 @@ def fit_pinion(
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
     # A straight blade has no radius to differentiate by: begin a little curved, and differentiate by long steps, which
     # a flank that is nearly linear in its blade's curvature allows.
-    curved = np.array([name in CURVATURE for name in names])
+    curved = np.array([name in CURVATURE_STEPS for name in names])
     found = least_squares(
         fit,
         np.where(curved & (fit.origin == 0.0), 0.1, 0.0),

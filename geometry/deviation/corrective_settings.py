@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, scale_of, with_settings
-from ..design.synthesis import FREE
+from ..design.synthesis import FREE_SETTINGS
 from ..flanks.flank import solve_flank
 from ..newton import solve
 from ..pair.gear_pair import Member
@@ -27,9 +27,9 @@ from .deviation import Deviation
 Array = NDArray[Any]
 
 # Formate: no roll. The cradle angle and tilt would only stand in for others.
-FREE_FORMATE = ("point_radius", "pressure_angle", "radial_distance", "machine_root_angle", "sliding_base")
-RELUCTANCE = 1.0  # [um] at one node that a usual step of a setting counts: of settings that do the same, none runs away
-FAR = 1e6
+FREE_FORMATE_SETTINGS = ("point_radius", "pressure_angle", "radial_distance", "machine_root_angle", "sliding_base")
+STEP_WEIGHT = 1.0  # residual of a usual step of a setting [um]; it keeps apart settings that have the same effect
+MISSING_RESIDUAL = 1e6
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         If a measured point is none of the designed flank.
     """
     surface = member.loaded.designed
-    names = tuple(free) if free is not None else FREE if surface.settings.generated else FREE_FORMATE
+    names = tuple(free) if free is not None else FREE_SETTINGS if surface.settings.generated else FREE_FORMATE_SETTINGS
     scales = np.array([scale_of(name) for name in names])
     start = np.array([get_setting(surface, name) for name in names])
     target = np.stack([deviation.axial.ravel(), deviation.radial.ravel()])
@@ -98,10 +98,10 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         turned = np.mod(np.arctan2(position[1], position[0]) - azimuth + np.pi, 2.0 * np.pi) - np.pi
         error = measured - turned * lever
         error = error - lever * float(lever @ error) / float(lever @ lever)
-        return np.where(found.converged, error, FAR)
+        return np.where(found.converged, error, MISSING_RESIDUAL)
 
     def residual(steps: Array) -> Array:
-        return np.concatenate([1e3 * left(steps), RELUCTANCE * steps])
+        return np.concatenate([1e3 * left(steps), STEP_WEIGHT * steps])
 
     found = least_squares(
         residual,

@@ -21,7 +21,7 @@ from ..vectors import dot
 from .deviation import Deviation
 
 Array = NDArray[Any]
-STEP = 1e-5  # relative; of a central difference in what is of the deviation's own size: an error of 1e-10 of it
+RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a relative error of 1e-10
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,13 @@ class DeviatedSurface(GeneratingSurface):
 
     @np.errstate(all="ignore")
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
-        """As ``GeneratingSurface.evaluate``; the place on the blade is that of the designed flank."""
-        position, normal, place = super().evaluate(parameters)
+        """As ``GeneratingSurface.evaluate``; the blade coordinate is that of the designed flank."""
+        position, normal, coordinate = super().evaluate(parameters)
         if self.deviation is None:
-            return position, normal, place
+            return position, normal, coordinate
         deviation, slope = self.deviation.interpolant(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
         tangents, stretched, climbs = [], [], []
-        for index, step in enumerate(STEP * self.max_step):
+        for index, step in enumerate(RELATIVE_STEP * self.max_step):
             shift = np.zeros_like(parameters)
             shift[index] = step
             ahead, behind = (super(DeviatedSurface, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
@@ -63,7 +63,7 @@ class DeviatedSurface(GeneratingSurface):
         own, mixed = ([dot(tangent, other) for other in stretched] for tangent in tangents)
         first, second = cramers_rule(own, mixed, climbs)
         lean = first * tangents[0] + second * tangents[1]
-        return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), place
+        return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), coordinate
 
 
 def deviated_member(member: Member, deviation: Deviation | None) -> Member:

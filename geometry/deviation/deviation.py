@@ -21,9 +21,9 @@ from .interpolation import GridSpline, Interpolant, WeightedAverage, smoothed
 
 Array = NDArray[Any]
 Method = Literal["spline", "smooth", "weighted_average"]
-LARGEST = 2.0  # [mm]; what departs further is another flank
-SAMPLES = (49, 25)  # nodes at which a formula is taken, lengthwise and up the profile
-ON_GRID = 1e-9
+DEVIATION_LIMIT = 2.0  # [mm]; what departs further is another flank
+FORMULA_NODES = (49, 25)  # nodes at which a formula is taken, lengthwise and up the profile
+FRACTION_TOLERANCE = 1e-9
 
 
 def require_method(name: str) -> None:
@@ -82,9 +82,9 @@ class Deviation:
                     f"in row {row}, column {column}: measure these points again, or leave their rows or columns out"
                 )
         largest = float(np.max(np.abs(self.value)))
-        if largest > LARGEST:
+        if largest > DEVIATION_LIMIT:
             raise InputError(
-                f"deviation: the largest is {largest:g} mm; up to {LARGEST:g} mm are allowed. Are the values in um?"
+                f"largest deviation = {largest:g} mm: must be at most {DEVIATION_LIMIT:g} mm. Are the values in um?"
             )
 
     @cached_property
@@ -111,8 +111,9 @@ class Deviation:
     def extrapolated(self, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
         """Whether fractions (...) of the flank lie beyond the outermost nodes (...)."""
         shape = np.broadcast_shapes(np.shape(lengthwise), np.shape(profile))
-        place = self._spline.locate(*self.section.points(lengthwise, profile).reshape(2, -1))
-        return np.asarray(np.any((place < -ON_GRID) | (place > 1.0 + ON_GRID), axis=0)).reshape(shape)
+        point = self._spline.locate(*self.section.points(lengthwise, profile).reshape(2, -1))
+        beyond = (point < -FRACTION_TOLERANCE) | (point > 1.0 + FRACTION_TOLERANCE)
+        return np.asarray(np.any(beyond, axis=0)).reshape(shape)
 
     def on_grid(self, lengthwise: Array, profile: Array) -> xr.Dataset:
         """The deviation on a grid of the flank.
@@ -133,7 +134,7 @@ class Deviation:
             If a fraction lies beyond the flank: nothing is known of it there.
         """
         for name, values in (("lengthwise", lengthwise), ("profile", profile)):
-            if np.min(values) < -ON_GRID or np.max(values) > 1.0 + ON_GRID:
+            if np.min(values) < -FRACTION_TOLERANCE or np.max(values) > 1.0 + FRACTION_TOLERANCE:
                 raise InputError(
                     f"{name} = {np.min(values):g} to {np.max(values):g}: a deviation reaches to the edges of the flank "
                     "(0 and 1), not beyond"
@@ -152,7 +153,7 @@ class Deviation:
 
 
 def deviation_from_formula(
-    section: BlankSection, formula: Callable[[Array, Array], Array], nodes: tuple[int, int] = SAMPLES
+    section: BlankSection, formula: Callable[[Array, Array], Array], nodes: tuple[int, int] = FORMULA_NODES
 ) -> Deviation:
     """A deviation given by a formula, such as ``flank_errors.FlankErrors``.
 
@@ -163,7 +164,8 @@ def deviation_from_formula(
     formula
         Deviation (...) [um] of fractions (...) lengthwise and up the profile, positive where there is more metal.
     nodes
-        At how many places it is taken, evenly spread; a polynomial up to the third order is kept exactly.
+        Number of nodes lengthwise and up the profile, evenly spread; a polynomial up to the third order is kept
+        exactly.
 
     Raises
     ------
@@ -200,7 +202,8 @@ def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: M
         raise InputError(f"'deviation' is in {unit!r}: give it in um")
     for name in grid:
         values = dataset[name].values if name in dataset.coords else np.zeros(0)
-        if values.size < 2 or np.any(np.diff(values) <= 0.0) or values[0] < -ON_GRID or values[-1] > 1.0 + ON_GRID:
+        within = np.all(np.abs(values - 0.5) <= 0.5 + FRACTION_TOLERANCE)
+        if values.size < 2 or np.any(np.diff(values) <= 0.0) or not within:
             raise InputError(f"the coordinate {name!r} of the dataset must increase within 0 and 1")
     t, h = np.meshgrid(dataset["lengthwise"].values, dataset["profile"].values, indexing="ij")
     axial, radial = section.points(t, h)

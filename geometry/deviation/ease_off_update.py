@@ -1,12 +1,12 @@
 """The ease-off of deviating flanks without new flanks: the update of the dissertation, its Eq. 4.5a corrected.
 
-A deviation d along the normal moves the place where the flank meets a circle about the member's axis by the angle
+A deviation d along the normal moves the point where the flank meets a circle about the member's axis by the angle
 d / ((a x r) . n), the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead,
 with u the circumferential direction and L the distance from the axis, which is low by (u . n)^2. With the condition
 of conjugate contact, R (a_p x r) . n = (a_g x r) . n, the normal gap changes by just the sum of both deviations.
 
-The roll angle of a place on the gear is where its gap is smallest. At a fixed place of the gear the gap of the designed
-flanks is a + (1/2) c (q - Q)^2. What the pinion shows to that place moves on with q, so its deviation takes off
+The roll angle of a point of the gear is where its gap is smallest. At a fixed point of the gear the gap of the designed
+flanks is a + (1/2) c (q - Q)^2. What the pinion shows to that point moves on with q, so its deviation takes off
 D(q) = d / lever, and the smallest gap moves to Q + D'(Q) / c. Kolivand 2009, Eq. 4.6 has the change d / ((a_p x r) . n)
 instead: right for a flank turned as a whole, but without the slope of the deviation, which is the larger part.
 """
@@ -95,7 +95,7 @@ def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> 
 
 
 def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
-    """How much later places (nt, nh) of the gear meet the pinion for its deviation [rad]."""
+    """How much later points (nt, nh) of the gear meet the pinion for its deviation [rad]."""
     gear = pair.gear.flank(lengthwise[:, 0], profile[0])
     surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     position, lever, moving = surface.pinion_position, surface.lever_arm, drift(surface)

@@ -15,7 +15,7 @@ from ..pair.gear_pair import Member
 from .deviation import Deviation
 
 Array = NDArray[Any]
-HALF = 0.01  # fraction of the flank over which its tangents are taken
+TANGENT_HALF_WIDTH = 0.01  # fraction of the flank over which its tangents are taken
 
 
 @dataclass(frozen=True)
@@ -117,10 +117,10 @@ def angle_errors(errors: FlankErrors, member: Member) -> tuple[float, float]:
         The member, seen from the flank with the errors.
     """
     surface, section = member.loaded.designed, member.section
-    t, h = 0.5 + HALF * np.array([0, -1, 1, 0, 0]), 0.5 + HALF * np.array([0, 0, 0, -1, 1])
+    t, h = 0.5 + TANGENT_HALF_WIDTH * np.array([0, -1, 1, 0, 0]), 0.5 + TANGENT_HALF_WIDTH * np.array([0, 0, 0, -1, 1])
     flank = solve_flank(surface, section, *section.points(t, h))
     position, normal = flank.position, flank.normal[:, 0]
-    tangents = np.stack([position[:, 2] - position[:, 1], position[:, 4] - position[:, 3]]) / (2.0 * HALF)
+    tangents = np.stack([position[:, 2] - position[:, 1], position[:, 4] - position[:, 3]]) / (2.0 * TANGENT_HALF_WIDTH)
     slopes = 2e-3 * np.array([errors.spiral_angle, errors.pressure_angle])  # t and h run over twice their fractions
     leaning = normal - np.linalg.solve(np.stack([*tangents, normal]), [*slopes, 0.0])
     angles = [

@@ -16,7 +16,7 @@ from ..newton import complex_steps, solve
 from .deviation import Deviation
 
 Array = NDArray[Any]
-STEPS = 20
+NEWTON_STEP_LIMIT = 20
 
 
 def distance_along_normals(surface: GeneratingSurface, section: BlankSection, position: Array, normal: Array) -> Array:
@@ -44,7 +44,7 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
     start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
     near = solve(surface.axial_and_radial, start, target, surface.max_step)
     unknowns = np.concatenate([near.parameters, np.zeros((1, position.shape[1]))])
-    for _ in range(STEPS):
+    for _ in range(NEWTON_STEP_LIMIT):
         found, slopes = complex_steps(lambda p: surface.evaluate(p)[0], unknowns[:2])
         jacobian = np.concatenate([slopes, -normal[None]]).transpose(2, 1, 0)
         error = found - position - unknowns[2] * normal

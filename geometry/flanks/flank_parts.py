@@ -17,18 +17,20 @@ from ..cutting.generating_surface import GeneratingSurface
 
 Array = NDArray[Any]
 
-ON_JOINT = 1e-9  # [mm]
+JOINT_TOLERANCE = 1e-9  # [mm]
 
 
-def deepest(parts: Sequence[GeneratingSurface], places: Sequence[Array], depths: Sequence[Array]) -> NDArray[np.int8]:
+def deepest(
+    parts: Sequence[GeneratingSurface], coordinates: Sequence[Array], depths: Sequence[Array]
+) -> NDArray[np.int8]:
     """Which part of a flank each of n nodes belongs to.
 
     Parameters
     ----------
     parts
         Surfaces of the sections that cut the flank, from the tip of the blade upwards.
-    places
-        Place on the blade for each part (n).
+    coordinates
+        Blade coordinate for each part (n).
     depths
         How much each part has removed, in any unit (n); NaN where it has no point.
 
@@ -40,8 +42,8 @@ def deepest(parts: Sequence[GeneratingSurface], places: Sequence[Array], depths:
     depth = np.stack([np.where(np.isfinite(d), d, -np.inf) for d in depths])
     within = np.stack(
         [
-            (place <= part.section.end + ON_JOINT) & ((index == 0) | (place >= part.section.begin - ON_JOINT))
-            for index, (part, place) in enumerate(zip(parts, places, strict=True))
+            (c <= part.section.end + JOINT_TOLERANCE) & ((index == 0) | (c >= part.section.begin - JOINT_TOLERANCE))
+            for index, (part, c) in enumerate(zip(parts, coordinates, strict=True))
         ]
     )
     within &= np.isfinite(depth)

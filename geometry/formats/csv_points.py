@@ -12,10 +12,10 @@ import xarray as xr
 
 from ...core.errors import InputError
 
-COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
-DEVIATION = "deviation"
-MEASURED = ("measured_x", "measured_y", "measured_z")
-HEADINGS = (COLUMNS, (*COLUMNS, DEVIATION), (*COLUMNS, *MEASURED))
+NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
+DEVIATION_COLUMN = "deviation"
+MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
+HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
 Points = dict[tuple[str, int, int], list[float]]
 _WHOLE = ("format_version", "number_of_teeth")
 _REAL_ENDINGS = ("_mm", "_rad")
@@ -25,7 +25,8 @@ def text(dataset: xr.Dataset) -> str:
     """The file of a dataset of measuring points; numbers with every digit that is needed to read them back exactly."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
     position, normal = dataset["position"].values, dataset["normal"].values
-    extra = dataset[DEVIATION].values[..., None] if DEVIATION in dataset else np.zeros((*position.shape[:3], 0))
+    measured = DEVIATION_COLUMN in dataset
+    extra = dataset[DEVIATION_COLUMN].values[..., None] if measured else np.zeros((*position.shape[:3], 0))
     lines.append(",".join(HEADINGS[extra.shape[-1]]))
     for f, flank in enumerate(dataset["flank"].values):
         for r, row in enumerate(dataset["row"].values):
@@ -67,16 +68,16 @@ def parsed(content: str, source: str) -> xr.Dataset:
             heading = tuple(name.strip() for name in stripped.split(","))
             if heading not in HEADINGS:
                 raise InputError(
-                    f"{where}: expected the column names {','.join(COLUMNS)}; of a measured grid also {DEVIATION} or "
-                    f"{','.join(MEASURED)}"
+                    f"{where}: expected the column names {','.join(NOMINAL_COLUMNS)}; of a measured grid also "
+                    f"{DEVIATION_COLUMN} or {','.join(MEASURED_COLUMNS)}"
                 )
         else:
-            place, values = _point(stripped, heading, where)
-            if place in points:
+            index, values = _point(stripped, heading, where)
+            if index in points:
                 raise InputError(
-                    f"{where}: a second point of the {place[0]} flank in row {place[1]}, column {place[2]}"
+                    f"{where}: a second point of the {index[0]} flank in row {index[1]}, column {index[2]}"
                 )
-            points[place] = values
+            points[index] = values
     if not points:
         raise InputError(f"{source}: there are no points in it")
     return gridded(points, attributes, source)
@@ -128,8 +129,8 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     InputError
         If a point of the grid is missing.
     """
-    flanks = sorted({place[0] for place in points})
-    rows, columns = max(place[1] for place in points), max(place[2] for place in points)
+    flanks = sorted({key[0] for key in points})
+    rows, columns = max(key[1] for key in points), max(key[2] for key in points)
     if len(points) != len(flanks) * rows * columns:
         missing = next(
             (f, r, c)
@@ -145,7 +146,7 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, -1)
     grid = ("flank", "row", "column", "xyz")
     more: dict[int, dict[str, Any]] = {
-        1: {DEVIATION: (grid[:3], values[..., -1])},
+        1: {DEVIATION_COLUMN: (grid[:3], values[..., -1])},
         3: {"measured_position": (grid, values[..., 6:])},
     }
     return xr.Dataset(

@@ -24,17 +24,17 @@ FORMAT = "easeoff measured grid"
 DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
 SUFFIXES = (*cmm.SUFFIXES, *DMIS_SUFFIXES)
 # What other programs write and nothing public describes well enough to be read.
-REFUSED = {
+UNSUPPORTED_FORMATS = {
     ".xml": "GDE (VDI/VDE 2610) and vendors' XML: their schema is not public",
     ".gde": "GDE (VDI/VDE 2610): its schema is not public",
     ".qif": "QIF (ISO 23952): not supported",
     ".spa": "Gleason measuring files: their format is not public",
     ".mes": "Klingelnberg and Zeiss measuring files: their formats are not public",
 }
-RESOLVED = 0.1  # [um]; a grid all of whose deviations are smaller was hardly measured
-LARGEST = 1000.0  # [um]
-NEAR = 0.05  # [mm] between the nominal points of a file and the designed flank
-ASIDE = 0.5  # [mm] between a measured point and the normal of its nominal point
+DEVIATION_RESOLUTION = 0.1  # [um]; a grid all of whose deviations are smaller was hardly measured
+DEVIATION_LIMIT = 1000.0  # [um]
+NOMINAL_DISTANCE_LIMIT = 0.05  # [mm] between the nominal points of a file and the designed flank
+SIDE_DISTANCE_LIMIT = 0.5  # [mm] between a measured point and the normal of its nominal point
 
 
 def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
@@ -172,7 +172,7 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
     turned = np.mod(turned - turned[0] + np.pi, 2.0 * np.pi) - np.pi
     off = radial.ravel() * np.abs(turned - np.median(turned))
     beyond = np.max(np.abs(np.stack([lengthwise, profile]) - 0.5)) - 0.5
-    if not np.all(np.isfinite(off)) or beyond > 0.05 or np.max(off) > NEAR:
+    if not np.all(np.isfinite(off)) or beyond > 0.05 or np.max(off) > NOMINAL_DISTANCE_LIMIT:
         raise InputError(
             f"the nominal points of the measured grid are no points of the {name} flank of this case"
             + (f" (up to {np.max(off):.3g} mm off)" if np.all(np.isfinite(off)) else "")
@@ -194,7 +194,7 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
     normal = grid["normal"].transpose("flank", "row", "column", "xyz").values
     along = np.sum(way * normal, axis=-1)
     aside = np.sqrt(np.maximum(np.sum(way**2, axis=-1) - along**2, 0.0))
-    if np.max(aside) > ASIDE:
+    if np.max(aside) > SIDE_DISTANCE_LIMIT:
         raise InputError(
             f"{source}: measured points are up to {np.max(aside):.3g} mm beside the normals of their nominal points: "
             "both must be in one frame, in mm, and in one order"
@@ -213,22 +213,22 @@ def _check_size(grid: xr.Dataset, source: str) -> None:
             "is no finite number: measure the point again, or leave its row or column out"
         )
     largest = float(np.max(np.abs(values)))
-    if 0.0 < largest < RESOLVED:
+    if 0.0 < largest < DEVIATION_RESOLUTION:
         raise InputError(
             f"{source}: the largest deviation is {largest:g} um, less than can be measured. If the values are in mm, "
             "say so: '# deviation_unit: mm', or times 1000"
         )
-    if largest > LARGEST:
+    if largest > DEVIATION_LIMIT:
         raise InputError(
-            f"{source}: the largest deviation is {largest:g} um; up to {LARGEST:g} um are allowed. Are the values in "
-            "um, and of this flank?"
+            f"{source}: largest deviation = {largest:g} um: must be at most {DEVIATION_LIMIT:g} um. "
+            "Are the values in um, and of this flank?"
         )
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        why = f" ({REFUSED[suffix]})" if suffix in REFUSED else ""
+        why = f" ({UNSUPPORTED_FORMATS[suffix]})" if suffix in UNSUPPORTED_FORMATS else ""
         raise InputError(
             f"{path}: measured grids are read and written as {', '.join(SUFFIXES)}{why}. Export the points as text or "
             "DMIS, or fill the deviations into a file of `easeoff export`"

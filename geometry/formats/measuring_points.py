@@ -24,8 +24,9 @@ Array = NDArray[Any]
 
 FORMAT = "easeoff measurement points"
 FORMAT_VERSION = 1
-DEFAULT_SHARE = 0.1  # of the face width at toe and heel, of the mean depth of the flank at root and tip
-ROOT_SHARES = (DEFAULT_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)  # tried in this order where the flank ends early
+DEFAULT_MARGIN_SHARE = 0.1  # of the face width at toe and heel, of the mean depth of the flank at root and tip
+# Tried in this order where the flank ends early.
+ROOT_MARGIN_SHARES = (DEFAULT_MARGIN_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)
 SUFFIXES = (".csv", ".nc")
 
 
@@ -42,7 +43,7 @@ class EdgeMargins:
     root: float | None = None
     tip: float | None = None
 
-    def of(self, section: BlankSection, root_share: float = DEFAULT_SHARE) -> dict[str, float]:
+    def of(self, section: BlankSection, root_share: float = DEFAULT_MARGIN_SHARE) -> dict[str, float]:
         """The four margins on a blank [mm].
 
         Parameters
@@ -63,7 +64,7 @@ class EdgeMargins:
         for name in (field.name for field in fields(self)):
             value = getattr(self, name)
             if value is None:
-                share = root_share if name == "root" else DEFAULT_SHARE
+                share = root_share if name == "root" else DEFAULT_MARGIN_SHARE
                 value = share * (section.face_width if name in ("toe", "heel") else depth)
             if not 0.0 <= value < np.inf:
                 raise InputError(f"margin at the {name} = {value} mm: must be zero or more")
@@ -118,7 +119,7 @@ def cmm_points(
         flanks = placed_flanks(member, tooth_angle)
         attributes["tooth_angle_rad"] = float(tooth_angle)
     names = sorted(flanks)
-    for share in ROOT_SHARES:
+    for share in ROOT_MARGIN_SHARES:
         margins = given.of(member.section, share)
         axial, radial = _grid(member.section, margins, rows, columns)
         found = [flanks[name].at(axial, radial) for name in names]

@@ -21,7 +21,7 @@ Array = NDArray[Any]
 
 SUFFIXES = (".step", ".stp")
 SEWING_TOLERANCE = 1e-5  # [mm]; common borders are the same curve, so this only has to exceed rounding
-DEGENERATE = 1e-7  # [mm]; a border shorter than this is a point
+DEGENERATE_LENGTH = 1e-7  # [mm]; a border shorter than this is a point
 
 
 def write_step(
@@ -152,7 +152,8 @@ def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
     from OCP.TopoDS import TopoDS_Compound
 
     sewing = BRepBuilderAPI_Sewing(SEWING_TOLERANCE)
-    faces = {patch: BRepBuilderAPI_MakeFace(_surface(points), DEGENERATE).Face() for patch, points in patches.items()}
+    surfaces = {patch: _surface(points) for patch, points in patches.items()}
+    faces = {patch: BRepBuilderAPI_MakeFace(s, DEGENERATE_LENGTH).Face() for patch, s in surfaces.items()}
     for face in faces.values():
         sewing.Add(face)
     sewing.Perform()
@@ -162,7 +163,7 @@ def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
     for angle in angles:
         turn = gp_Trsf()
         turn.SetRotation(gp_Ax1(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0.0, 0.0, 1.0)), float(angle))
-        # A turn by zero is a place of its own for OpenCASCADE, under which the faces are not found again.
+        # A turn by zero is a location of its own for OpenCASCADE, under which the faces are not found again.
         builder.Add(shape, tooth.Moved(TopLoc_Location(turn)) if angle != 0.0 else tooth)
 
     stream = io.BytesIO()

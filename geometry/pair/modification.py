@@ -15,9 +15,9 @@ from .datasets import first_contact
 
 Array = NDArray[Any]
 
-ORDERS = (2, 3, 4)
+TERM_ORDERS = (2, 3, 4)
 #: What the terms up to second order are called; the same as those of ``EaseOffTarget``.
-NAMED = {
+NAMED_TERM_POWERS = {
     "spiral_angle_error": (1, 0),
     "pressure_angle_error": (0, 1),
     "lengthwise_crowning": (2, 0),
@@ -39,10 +39,10 @@ def terms(order: int) -> tuple[str, ...]:
     >>> terms(3)[5:]
     ('lengthwise_3', 'lengthwise_2_profile_1', 'lengthwise_1_profile_2', 'profile_3')
     """
-    if order not in ORDERS:
-        raise InputError(f"order = {order}: allowed are {', '.join(map(str, ORDERS))}")
+    if order not in TERM_ORDERS:
+        raise InputError(f"order = {order}: allowed are {', '.join(map(str, TERM_ORDERS))}")
     higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
-    return (*NAMED, *higher)
+    return (*NAMED_TERM_POWERS, *higher)
 
 
 def _name(a: int, b: int) -> str:
@@ -50,8 +50,8 @@ def _name(a: int, b: int) -> str:
 
 
 #: Powers (a, b) of every term by its name.
-POWERS: Mapping[str, tuple[int, int]] = NAMED | {
-    _name(total - b, b): (total - b, b) for total in range(3, max(ORDERS) + 1) for b in range(total + 1)
+TERM_POWERS: Mapping[str, tuple[int, int]] = NAMED_TERM_POWERS | {
+    _name(total - b, b): (total - b, b) for total in range(3, max(TERM_ORDERS) + 1) for b in range(total + 1)
 }
 
 
@@ -72,7 +72,8 @@ def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
         so that it is positive where ``EaseOffTarget.bias`` is.
     """
     t, h = 2.0 * np.asarray(lengthwise) - 1.0, 2.0 * np.asarray(profile) - 1.0
-    columns = [(-1.0 if name == "bias" else 1.0) * t ** POWERS[name][0] * h ** POWERS[name][1] for name in names]
+    powers = [(-1.0 if name == "bias" else 1.0, *TERM_POWERS[name]) for name in names]
+    columns = [sign * t**a * h**b for sign, a, b in powers]
     return np.stack(columns, axis=-1)
 
 
@@ -104,8 +105,8 @@ class Modification:
 
     def __post_init__(self) -> None:
         for name, value in self.coefficients.items():
-            if name not in POWERS:
-                raise InputError(f"modification term {name!r}: allowed are {', '.join(POWERS)}")
+            if name not in TERM_POWERS:
+                raise InputError(f"modification term {name!r}: allowed are {', '.join(TERM_POWERS)}")
             if not np.isfinite(value):
                 raise InputError(f"modification term {name} = {value}: must be a finite number of um")
 

@@ -41,7 +41,7 @@ class PlacedFlank:
     surface
         What generates the flank.
     rotation
-        Angle about z from where the machine cuts it to its place [rad].
+        Angle about z from where the machine cuts it to its tooth [rad].
     """
 
     section: BlankSection
@@ -49,7 +49,7 @@ class PlacedFlank:
     rotation: float = 0.0
 
     def at(self, axial: Array, radial: Array) -> Flank:
-        """The flank at axial and radial coordinates (n) [mm], in its place in the member's frame."""
+        """The flank at axial and radial coordinates (n) [mm], turned to its tooth, in the member's frame."""
         found = solve_flank(self.surface, self.section, axial, radial)
         if self.rotation == 0.0:
             return found

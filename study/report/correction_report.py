@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from tabulate import tabulate
 
-from ...geometry.cutting.named_settings import BLADE, MACHINE, get_setting
+from ...geometry.cutting.named_settings import BLADE_STEPS, MACHINE_STEPS, get_setting
 from ...geometry.deviation.corrective_settings import corrective_settings
 from ...geometry.deviation.deviation import Deviation
 from ...geometry.deviation.global_errors import angle_errors, fit_flank_errors
@@ -37,7 +37,8 @@ def correction_text(name: str, member: Member, deviation: Deviation) -> str:
     ]
     changes = []
     for key, change in correction.changes.items():
-        angle = (key in BLADE or key in MACHINE) and (key.endswith("angle") or key in ("cutter_tilt", "cutter_swivel"))
+        plain = key in BLADE_STEPS or key in MACHINE_STEPS
+        angle = plain and (key.endswith("angle") or key in ("cutter_tilt", "cutter_swivel"))
         unit = 180.0 / math.pi if angle else 1.0
         start = get_setting(member.loaded, key)
         changes.append((key, f"{unit * start:.6f}", f"{unit * change:+.6f}", f"{unit * (start + change):.6f}"))
