@@ -16,7 +16,7 @@ from easeoff.cases import gear_pair
 from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
 from easeoff.friction import FrictionModel
 from easeoff.geometry.deviation.deviation import deviation_from_formula
-from easeoff.geometry.deviation.global_errors import FlankErrors
+from easeoff.geometry.deviation.global_errors import GlobalErrors
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
@@ -30,7 +30,7 @@ def coarse_analysis() -> xr.DataTree:
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
     case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
     model = FrictionModel(radius_direction="along")
-    worn = deviation_from_formula(gear_pair(case).pinion.section, FlankErrors(twist=1.0))
+    worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(
         case, speed=1500.0, friction_model=model, friction_feedback=True, deviations={"pinion": worn}
     )

@@ -133,7 +133,7 @@ def test_millimetres_are_read_if_said_and_noticed_if_not(tmp_path: Path) -> None
 
 def test_nanometres_are_noticed(tmp_path: Path) -> None:
     path = rewritten(tmp_path, lambda cells: [*cells[:9], repr(1e3 * float(cells[9]))])
-    with pytest.raises(InputError, match="largest deviation = .* um: must be at most 1000 um"):
+    with pytest.raises(InputError, match=r"largest deviation = .* um: must be at most 1000 um"):
         read_measured_grid(path)
 
 

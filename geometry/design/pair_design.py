@@ -24,7 +24,7 @@ SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 
 @dataclass(frozen=True)
-class DesignedPair:
+class PairDesign:
     """A pair as designed.
 
     Parameters
@@ -73,7 +73,7 @@ def design_pair(
     generated: bool = False,
     corrected: bool = True,
     edge_radii: tuple[float, float] = (0.0, 0.0),
-) -> DesignedPair:
+) -> PairDesign:
     """Blanks, gear and pinion of a pair.
 
     Parameters
@@ -85,7 +85,7 @@ def design_pair(
     targets
         Wanted ease-off of the two sides.
     free
-        Pinion settings that may move, see ``free_settings``; the usual ones if left out.
+        Pinion settings that may move, see ``named_settings``; the usual ones if left out.
     follow_root
         Whether the tips of the pinion's blades shall run along its root cone, see ``fit_pinion``.
     generated
@@ -121,7 +121,7 @@ def design_pair(
         wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
         pinion[side] = _fitted(GearPair(start, wheel, assembly), targets[side], free, follow_root)
     thickness = _middle_thickness(blank, gear) if groups else None
-    return DesignedPair(blank, assembly, gear, pinion, thickness)
+    return PairDesign(blank, assembly, gear, pinion, thickness)
 
 
 def _fitted(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:

@@ -164,7 +164,7 @@ def fit_pinion(
         The wanted ease-off on the gear flank (n) [mm] at fractions (n) lengthwise and up the profile, up to a rotation
         of the gear: an ``EaseOffTarget`` or any other function.
     free
-        Settings that may move, see ``free_settings``; ``FREE_SETTINGS`` if left out, or
+        Settings that may move, see ``named_settings``; ``FREE_SETTINGS`` if left out, or
         ``FREE_SETTINGS_WITH_TILT`` to follow the root.
     nodes
         Gear nodes of the fit, lengthwise and along the profile.

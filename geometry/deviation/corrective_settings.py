@@ -65,7 +65,7 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     deviation
         What was measured.
     free
-        Settings that may change, see ``free_settings``; usual ones of a generated or Formate member if left out.
+        Settings that may change, see ``named_settings``; usual ones of a generated or Formate member if left out.
 
     Raises
     ------

@@ -25,7 +25,7 @@ RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a re
 
 
 @dataclass(frozen=True)
-class DeviatedSurface(GeneratingSurface):
+class DeviatedFlank(GeneratingSurface):
     """A generated flank that departs from its design.
 
     Parameters
@@ -52,7 +52,7 @@ class DeviatedSurface(GeneratingSurface):
         for index, step in enumerate(RELATIVE_STEP * self.max_step):
             shift = np.zeros_like(parameters)
             shift[index] = step
-            ahead, behind = (super(DeviatedSurface, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
+            ahead, behind = (super(DeviatedFlank, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
             tangent, turned = ((a - b) / (2.0 * step) for a, b in zip(ahead[:2], behind[:2], strict=True))
             radial = (position[0] * tangent[0] + position[1] * tangent[1]) / np.sqrt(
                 position[0] ** 2 + position[1] ** 2
@@ -80,7 +80,7 @@ def deviated_member(member: Member, deviation: Deviation | None) -> Member:
         raise InputError("the deviation was made for another blank: make it with the section of this member")
     surface = member.loaded.designed
     own = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
-    return replace(member, loaded=DeviatedSurface(**own, deviation=deviation))
+    return replace(member, loaded=DeviatedFlank(**own, deviation=deviation))
 
 
 def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:

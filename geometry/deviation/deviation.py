@@ -89,7 +89,7 @@ class Deviation:
 
     @cached_property
     def interpolant(self) -> Interpolant:
-        """The deviation as a function of axial and radial coordinate [mm], see ``deviation_interpolation``."""
+        """The deviation as a function of axial and radial coordinate [mm], see ``Interpolant``."""
         if self.method == "weighted_average":
             return WeightedAverage(self.axial.ravel(), self.radial.ravel(), self.value.ravel())
         return self._spline
@@ -155,7 +155,7 @@ class Deviation:
 def deviation_from_formula(
     section: BlankSection, formula: Callable[[Array, Array], Array], nodes: tuple[int, int] = FORMULA_NODES
 ) -> Deviation:
-    """A deviation given by a formula, such as ``flank_errors.FlankErrors``.
+    """A deviation given by a formula, such as ``GlobalErrors``.
 
     Parameters
     ----------

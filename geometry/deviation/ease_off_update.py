@@ -41,7 +41,7 @@ def deviated_ease_off(
 
     Good to the first order, but for one part: the pinion's deviation goes over the lever arm of the gear's normal,
     which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
-    see ``deviated_surface``.
+    see ``deviated_flank``.
 
     Parameters
     ----------

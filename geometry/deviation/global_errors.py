@@ -19,7 +19,7 @@ TANGENT_HALF_WIDTH = 0.01  # fraction of the flank over which its tangents are t
 
 
 @dataclass(frozen=True)
-class FlankErrors:
+class GlobalErrors:
     """A surface of second order over the whole flank, every coefficient in um of metal along the normal.
 
     With t and h from -1 to 1 from toe to heel and from root to tip the deviation is ``level + spiral_angle t +
@@ -60,7 +60,7 @@ def _terms(lengthwise: Array, profile: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class FlankErrorFit:
+class GlobalErrorFit:
     """Global errors of a measured flank.
 
     Parameters
@@ -73,13 +73,13 @@ class FlankErrorFit:
         Root mean square of the deviation, its mean removed, and of what is left [um].
     """
 
-    errors: FlankErrors
+    errors: GlobalErrors
     residual: Array
     rms_before: float
     rms: float
 
 
-def fit_flank_errors(deviation: Deviation) -> FlankErrorFit:
+def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     """Global errors of a deviation, by least squares on its nodes.
 
     Raises
@@ -95,15 +95,15 @@ def fit_flank_errors(deviation: Deviation) -> FlankErrorFit:
     value = 1e3 * deviation.value
     found, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
     residual = value - terms @ found
-    return FlankErrorFit(
-        FlankErrors(*(float(v) for v in found)),
+    return GlobalErrorFit(
+        GlobalErrors(*(float(v) for v in found)),
         residual,
         float(np.std(value)),
         float(np.sqrt(np.mean(residual**2))),
     )
 
 
-def angle_errors(errors: FlankErrors, member: Member) -> tuple[float, float]:
+def angle_errors(errors: GlobalErrors, member: Member) -> tuple[float, float]:
     """Changes of spiral angle and pressure angle in the middle of the flank [rad] that stand for these errors.
 
     From the normal of the flank, which leans against the slope of the deviation; rows and columns of a measuring grid
