@@ -239,6 +239,13 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     ------
     InputError
         If the case does not describe these flanks.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"), "coast")
+    >>> pair.pinion.loaded.blade.side  # the inside blade cuts the convex flank
+    'inside'
     """
     if flank not in ("drive", "coast"):
         raise InputError(f"flank = {flank!r}: allowed are 'drive' and 'coast'")

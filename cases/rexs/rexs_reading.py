@@ -56,6 +56,16 @@ def read_rexs(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     InputError
         If the file cannot be read, does not hold exactly one bevel stage, lacks an attribute that a case needs, or has
         values that a case does not allow.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import read_case, write_rexs
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     notes = write_rexs(read_case("nasa-12x36"), f"{folder}/pair.rexs")
+    ...     case, notes = read_rexs(f"{folder}/pair.rexs")
+    >>> case.gear.number_of_teeth
+    36
     """
     try:
         return _read(read_model(path))

@@ -59,6 +59,15 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import read_case
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     notes = write_rexs(read_case("nasa-12x36"), f"{folder}/pair.rexs")
+    >>> notes[0]
+    'pinion.blank.front_angle: written as custom_easeoff_front_angle, which other programs do not know'
     """
     notes: list[str] = []
     if case.blank_design is not None:

@@ -195,7 +195,15 @@ class TargetsTable(Table):
 
 
 class Case(InputFile):
-    """A whole case file."""
+    """A whole case file.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("nasa-12x36")
+    >>> case.pair.shaft_angle, case.gear.number_of_teeth
+    (90.0, 36)
+    """
 
     easeoff_case: Literal[1]
     title: Annotated[str, Field(min_length=1, max_length=200)]

@@ -49,7 +49,15 @@ class DesignTargets(Table):
 
 
 class Design(InputFile):
-    """A whole design file."""
+    """A whole design file.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> design = read_design("fm-11x41")
+    >>> design.pinion.number_of_teeth, design.blank_design.process
+    (11, 'face_milled')
+    """
 
     easeoff_design: Literal[1]
     title: Annotated[str, Field(min_length=1, max_length=200)]

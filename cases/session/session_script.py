@@ -77,6 +77,31 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     InputError
         If the file cannot be read, a value is no number or no known word, a setting that a case needs is missing, or a
         value is out of the range of a case.
+
+    Examples
+    --------
+    The flanks of the drive side, both generated:
+
+    >>> import tempfile
+    >>> gear = '''
+    ... TYPE FACEMILLED_GEAR
+    ... COMMON  NTEETH 36  PITCHANGLE 71.567  FACEANGLE 73.133  ROOTANGLE 67.683  OUTERCONEDIST 93.81  FACEWIDTH 25.459
+    ... CONVEX  MACHINE  RADIALSETTING 72.643  CRADLEANGLE 59.234  ROOTANGLE 67.683  RATIOROLL 1.05167
+    ...         CUTTER  POINTRADIUS 75.375  BLADEANGLE 22.0
+    ... '''
+    >>> pinion = '''
+    ... TYPE FACEMILLED_PINION
+    ... COMMON  NTEETH 12  HAND LEFT  PITCHANGLE 18.433  FACEANGLE 22.317  ROOTANGLE 16.867  OUTERCONEDIST 93.761
+    ...         FACEWIDTH 25.41
+    ... CONCAVE MACHINE  RADIALSETTING 74.874  CRADLEANGLE 63.942  ROOTANGLE 16.867  RATIOROLL 3.2427
+    ...         CUTTER  POINTRADIUS 75.327  BLADEANGLE 18.046
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     script = Path(folder, "pair.ses")
+    ...     _ = script.write_text("ROTOR 1" + pinion + "ROTOR 2" + gear)
+    ...     case, notes = read_session_script(script)
+    >>> case.pinion.number_of_teeth, case.gear.convex.machine.radial_distance
+    (12, 72.643)
     """
     settings, unknown = read_settings(path)
     notes = [

@@ -46,6 +46,14 @@ class Blade:
     ------
     InputError
         If a length or an angle is out of range, or the sections do not fit onto one another.
+
+    Examples
+    --------
+    A straight outside blade: its pressure angle leans the edge outwards, the shank lies towards negative z.
+
+    >>> blade = Blade(point_radius=75.0, pressure_angle=np.radians(20.0), side="outside")
+    >>> [round(v, 3) for v in blade.edge]
+    [0.342, 0.0, -0.94]
     """
 
     point_radius: float

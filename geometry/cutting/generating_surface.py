@@ -42,6 +42,17 @@ class GeneratingSurface:
         Sense of the cradle increment, see ``machine.IncrementSense``.
     part
         Section of the blade that cuts; the profile unless said.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> gear = pair.gear.loaded
+    >>> gear.settings.generated, gear.hand
+    (False, 'right')
+    >>> position, normal, _ = gear.evaluate(np.array([[1.0], [5.0]]))  # cutter angle [rad] and blade coordinate [mm]
+    >>> round(float(np.linalg.norm(normal)), 12)
+    1.0
     """
 
     blade: Blade

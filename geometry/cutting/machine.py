@@ -60,6 +60,17 @@ class MachineSettings:
     motions
         Higher-order motions: names of settings and coefficients (c1, c2, ...) of setting + c1 p + c2 p^2 + ..., p the
         cradle increment [rad]. ``sliding_base`` is helical motion, ``work_offset`` vertical motion.
+
+    Examples
+    --------
+    Without a ratio of roll the member is Formate, with one it is generated:
+
+    >>> settings = MachineSettings(radial_distance=97.0, cradle_angle=1.04, machine_root_angle=1.17)
+    >>> settings.generated
+    False
+    >>> from dataclasses import replace
+    >>> replace(settings, ratio_of_roll=1.05, motions=(("sliding_base", (0.6,)),)).generated
+    True
     """
 
     radial_distance: float

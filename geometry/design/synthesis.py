@@ -58,6 +58,12 @@ class EaseOffTarget:
         Half of what the heel has more than the toe.
     pressure_angle_error
         Half of what the tip has more than the root.
+
+    Examples
+    --------
+    >>> target = EaseOffTarget(lengthwise_crowning=0.03)
+    >>> [float(v) for v in target(np.array([0.0, 0.5, 1.0]), np.full(3, 0.5))]
+    [0.03, 0.0, 0.03]
     """
 
     lengthwise_crowning: float = 0.0
@@ -88,6 +94,14 @@ class Synthesis:
     root_gap
         How far above the root cone the blade's tip stays at toe, middle and heel (3) [mm], negative where it cuts
         deeper.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> fit = fit_pinion(pair, EaseOffTarget(lengthwise_crowning=0.04), free=["point_radius"], nodes=(7, 5))
+    >>> isinstance(fit, Synthesis), list(fit.moved)
+    (True, ['point_radius'])
     """
 
     surface: GeneratingSurface
@@ -183,6 +197,17 @@ def fit_pinion(
         If a free setting has another name.
     GeometryError
         If the flanks do not meet on enough of the gear flank.
+
+    Examples
+    --------
+    More lengthwise crowning takes another cutter radius on another radial distance:
+
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> target = EaseOffTarget(lengthwise_crowning=0.04, profile_crowning=0.01)
+    >>> fit = fit_pinion(pair, target, nodes=(7, 5))
+    >>> bool(fit.rms < 0.001)  # [mm]
+    True
     """
     names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)

@@ -46,6 +46,16 @@ class Correction:
         What is left of the deviation (columns, rows) [mm], a rotation removed.
     rms_before, rms
         Root mean square of deviation and residual, both with a rotation removed [mm].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(pressure_angle=5.0), (9, 5))
+    >>> correction = corrective_settings(pair.gear, deviation, free=["pressure_angle"])
+    >>> list(correction.changes), correction.residual.shape
+    (['pressure_angle'], (9, 5))
     """
 
     surface: GeneratingSurface
@@ -73,6 +83,16 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         If a free setting has another name.
     GeometryError
         If a measured point is none of the designed flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0), (9, 5))
+    >>> correction = corrective_settings(pair.gear, deviation)
+    >>> correction.rms < 0.01 * correction.rms_before
+    True
     """
     surface = member.loaded.designed
     names = tuple(free) if free is not None else FREE_SETTINGS if surface.settings.generated else FREE_FORMATE_SETTINGS

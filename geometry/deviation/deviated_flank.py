@@ -87,5 +87,16 @@ def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Devi
     """The pair with deviating flanks: all of the geometry, and what follows it, is that of the flanks themselves.
 
     Raises as ``deviated_member``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, ease_off
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(lengthwise_crowning=10.0))
+    >>> crowned = ease_off(deviated_pair(pair, gear=deviation), (7, 5))["ease_off"].sel(profile=0.5)
+    >>> added = crowned - ease_off(pair, (7, 5))["ease_off"].sel(profile=0.5)
+    >>> bool(added.sel(lengthwise=0.0) > 1.0)  # the gap at the toe grows [um]
+    True
     """
     return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))

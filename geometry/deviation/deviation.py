@@ -59,6 +59,16 @@ class Deviation:
     ------
     InputError
         If the arrays do not fit together, a value is no number or larger than any deviation, or the method is unknown.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> section = pair.gear.section
+    >>> axial, radial = section.points(*np.meshgrid([0.1, 0.5, 0.9], [0.2, 0.8], indexing="ij"))
+    >>> measured = Deviation(section, axial, radial, np.array([[0.004, 0.002], [0.0, 0.0], [0.002, 0.004]]))
+    >>> round(1e3 * float(measured.at(np.array([0.1]), np.array([0.2]))[0]), 6)  # [um]
+    4.0
     """
 
     section: BlankSection
@@ -171,6 +181,15 @@ def deviation_from_formula(
     ------
     InputError
         As ``Deviation``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> round(1e3 * float(deviation.at(np.array([1.0]), np.array([0.5]))[0]), 6)  # at the heel [um]
+    5.0
     """
     t, h = np.meshgrid(np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1]), indexing="ij")
     axial, radial = section.points(t, h)
@@ -193,6 +212,17 @@ def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: M
     ------
     InputError
         If the variable or a coordinate is missing or of another kind; and as ``Deviation``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(twist=3.0))
+    >>> stored = deviation.on_grid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5))
+    >>> again = deviation_from_dataset(pair.gear.section, stored)
+    >>> again.value.shape
+    (5, 5)
     """
     grid = ("lengthwise", "profile")
     if "deviation" not in dataset or set(dataset["deviation"].dims) != set(grid):

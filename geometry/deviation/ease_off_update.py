@@ -57,6 +57,16 @@ def deviated_ease_off(
     xr.Dataset
         The same variables, of the deviating flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
         effect ``ease_off_change`` [um], and ``extrapolated``, 1 where a deviation is taken beyond its outermost nodes.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, ease_off
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> updated = deviated_ease_off(pair, ease_off(pair, (7, 5)), gear=deviation)
+    >>> [round(float(v), 3) for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel closes the gap
+    [5.0, 3.333, 1.667, 0.0, -1.667, -3.333, -5.0]
     """
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
     lever = fields["lever_arm"]

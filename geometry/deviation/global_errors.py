@@ -39,6 +39,12 @@ class GlobalErrors:
         What toe-root and heel-tip have more, and toe-tip and heel-root less, than without it.
     level
         In the middle; hardly more than a matter of how the tooth was turned for measuring.
+
+    Examples
+    --------
+    >>> errors = GlobalErrors(lengthwise_crowning=10.0)
+    >>> [float(v) for v in errors(np.array([0.0, 0.5, 1.0]), np.full(3, 0.5))]  # toe, middle, heel [um]
+    [-10.0, 0.0, -10.0]
     """
 
     spiral_angle: float = 0.0
@@ -86,6 +92,15 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     ------
     InputError
         If there are fewer than three rows or columns, which know no crowning.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> round(fit_global_errors(deviation).errors.spiral_angle, 9)
+    5.0
     """
     if min(deviation.value.shape) < 3:
         columns, rows = deviation.value.shape

@@ -52,6 +52,15 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
     ------
     InputError
         If the deviations are of another size, no numbers, or of a size that no measured flank has.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> grid = measured_grid(points, np.linspace(-6.0, 6.0, 15).reshape(3, 5))
+    >>> grid["deviation"].attrs["units"]
+    'um'
     """
     sizes = tuple(points.sizes[name] for name in ("flank", "row", "column"))
     values = np.asarray(deviation, dtype=float)
@@ -84,6 +93,15 @@ def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ------
     InputError
         If the suffix is another one, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_measured_grid(measured_grid(points, np.full((3, 5), 4.0)), f"{folder}/gear.dmi")
     """
     if _suffix(path) in DMIS_SUFFIXES:
         with whole_file(path) as temporary:
@@ -112,6 +130,17 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
     ------
     InputError
         If the file cannot be read, is of a format that is not supported, or its numbers cannot be deviations.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_measured_grid(measured_grid(points, np.full((3, 5), 4.0)), f"{folder}/gear.csv")
+    ...     float(read_measured_grid(f"{folder}/gear.csv")["deviation"].max())
+    4.0
     """
     suffix, source = _suffix(path), Path(path)
     if suffix == ".nc":
@@ -158,6 +187,15 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
     ------
     InputError
         If the grid does not hold this flank, its nominal points are no points of it, or rows and columns are exchanged.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> grid = measured_grid(cmm_points(gear, rows=3, columns=5), np.full((3, 5), 4.0))
+    >>> round(1e3 * float(flank_deviation(grid, gear).at(np.array([0.5]), np.array([0.5]))[0]), 9)  # [um]
+    4.0
     """
     name, known = side(member.loaded), [str(v) for v in grid["flank"].values]
     if name not in known:

@@ -36,6 +36,13 @@ class EdgeMargins:
 
     ``None`` stands for a tenth of the face width (toe, heel) or of the mean depth of the flank (root, tip). At the root
     it is more, in steps of a twentieth of the depth, where the flank ends above its root line (short blade, undercut).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> section = gear_pair(read_case("nasa-12x36")).gear.section
+    >>> EdgeMargins(toe=2.0, heel=2.0, root=1.0, tip=0.5).of(section)["tip"]
+    0.5
     """
 
     toe: float | None = None
@@ -108,6 +115,13 @@ def cmm_points(
         If the grid is too small or the margins leave no flank.
     GeometryError
         If a point of the grid is no point of the flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> dict(points["position"].sizes)
+    {'flank': 1, 'row': 3, 'column': 5, 'xyz': 3}
     """
     for name, number in (("rows", rows), ("columns", columns)):
         if number < 2:
@@ -221,6 +235,14 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ------
     InputError
         If the suffix is another one, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_cmm_points(points, f"{folder}/gear.csv")
     """
     suffix = _suffix(path)
     with whole_file(path) as temporary:
@@ -243,6 +265,16 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     ------
     InputError
         If there is no such file, or it holds no such points; for a text file with the number of the line.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_cmm_points(points, f"{folder}/gear.csv")
+    ...     read_cmm_points(f"{folder}/gear.csv").equals(points)
+    True
     """
     source = Path(path)
     text = _suffix(path) == ".csv"

@@ -58,6 +58,17 @@ def write_step(
         If a patch is no grid of points, the suffix is another one, or the file cannot be written.
     MissingPackageError
         If OpenCASCADE is not installed.
+
+    Examples
+    --------
+    The whole tooth of a gear, where OpenCASCADE is installed:
+
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.tooth.tooth_surface import tooth_patches
+    >>> patches = tooth_patches(gear_pair(read_case("nasa-12x36")), "gear", (5, 5))
+    >>> with tempfile.TemporaryDirectory() as folder, contextlib.suppress(MissingPackageError):
+    ...     write_step(patches, f"{folder}/gear.step")
     """
     if Path(path).suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: STEP files are called {' or '.join(SUFFIXES)}")

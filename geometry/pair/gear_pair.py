@@ -39,6 +39,13 @@ class Member:
         What generates the other flank; ``None`` if not known: the other blade in the same machine is assumed then.
     mean_thickness
         Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> gear.teeth, gear.flank(np.array([0.0, 1.0]), np.array([0.5])).position.shape
+    (36, (3, 2))
     """
 
     teeth: int
@@ -77,6 +84,13 @@ class GearPair:
         The members, seen from the flanks in contact.
     assembly
         Axes and misalignment.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> pair.assembly.ratio
+    3.0
     """
 
     pinion: Member

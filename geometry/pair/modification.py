@@ -131,6 +131,16 @@ def modified_ease_off(ease_off: xr.Dataset, modification: Modification) -> xr.Da
     xr.Dataset
         The same with other ``ease_off`` and ``ease_off_angle``. The surface of roll angle and the contact lines stay:
         what a few micrometres change of them is of second order.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import ease_off
+    >>> designed = ease_off(gear_pair(read_case("fm-11x41")), (7, 5))
+    >>> crowned = modified_ease_off(designed, Modification({"lengthwise_crowning": 10.0}))
+    >>> added = (crowned["ease_off"] - designed["ease_off"]).sel(profile=0.5)  # [um], but for the zero at first contact
+    >>> [round(float(v), 1) for v in added - added.sel(lengthwise=0.5)]
+    [10.0, 4.4, 1.1, 0.0, 1.1, 4.4, 10.0]
     """
     added = 1e-3 * modification(*np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij"))
     grid = ("lengthwise", "profile")

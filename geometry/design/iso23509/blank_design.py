@@ -90,6 +90,14 @@ class BlankDesign:
     Notes
     -----
     Source: ISO 23509:2016, tables 2 and 3; symbols of the standard in brackets.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> from easeoff.cases.conversion import blank_design
+    >>> design = read_design("fm-11x41")
+    >>> blank_design(design.blank_design, (11, 41), design.pair).hypoid_offset
+    20.0
     """
 
     method: int
