@@ -71,7 +71,7 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
 
 
 def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
-    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if there are none."""
+    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if no blanks follow."""
     design = blank_design(table, teeth, pair)
     try:
         return blank_dimensions(design)
@@ -129,7 +129,7 @@ def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
 def generating_surface(
     settings: FlankSettings, side: Side, hand: Hand, teeth: int, *, pinion: bool
 ) -> GeneratingSurface:
-    """What cuts one flank: the concave one is cut by an outside blade."""
+    """Generating surface of one flank; the concave one is cut by an outside blade."""
     cutter = settings.cutter
     blade = Blade(
         cutter.blade_point_radius,
@@ -204,7 +204,7 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
-    """How the teeth of a case give way: as shells, or by the teeth from ``finite_elements``."""
+    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``."""
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
@@ -220,7 +220,7 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
 
 
 def edges_touch(case: Case) -> bool:
-    """Whether tooth edges may touch beside the contact lines: as the case says, else with the accurate models."""
+    """Whether tooth edges may touch beside the contact lines; by default with the accurate elastic models alone."""
     chosen = case.contact.edge_contact
     return case.compliance.model != "shell" if chosen is None else chosen
 
@@ -248,7 +248,7 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     'inside'
     """
     if flank not in ("drive", "coast"):
-        raise InputError(f"flank = {flank!r}: allowed are 'drive' and 'coast'")
+        raise InputError(f"flank = {flank!r}: must be one of drive, coast")
     pinion_side: Side = "concave" if flank == "drive" else "convex"
     gear_side: Side = "convex" if flank == "drive" else "concave"
     for name, side, table in (("pinion", pinion_side, case.pinion), ("gear", gear_side, case.gear)):

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a case or design file, in the words of the file: key, value, what is allowed."""
+"""Messages about the mistakes in a case or design file that pydantic finds: key, value, what is allowed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def mistakes(model: type[BaseModel], error: ValidationError) -> str:
 
 
 def _items(error: ValidationError) -> list[Any]:
-    """What pydantic reports, but that a list is too short when it only lacks the entries reported already."""
+    """Mistakes that pydantic reports, without lists that are too short for entries reported already."""
     return [
         item
         for item in error.errors(include_url=False)

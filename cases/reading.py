@@ -1,4 +1,4 @@
-"""Reading case and design files and telling the user, in one message, what is wrong with them."""
+"""Reading and checking case and design files, with one message that names every mistake."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ Model = TypeVar("Model", Case, Design)
 
 @dataclass(frozen=True)
 class FileKind(Generic[Model]):
-    """A kind of input file: its schema, its key of the format version, where the shipped ones are.
+    """A kind of input file: its schema, the folder of the shipped files, and how to read one.
 
     Parameters
     ----------
     name
-        What messages call such a file.
+        Name of the kind in messages.
     model
         Schema.
     folder
         Folder of the shipped files.
     other
-        What to do with a file of the other kind; ``{0}`` stands for its name.
+        Advice for a file of the other kind; ``{0}`` stands for its name.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Writing case files: the text that a checked case would be read from."""
+"""Writing case files."""
 
 from __future__ import annotations
 

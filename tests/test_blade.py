@@ -329,7 +329,7 @@ def _with_cutter(lines: str) -> str:
         ("toprem_depth = 2.0", "toprem_angle or toprem_radius"),
         ("toprem_depth = 0.3\ntoprem_angle = 2.0\ntool_edge_radius = 2.0", "edge radius"),
         ("flankrem_depth = 0.3\nflankrem_angle = 2.0\ntool_edge_radius = 2.0", "flankrem_depth"),
-        ("blade_spheric_radius = 0.5", "longer than 1 mm"),
+        ("blade_spheric_radius = 0.5", "must be above 1 mm or below -1 mm"),
         ("blade_reference_height = 3.0", "blade_spheric_radius"),
         ("tool_edge_radius = -1.0", "at least 0"),
         ("blade_spheric_radius = 5.0\nblade_reference_height = 30.0", "no such arc"),

@@ -152,5 +152,5 @@ def test_corrections_with_one_setting_find_that_setting() -> None:
     deviation = measured(designed, changed(designed.loaded, {"point_radius": 0.1}))
     correction = corrective_settings(designed, deviation, free=["point_radius"])
     assert correction.changes["point_radius"] == pytest.approx(-0.1, rel=2e-2)
-    with pytest.raises(InputError, match="free setting 'tilt'"):
+    with pytest.raises(InputError, match="free setting = 'tilt': must be one of"):
         corrective_settings(designed, deviation, free=["tilt"])

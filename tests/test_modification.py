@@ -76,9 +76,9 @@ def test_no_modification_changes_nothing() -> None:
 
 
 def test_mistakes_are_named() -> None:
-    with pytest.raises(InputError, match="modification term 'crowning': allowed are spiral_angle_error"):
+    with pytest.raises(InputError, match="modification term = 'crowning': must be one of spiral_angle_error"):
         Modification({"crowning": 1.0})
     with pytest.raises(InputError, match="bias = nan"):
         Modification({"bias": np.nan})
-    with pytest.raises(InputError, match="order = 5: allowed are 2, 3, 4"):
+    with pytest.raises(InputError, match="order = 5: must be one of 2, 3, 4"):
         terms(5)

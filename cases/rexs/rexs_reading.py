@@ -117,7 +117,7 @@ def _hand(pinion: Component, gear: Component, missing: list[str]) -> Hand:
         if text is None:
             continue
         if text not in ("left", "right"):
-            raise InputError(f"{component.described(HAND_TERM)} = {text!r}: allowed are 'left' and 'right'")
+            raise InputError(f"{component.described(HAND_TERM)} = {text!r}: must be one of left, right")
         hand: Hand = "left" if text == "left" else "right"
         hands.append(opposite(hand) if turn else hand)
     if len(set(hands)) > 1:
@@ -171,9 +171,7 @@ def _read_member(
             if settings is None:
                 continue
             if name not in ("concave", "convex") or name in table:
-                raise InputError(
-                    f"{flank.described(FLANK_TERM)} = {name!r}: allowed are 'concave' and 'convex', once each"
-                )
+                raise InputError(f"{flank.described(FLANK_TERM)} = {name!r}: must be one of concave, convex, once each")
             table[name] = settings
             if flank.text(FLANK_TERM) is None:
                 notes.append(

@@ -1,4 +1,4 @@
-"""What REXS calls the keys of a case: attribute and unit of every key, table by table.
+"""Names of the keys of a case in REXS: attribute and unit of every key, table by table.
 
 Ids and units are those of the schema of REXS 2.0.0 (FVA, ``rexs_schema_2.0.0.xml`` in the public repository
 ``fva-net/rexs-api-java``). What it has no attribute for is written under ids that begin with ``custom_easeoff_``, as

@@ -1,4 +1,4 @@
-"""What every table of a case or design file is made of."""
+"""Base classes of the tables of case and design files."""
 
 from __future__ import annotations
 

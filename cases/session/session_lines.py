@@ -65,7 +65,7 @@ class Setting:
         Raises
         ------
         InputError
-            If it is none.
+            If it is not a number.
         """
         try:
             return float(self.value)
@@ -78,16 +78,16 @@ class Setting:
         Raises
         ------
         InputError
-            If it is none of them.
+            If it is another word.
         """
         if self.value.upper() not in allowed:
-            raise InputError(f"line {self.line}: {self.keyword} = {self.value!r}: known are {', '.join(allowed)}")
+            raise InputError(f"line {self.line}: {self.keyword} = {self.value!r}: must be one of {', '.join(allowed)}")
         return self.value.upper()
 
 
 @dataclass
 class _State:
-    """Where in the menus a script stands."""
+    """Position of a script in the menus."""
 
     member: str = ""
     flank: str = ""

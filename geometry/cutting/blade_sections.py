@@ -18,12 +18,12 @@ SectionName = Literal["edge", "toprem", "profile", "flankrem"]
 
 @dataclass(frozen=True)
 class Relief:
-    """Toprem or flankrem: where the edge leaves its profile, and how.
+    """Toprem or flankrem: a relief at one end of the blade's profile.
 
     Parameters
     ----------
     height
-        Where it begins, above the tip plane [mm].
+        Height of its beginning above the tip plane [mm].
     angle
         Kink at the beginning [rad]. A toprem's pressure angle is smaller by it, a flankrem's larger: positive removes
         metal at the flank's root or tip.
@@ -44,7 +44,7 @@ class BladeSection:
     Parameters
     ----------
     name
-        Which part.
+        Name of the part.
     begin, end
         Coordinate of its ends along the edge; the last section has no end.
     outward, height
@@ -161,7 +161,7 @@ def blade_sections(
     top = profile.at_height(flankrem.height)
     if not top > start:
         raise InputError(
-            f"flankrem_depth = {flankrem.height:g} mm: it must lie above the edge radius and the toprem, which reach "
+            f"flankrem_depth = {flankrem.height:g} mm: must be above the edge radius and the toprem, which reach "
             f"{profile.point(start)[1]:g} mm above the tip plane"
         )
     sections["profile"] = _cut(profile, start, begin, begin + top - start)
@@ -170,7 +170,7 @@ def blade_sections(
 
 
 def _cut(part: BladeSection, start: float, begin: float, end: float) -> BladeSection:
-    """The part from its own coordinate ``start`` on, its coordinate then counted from ``begin``."""
+    """The part from its coordinate ``start`` on, with the coordinate counted from ``begin`` there."""
     outward, height = part.point(start)
     return replace(part, begin=begin, end=end, outward=outward, height=height, angle=part.angle_at(start))
 

@@ -1,4 +1,4 @@
-"""What cuts a flank: a blade on a machine, and the envelope of its motion.
+"""The generating surface of a flank: a blade on a machine, and the envelope of its motion.
 
 A generated flank has the two parameters (cutter angle, cradle rotation); the blade coordinate follows from the
 equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
@@ -28,7 +28,7 @@ Hand = Literal["left", "right"]
 
 @dataclass(frozen=True)
 class GeneratingSurface:
-    """What cuts one flank: a blade, the machine that carries it, and the hand of the member.
+    """Generating surface of one flank: blade, machine settings and hand of the member.
 
     Parameters
     ----------
@@ -67,12 +67,12 @@ class GeneratingSurface:
         return self.blade.sections[self.part]
 
     def on(self, part: SectionName) -> GeneratingSurface:
-        """What another section of the same blade cuts."""
+        """The surface that another section of the same blade cuts."""
         return self if part == self.part else replace(self, part=part)
 
     @property
     def designed(self) -> GeneratingSurface:
-        """The surface without what the flank as made departs from it."""
+        """The surface without deviation."""
         return self
 
     @property

@@ -89,7 +89,7 @@ class MachineSettings:
     def __post_init__(self) -> None:
         for name, coefficients in self.motions:
             if name not in MOVING_SETTINGS:
-                raise InputError(f"motion of {name!r}: allowed are {', '.join(MOVING_SETTINGS)}")
+                raise InputError(f"motion = {name!r}: must be one of {', '.join(MOVING_SETTINGS)}")
             if not np.all(np.isfinite(coefficients)):
                 raise InputError(f"motion of {name} = {coefficients}: must be finite numbers")
         for field in fields(self):

@@ -1,4 +1,4 @@
-"""The equation of meshing: where on the blade a generated flank is touched (Kolivand 2009, Eq. 2.8).
+"""The equation of meshing: the point of the blade that touches a generated flank (Kolivand 2009, Eq. 2.8).
 
 The edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane there. A velocity
 by a rotation is given as (spin, shift): velocity = spin x point + shift.

@@ -18,7 +18,7 @@ from ...core.errors import InputError
 from .generating_surface import GeneratingSurface
 from .machine import MOVING_SETTINGS
 
-# What each setting is moved by to change the flank about equally: mm, rad, or per radian.
+# Usual steps of the settings, which change the flank by about as much each: mm, rad, or per radian.
 BLADE_STEPS = {"point_radius": 1.0, "pressure_angle": 0.01, "rake_angle": 0.05, "hook_angle": 0.05}
 MACHINE_STEPS = {
     "radial_distance": 1.0,
@@ -38,7 +38,7 @@ CRADLE_INCREMENT_SCALE = 0.3  # cradle increment at which a motion changes the f
 
 
 def scale_of(name: str) -> float:
-    """By how much a setting is moved to change the flank about as much as the others [mm, rad or per radian].
+    """Usual step of a setting, which changes the flank about as much as those of the others [mm, rad or per radian].
 
     Raises
     ------
@@ -53,7 +53,7 @@ def scale_of(name: str) -> float:
     motion = MOTION_PATTERN.fullmatch(name)
     if motion is None:
         raise InputError(
-            f"free setting {name!r}: allowed are {', '.join([*plain, *MODIFIED_ROLL_ORDERS])}, and the name of a "
+            f"free setting = {name!r}: must be one of {', '.join([*plain, *MODIFIED_ROLL_ORDERS])}, or the name of a "
             f"moving setting ({', '.join(MOVING_SETTINGS)}) with _motion_1 to _motion_6"
         )
     order = int(motion[2])

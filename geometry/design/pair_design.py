@@ -19,13 +19,13 @@ from .conjugate_pinion import conjugate_pinion
 from .mean_point import mean_point_angles
 from .synthesis import EaseOffTarget, Synthesis, fit_pinion
 
-RETRY_RESIDUAL = 0.005  # root mean square left of a target [mm] that is worth another try
+RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which a second fit is tried
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 
 @dataclass(frozen=True)
 class PairDesign:
-    """A pair as designed.
+    """A designed pair.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def design_pair(
     corrected: bool = True,
     edge_radii: tuple[float, float] = (0.0, 0.0),
 ) -> PairDesign:
-    """Blanks, gear and pinion of a pair.
+    """Design the blanks, the gear and the pinion flanks of a pair.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where the tip of a blade runs against the root cone of the blank it cuts."""
+"""The path of a blade's tip against the root cone of the blank."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class RootLine:
         return cls(section, solve_flank(surface, section, axial, radial).parameters)
 
     def gap(self, surface: GeneratingSurface) -> tuple[Array, RootLine]:
-        """How far above the root cone the blade's tip stays (3) [mm], negative where it cuts deeper.
+        """Distance of the blade's tip above the root cone (3) [mm], negative where it cuts deeper.
 
         Parameters
         ----------
         surface
-            What cuts the flank; near the surface of the parameters.
+            Generating surface, near the one of the parameters.
 
         Returns
         -------

@@ -21,7 +21,7 @@ from .root_line import RootLine
 Array = NDArray[Any]
 
 MISSING_RESIDUAL = 1e9  # residual [um] of settings with which the flanks do not meet
-# Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
+# Without tilt and swivel: their effects are nearly those of other settings, which makes the fit ill-conditioned.
 FREE_SETTINGS = (
     "point_radius",
     "pressure_angle",
@@ -55,9 +55,9 @@ class EaseOffTarget:
     bias
         Twist; positive adds gap at toe-tip and heel-root.
     spiral_angle_error
-        Half of what the heel has more than the toe.
+        Half the difference between heel and toe.
     pressure_angle_error
-        Half of what the tip has more than the root.
+        Half the difference between tip and root.
 
     Examples
     --------
@@ -88,12 +88,11 @@ class Synthesis:
     surface
         The pinion flank.
     moved
-        What became of each free setting: (start, end), mm, rad or per radian.
+        Start and end value of each free setting: mm, rad or per radian.
     residual
         Ease-off less target at the fit's nodes (n) [mm], its mean removed.
     root_gap
-        How far above the root cone the blade's tip stays at toe, middle and heel (3) [mm], negative where it cuts
-        deeper.
+        Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], negative where it cuts deeper.
 
     Examples
     --------

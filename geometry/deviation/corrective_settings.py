@@ -1,4 +1,4 @@
-"""Corrective machine settings: the changes of settings that take a measured deviation back, and what they leave.
+"""Corrective machine settings: changes of settings that cancel a measured deviation, and the residual.
 
 The flank is known by its deviation from the one designed. Least squares find the settings that would have made the
 measured flank; the opposite of their changes corrects it. (Settings that make the opposite deviation would do to first
@@ -39,11 +39,11 @@ class Correction:
     Parameters
     ----------
     surface
-        The designed flank with the corrections added: what to set on the machine.
+        The designed flank with the corrections added, to be set on the machine.
     changes
         Change of each free setting: mm, rad or per radian.
     residual
-        What is left of the deviation (columns, rows) [mm], a rotation removed.
+        Rest of the deviation (columns, rows) [mm], a rotation removed.
     rms_before, rms
         Root mean square of deviation and residual, both with a rotation removed [mm].
 
@@ -73,7 +73,7 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     member
         The member as designed.
     deviation
-        What was measured.
+        Measured deviation.
     free
         Settings that may change, see ``named_settings``; usual ones of a generated or Formate member if left out.
 
@@ -82,7 +82,7 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     InputError
         If a free setting has another name.
     GeometryError
-        If a measured point is none of the designed flank.
+        If a measured point lies off the designed flank.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     target = np.stack([deviation.axial.ravel(), deviation.radial.ravel()])
     flank = solve_flank(surface, member.section, *target)
     if not np.all(np.isfinite(flank.position)):
-        raise GeometryError("measured points lie where the designed flank does not exist: check the measuring grid")
+        raise GeometryError("measured points lie off the designed flank: check the measuring grid")
     azimuth = np.arctan2(flank.position[1], flank.position[0])
     lever = flank.position[0] * flank.normal[1] - flank.position[1] * flank.normal[0]
     profile = surface.on("profile")
@@ -111,7 +111,7 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         return with_settings(profile, dict(zip(names, start + scales * steps, strict=True)))
 
     def left(steps: Array) -> Array:
-        """What is measured beyond the flank that these settings make (n) [mm], a rotation removed."""
+        """Measured deviation from the flank of these settings (n) [mm], a rotation removed."""
         changed = moved(steps)
         found = solve(changed.axial_and_radial, flank.parameters, target, changed.max_step)
         position, _, _ = changed.evaluate(found.parameters)

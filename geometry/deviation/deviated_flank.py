@@ -1,4 +1,4 @@
-"""The deviating flank itself: a surface that goes through every step of the geometry like the one that is cut.
+"""The deviated flank as a surface of its own, for every step of the geometry.
 
 A point of the designed flank moves along its normal by the deviation. The normal leans against the deviation's slope:
 with the tangents **r**_k, the deviation d and its derivatives d_k, the new normal is along **n** - **w**, where **w**
@@ -26,12 +26,12 @@ RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a re
 
 @dataclass(frozen=True)
 class DeviatedFlank(GeneratingSurface):
-    """A generated flank that departs from its design.
+    """A generated flank with its deviation from the design.
 
     Parameters
     ----------
     deviation
-        By how much; ``None`` for none.
+        Deviation; ``None`` for the designed flank.
     """
 
     deviation: Deviation | None = None
@@ -67,7 +67,7 @@ class DeviatedFlank(GeneratingSurface):
 
 
 def deviated_member(member: Member, deviation: Deviation | None) -> Member:
-    """The member with its loaded flank deviating.
+    """The member with a deviated loaded flank.
 
     Raises
     ------
@@ -77,14 +77,14 @@ def deviated_member(member: Member, deviation: Deviation | None) -> Member:
     if deviation is None:
         return member
     if deviation.section != member.section:
-        raise InputError("the deviation was made for another blank: make it with the section of this member")
+        raise InputError("deviation: must have the section of this member; it was made for another blank")
     surface = member.loaded.designed
     own = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
     return replace(member, loaded=DeviatedFlank(**own, deviation=deviation))
 
 
 def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:
-    """The pair with deviating flanks: all of the geometry, and what follows it, is that of the flanks themselves.
+    """The pair with deviated flanks, for geometry and contact of the deviated surfaces themselves.
 
     Raises as ``deviated_member``.
 

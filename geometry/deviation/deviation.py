@@ -1,4 +1,4 @@
-"""What a flank as made or as worn departs from the one designed: a field on the flank of one member.
+"""Deviation of a made or worn flank from the designed one: a field on the flank of one member.
 
 A deviation is measured along the outward normal of the designed flank and is **positive where there is more metal**.
 """
@@ -27,15 +27,15 @@ FRACTION_TOLERANCE = 1e-9
 
 
 def require_method(name: str) -> None:
-    """Refuse an interpolation between nodes that there is none of.
+    """Refuse an unknown method of interpolation.
 
     Raises
     ------
     InputError
-        The message lists those there are.
+        If the name is unknown; the message lists the methods.
     """
     if name not in get_args(Method):
-        raise InputError(f"interpolation {name!r}: allowed are {', '.join(get_args(Method))}")
+        raise InputError(f"interpolation = {name!r}: must be one of {', '.join(get_args(Method))}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Deviation:
     Raises
     ------
     InputError
-        If the arrays do not fit together, a value is no number or larger than any deviation, or the method is unknown.
+        If the shapes differ, a value is not finite or larger than 2 mm, or the method is unknown.
 
     Examples
     --------
@@ -82,14 +82,14 @@ class Deviation:
         shapes = {name: np.shape(getattr(self, name)) for name in ("axial", "radial", "value")}
         if len(set(shapes.values())) != 1 or np.ndim(self.value) != 2 or min(np.shape(self.value)) < 2:
             given = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-            raise InputError(f"deviation: shapes {given}; expected one shape (columns, rows), at least 2 each")
+            raise InputError(f"shapes = {given}: must be one shape (columns, rows), at least 2 each")
         for name in shapes:
             bad = np.argwhere(~np.isfinite(getattr(self, name)))
             if bad.size:
                 column, row = bad[0] + 1
                 raise InputError(
-                    f"deviation: {len(bad)} of {np.size(self.value)} values of {name} are no finite numbers, the first "
-                    f"in row {row}, column {column}: measure these points again, or leave their rows or columns out"
+                    f"{name}: {len(bad)} of {np.size(self.value)} values are not finite, the first in row {row}, "
+                    f"column {column}; measure these points again, or leave their rows or columns out"
                 )
         largest = float(np.max(np.abs(self.value)))
         if largest > DEVIATION_LIMIT:
@@ -106,7 +106,7 @@ class Deviation:
 
     @property
     def scatter(self) -> float:
-        """Root mean square of what the nodes depart from the smooth surface [mm]: noise, waves and local wear."""
+        """Root mean square distance of the nodes from the smooth surface [mm]: noise, waves and local wear."""
         return float(np.sqrt(np.mean((self.value - smoothed(self.value)) ** 2)))
 
     @cached_property
@@ -146,8 +146,7 @@ class Deviation:
         for name, values in (("lengthwise", lengthwise), ("profile", profile)):
             if np.min(values) < -FRACTION_TOLERANCE or np.max(values) > 1.0 + FRACTION_TOLERANCE:
                 raise InputError(
-                    f"{name} = {np.min(values):g} to {np.max(values):g}: a deviation reaches to the edges of the flank "
-                    "(0 and 1), not beyond"
+                    f"{name} = {np.min(values):g} to {np.max(values):g}: must be fractions of the flank, from 0 to 1"
                 )
         t, h = np.meshgrid(lengthwise, profile, indexing="ij")
         grid = ("lengthwise", "profile")
@@ -226,15 +225,15 @@ def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: M
     """
     grid = ("lengthwise", "profile")
     if "deviation" not in dataset or set(dataset["deviation"].dims) != set(grid):
-        raise InputError(f"the dataset has no variable 'deviation' over ({', '.join(grid)})")
+        raise InputError(f"dataset: must have a variable 'deviation' over ({', '.join(grid)})")
     unit = dataset["deviation"].attrs.get("units", "um")
     if unit != "um":
-        raise InputError(f"'deviation' is in {unit!r}: give it in um")
+        raise InputError(f"units of 'deviation' = {unit!r}: must be um")
     for name in grid:
         values = dataset[name].values if name in dataset.coords else np.zeros(0)
         within = np.all(np.abs(values - 0.5) <= 0.5 + FRACTION_TOLERANCE)
         if values.size < 2 or np.any(np.diff(values) <= 0.0) or not within:
-            raise InputError(f"the coordinate {name!r} of the dataset must increase within 0 and 1")
+            raise InputError(f"coordinate {name!r} of the dataset: must increase, within 0 and 1")
     t, h = np.meshgrid(dataset["lengthwise"].values, dataset["profile"].values, indexing="ij")
     axial, radial = section.points(t, h)
     return Deviation(section, axial, radial, 1e-3 * dataset["deviation"].transpose(*grid).values, method)

@@ -1,4 +1,4 @@
-"""The ease-off of deviating flanks without new flanks: the update of the dissertation, its Eq. 4.5a corrected.
+"""The ease-off of deviated flanks as an update of the designed one (Kolivand 2009, chapter 4, Eq. 4.5a corrected).
 
 A deviation d along the normal moves the point where the flank meets a circle about the member's axis by the angle
 d / ((a x r) . n), the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead,
@@ -37,7 +37,7 @@ def deviated_ease_off(
     pinion: Deviation | None = None,
     gear: Deviation | None = None,
 ) -> xr.Dataset:
-    """Ease-off and surface of roll angle of a pair whose flanks deviate (Kolivand 2009, Eq. 4.3 to 4.10).
+    """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 
     Good to the first order, but for one part: the pinion's deviation goes over the lever arm of the gear's normal,
     which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
@@ -55,7 +55,7 @@ def deviated_ease_off(
     Returns
     -------
     xr.Dataset
-        The same variables, of the deviating flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
+        The same variables, of the deviated flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
         effect ``ease_off_change`` [um], and ``extrapolated``, 1 where a deviation is taken beyond its outermost nodes.
 
     Examples
@@ -105,7 +105,7 @@ def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> 
 
 
 def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
-    """How much later points (nt, nh) of the gear meet the pinion for its deviation [rad]."""
+    """Change of the roll angle of points (nt, nh) of the gear by the pinion's deviation [rad]."""
     gear = pair.gear.flank(lengthwise[:, 0], profile[0])
     surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     position, lever, moving = surface.pinion_position, surface.lever_arm, drift(surface)

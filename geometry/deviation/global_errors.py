@@ -1,4 +1,4 @@
-"""Global errors of a flank by the names engineers give them, as a formula and fitted to a measured grid."""
+"""Global errors of a flank by their usual names, as a formula and fitted to a measured grid."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ class GlobalErrors:
     Parameters
     ----------
     spiral_angle
-        Half of what the heel has more than the toe, at mid height.
+        Half the difference between heel and toe, at mid height.
     pressure_angle
-        Half of what the tip has more than the root, at mid face.
+        Half the difference between tip and root, at mid face.
     lengthwise_crowning
-        What toe and heel have less than the middle.
+        Relief of toe and heel against the middle.
     profile_crowning
-        What root and tip have less than the middle.
+        Relief of root and tip against the middle.
     twist
-        What toe-root and heel-tip have more, and toe-tip and heel-root less, than without it.
+        Metal added at toe-root and heel-tip, and removed at toe-tip and heel-root.
     level
-        In the middle; hardly more than a matter of how the tooth was turned for measuring.
+        Value in the middle; it depends on how the tooth was turned for measuring.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class GlobalErrors:
 
 
 def _terms(lengthwise: Array, profile: Array) -> Array:
-    """What multiplies each error (..., 6), in the order of the fields."""
+    """Factors of the errors (..., 6), in the order of the fields."""
     t, h = np.broadcast_arrays(2.0 * lengthwise - 1.0, 2.0 * profile - 1.0)
     return np.stack([t, h, -(t**2), -(h**2), t * h, np.ones_like(t)], axis=-1)
 
@@ -74,9 +74,9 @@ class GlobalErrorFit:
     errors
         The errors.
     residual
-        What they leave at the nodes (columns, rows) [um].
+        Rest at the nodes (columns, rows) [um].
     rms_before, rms
-        Root mean square of the deviation, its mean removed, and of what is left [um].
+        Root mean square of the deviation, its mean removed, and of the rest [um].
     """
 
     errors: GlobalErrors
@@ -91,7 +91,7 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     Raises
     ------
     InputError
-        If there are fewer than three rows or columns, which know no crowning.
+        If there are fewer than three rows or columns.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     """
     if min(deviation.value.shape) < 3:
         columns, rows = deviation.value.shape
-        raise InputError(f"{rows} rows x {columns} columns: global errors take at least 3 of each")
+        raise InputError(f"grid = {rows} rows x {columns} columns: must have at least 3 of each for global errors")
     fractions = deviation.section.fractions(deviation.axial, deviation.radial)
     terms = _terms(*fractions)
     value = 1e3 * deviation.value
@@ -119,7 +119,7 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
 
 
 def angle_errors(errors: GlobalErrors, member: Member) -> tuple[float, float]:
-    """Changes of spiral angle and pressure angle in the middle of the flank [rad] that stand for these errors.
+    """Changes of spiral angle and pressure angle in the middle of the flank [rad] equivalent to global errors.
 
     From the normal of the flank, which leans against the slope of the deviation; rows and columns of a measuring grid
     are not at right angles on the flank, so that either error changes both angles.

@@ -1,4 +1,4 @@
-"""Deviations between the nodes of a measuring grid: a spline through the nodes, or smoothed ones, and an average.
+"""Deviations between the nodes of a measuring grid: a spline, a smoothed spline, and a weighted average.
 
 Both are functions of the axial and radial coordinate of a flank point, analytic in the sense that they can be
 differentiated by complex step. No coordinates of the flank itself are interpolated, its deviations alone.
@@ -18,7 +18,7 @@ from ..newton import cramers_rule, determinant
 
 Array = NDArray[Any]
 SPLINE_DEGREE = 3
-# Of the grid's size, over which these cease to change, smoothly:
+# Lengths over which the parts of the spline fade to constants, as shares of the grid's size:
 TREND_FADING = 0.25  # the surface of second order, beyond the edge of the flank
 REST_FADING = 0.02  # what the nodes have besides, beyond the grid
 SQUARED_DISTANCE_OFFSET = 1e-12  # [mm^2]; added to squared distances, so that a node is no division by zero

@@ -21,7 +21,7 @@ Array = NDArray[Any]
 
 
 class NodeStatus(IntEnum):
-    """Why a node of a flank can or cannot be used; stored with CF ``flag_values`` and ``flag_meanings``.
+    """Status of a flank node: usable, or why not; stored with CF ``flag_values`` and ``flag_meanings``.
 
     Examples
     --------

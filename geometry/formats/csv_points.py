@@ -22,7 +22,7 @@ _REAL_ENDINGS = ("_mm", "_rad")
 
 
 def text(dataset: xr.Dataset) -> str:
-    """The file of a dataset of measuring points; numbers with every digit that is needed to read them back exactly."""
+    """Text of a dataset of measuring points, with the digits it takes to read the same numbers again."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
     position, normal = dataset["position"].values, dataset["normal"].values
     measured = DEVIATION_COLUMN in dataset
@@ -62,7 +62,7 @@ def parsed(content: str, source: str) -> xr.Dataset:
         if stripped.startswith("#"):
             key, colon, value = stripped[1:].partition(":")
             if not colon:
-                raise InputError(f"{where}: {stripped!r}: a comment line has the form '# key: value'")
+                raise InputError(f"{where}: {stripped!r}: a comment must have the form '# key: value'")
             attributes[key.strip()] = _attribute(key.strip(), value.strip(), where)
         elif not heading:
             heading = tuple(name.strip() for name in stripped.split(","))
@@ -89,7 +89,7 @@ def _attribute(key: str, value: str, where: str) -> Any:
             return int(value)
         return float(value) if key.endswith(_REAL_ENDINGS) else value
     except ValueError as error:
-        raise InputError(f"{where}: {key}: {value!r} is no number") from error
+        raise InputError(f"{where}: {key} = {value!r}: must be a number") from error
 
 
 def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
@@ -102,13 +102,13 @@ def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, 
     except ValueError as error:
         raise InputError(f"{where}: {line!r}: {error}") from error
     if cells[0] not in ("concave", "convex"):
-        raise InputError(f"{where}: flank {cells[0]!r}: allowed are 'concave' and 'convex'")
+        raise InputError(f"{where}: flank = {cells[0]!r}: must be one of concave, convex")
     if min(row, column) < 1:
-        raise InputError(f"{where}: row {row}, column {column}: both are counted from 1")
+        raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     if not np.all(np.isfinite(values)):
-        raise InputError(f"{where}: a value is no finite number")
+        raise InputError(f"{where}: every value must be a finite number")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
-        raise InputError(f"{where}: the normal ({', '.join(cells[6:9])}) is not of length 1")
+        raise InputError(f"{where}: normal = ({', '.join(cells[6:9])}): must be of length 1")
     return (cells[0], row, column), values
 
 

@@ -1,4 +1,4 @@
-"""Measured grids: nominal points, their normals, and what the flank departs from them, and their files."""
+"""Measured grids: nominal points, their normals and the deviations measured there; their files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from . import measuring_points as cmm
 FORMAT = "easeoff measured grid"
 DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
 SUFFIXES = (*cmm.SUFFIXES, *DMIS_SUFFIXES)
-# What other programs write and nothing public describes well enough to be read.
+# Formats without a public description that is good enough to read them.
 UNSUPPORTED_FORMATS = {
     ".xml": "GDE (VDI/VDE 2610) and vendors' XML: their schema is not public",
     ".gde": "GDE (VDI/VDE 2610): its schema is not public",
@@ -38,7 +38,7 @@ SIDE_DISTANCE_LIMIT = 0.5  # [mm] between a measured point and the normal of its
 
 
 def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
-    """A measured grid from nominal points and what was measured there.
+    """A measured grid from nominal points and their deviations.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the deviations are of another size, no numbers, or of a size that no measured flank has.
+        If the deviations have another shape, are not finite, or are too small or too large to be measured ones.
 
     Examples
     --------
@@ -70,8 +70,8 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
         rows, columns = sizes[1:]
         turned = values.ndim >= 2 and values.shape[-2:] == (columns, rows)
         raise InputError(
-            f"deviations of shape {values.shape}: the points are {sizes[0]} flanks x {rows} rows x {columns} columns, "
-            "rows from root to tip" + ("; rows and columns seem to be exchanged: transpose them" if turned else "")
+            f"shape of the deviations = {values.shape}: must be that of the points, {sizes[0]} flanks x {rows} rows x "
+            f"{columns} columns" + ("; rows and columns seem to be exchanged: transpose them" if turned else "")
         )
     grid = points.assign(deviation=(("flank", "row", "column"), values))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION, deviation_unit="um")
@@ -164,7 +164,7 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
         )
     unit = str(grid.attrs.get("deviation_unit", "um"))
     if unit not in ("um", "mm"):
-        raise InputError(f"{source}: deviation_unit = {unit!r}: allowed are um and mm")
+        raise InputError(f"{source}: deviation_unit = {unit!r}: must be one of um, mm")
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
     grid = labelled(grid.assign_attrs(deviation_unit="um"))
     _check_size(grid, str(source))
@@ -242,19 +242,19 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
 
 
 def _check_size(grid: xr.Dataset, source: str) -> None:
-    """Refuse numbers that cannot be measured deviations in um."""
+    """Refuse deviations that are not finite, or too small or too large to be measured ones in um."""
     values = grid["deviation"].values
     if not np.all(np.isfinite(values)):
         flank, row, column = (int(v) for v in np.argwhere(~np.isfinite(values))[0])
         raise InputError(
             f"{source}: the deviation of the {grid['flank'].values[flank]} flank in row {row + 1}, column {column + 1} "
-            "is no finite number: measure the point again, or leave its row or column out"
+            "is not finite: measure the point again, or leave its row or column out"
         )
     largest = float(np.max(np.abs(values)))
     if 0.0 < largest < DEVIATION_RESOLUTION:
         raise InputError(
-            f"{source}: the largest deviation is {largest:g} um, less than can be measured. If the values are in mm, "
-            "say so: '# deviation_unit: mm', or times 1000"
+            f"{source}: largest deviation = {largest:g} um: must be at least {DEVIATION_RESOLUTION:g} um. "
+            "If the values are in mm, add the line '# deviation_unit: mm'"
         )
     if largest > DEVIATION_LIMIT:
         raise InputError(

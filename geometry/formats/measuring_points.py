@@ -63,7 +63,7 @@ class EdgeMargins:
         Raises
         ------
         InputError
-            If a margin is negative or no number.
+            If a margin is negative or not finite.
         """
         corners = section.corners
         depth = float(np.mean(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)))
@@ -74,7 +74,7 @@ class EdgeMargins:
                 share = root_share if name == "root" else DEFAULT_MARGIN_SHARE
                 value = share * (section.face_width if name in ("toe", "heel") else depth)
             if not 0.0 <= value < np.inf:
-                raise InputError(f"margin at the {name} = {value} mm: must be zero or more")
+                raise InputError(f"edge margin {name} = {value} mm: must be zero or more")
             margins[name] = float(value)
         return margins
 
@@ -114,7 +114,7 @@ def cmm_points(
     InputError
         If the grid is too small or the margins leave no flank.
     GeometryError
-        If a point of the grid is no point of the flank.
+        If a point of the grid lies off the flank.
 
     Examples
     --------
@@ -125,7 +125,7 @@ def cmm_points(
     """
     for name, number in (("rows", rows), ("columns", columns)):
         if number < 2:
-            raise InputError(f"{name} = {number}: at least 2 are needed")
+            raise InputError(f"{name} = {number}: must be at least 2")
     given = edge_margins or EdgeMargins()
     flanks = {side(member.loaded): PlacedFlank(member.section, member.loaded)}
     attributes: dict[str, Any] = {}
@@ -210,13 +210,13 @@ def _grid(section: BlankSection, margins: dict[str, float], rows: int, columns: 
 
 
 def _check_measurable(name: str, flank: Flank, columns: int) -> None:
-    """Refuse a grid with points that are none of the flank."""
+    """Refuse a grid with points off the flank."""
     if np.all(flank.inside):
         return
     first = int(np.argmin(flank.inside))
     why = NodeStatus(int(flank.status[first])).name.lower().replace("_", " ")
     raise GeometryError(
-        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points are no points of the {name} flank, "
+        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points lie off the {name} flank, "
         f"the first in row {first // columns + 1}, column {first % columns + 1} ({why}): choose larger margins"
     )
 
@@ -264,7 +264,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     InputError
-        If there is no such file, or it holds no such points; for a text file with the number of the line.
+        If the file does not exist or does not hold such points; for a text file with the number of the line.
 
     Examples
     --------
@@ -284,7 +284,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def content(source: Path) -> str:
-    """A text file. Raises InputError if there is none, or it is no text."""
+    """Read a text file. Raises InputError if it does not exist or is not text."""
     require_file(source)
     try:
         return source.read_text(encoding="utf-8-sig")
@@ -293,7 +293,7 @@ def content(source: Path) -> str:
 
 
 def opened(source: Path) -> xr.Dataset:
-    """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
+    """Read a netCDF file into memory. Raises InputError if it does not exist or is not netCDF."""
     require_file(source)
     try:
         with xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
@@ -310,7 +310,7 @@ def _suffix(path: str | os.PathLike[str]) -> str:
 
 
 def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
-    """Refuse a dataset that holds no nominal points, or is not of this kind."""
+    """Refuse a dataset without nominal points, or of another kind."""
     if dataset.attrs.get("format") != kind:
         raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {kind!r}")
     version = str(dataset.attrs.get("format_version", "not given"))

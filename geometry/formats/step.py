@@ -71,7 +71,7 @@ def write_step(
     ...     write_step(patches, f"{folder}/gear.step")
     """
     if Path(path).suffix.lower() not in SUFFIXES:
-        raise InputError(f"{path}: STEP files are called {' or '.join(SUFFIXES)}")
+        raise InputError(f"path = {path}: must end in {' or '.join(SUFFIXES)}")
     angles = rotations(teeth, pitch)
     surfaces = oriented(patches)
     require_opencascade()
@@ -81,7 +81,7 @@ def write_step(
 
 
 def require_opencascade() -> None:
-    """Refuse a STEP file before any work is done for it.
+    """Check that OpenCASCADE is there, before any work is done for a STEP file.
 
     Raises
     ------

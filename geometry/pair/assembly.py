@@ -1,4 +1,4 @@
-"""Where the two members stand to each other: axes, offset, misalignment and sense of rotation.
+"""Position of the two members: axes, offset, misalignment and sense of rotation.
 
 Global frame: the gear axis is z, from the crossing point to the heel; x points from the gear axis to the mesh, so that
 the nominal pinion axis is (sin Sigma, 0, cos Sigma); y is along the offset.

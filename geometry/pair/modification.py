@@ -1,4 +1,4 @@
-"""A low-order surface added to the ease-off, and how its terms are called."""
+"""A low-order surface added to the ease-off, and the names of its terms."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .datasets import first_contact
 Array = NDArray[Any]
 
 TERM_ORDERS = (2, 3, 4)
-#: What the terms up to second order are called; the same as those of ``EaseOffTarget``.
+#: Powers of the terms up to second order by their names, which are those of ``EaseOffTarget``.
 NAMED_TERM_POWERS = {
     "spiral_angle_error": (1, 0),
     "pressure_angle_error": (0, 1),
@@ -40,7 +40,7 @@ def terms(order: int) -> tuple[str, ...]:
     ('lengthwise_3', 'lengthwise_2_profile_1', 'lengthwise_1_profile_2', 'profile_3')
     """
     if order not in TERM_ORDERS:
-        raise InputError(f"order = {order}: allowed are {', '.join(map(str, TERM_ORDERS))}")
+        raise InputError(f"order = {order}: must be one of {', '.join(map(str, TERM_ORDERS))}")
     higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
     return (*NAMED_TERM_POWERS, *higher)
 
@@ -56,7 +56,7 @@ TERM_POWERS: Mapping[str, tuple[int, int]] = NAMED_TERM_POWERS | {
 
 
 def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
-    """Each term by itself, a coefficient of one.
+    """Values of every term with the coefficient one.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Modification:
     def __post_init__(self) -> None:
         for name, value in self.coefficients.items():
             if name not in TERM_POWERS:
-                raise InputError(f"modification term {name!r}: allowed are {', '.join(TERM_POWERS)}")
+                raise InputError(f"modification term = {name!r}: must be one of {', '.join(TERM_POWERS)}")
             if not np.isfinite(value):
                 raise InputError(f"modification term {name} = {value}: must be a finite number of um")
 
@@ -122,15 +122,15 @@ def modified_ease_off(ease_off: xr.Dataset, modification: Modification) -> xr.Da
     Parameters
     ----------
     ease_off
-        What ``geometry.ease_off`` returned.
+        From ``ease_off`` or ``pair_geometry``.
     modification
-        What is added along the normal; it acts on the angle through the lever arm.
+        Addition along the normal; it acts on the angle through the lever arm.
 
     Returns
     -------
     xr.Dataset
         The same with other ``ease_off`` and ``ease_off_angle``. The surface of roll angle and the contact lines stay:
-        what a few micrometres change of them is of second order.
+        a few micrometres change them in the second order only.
 
     Examples
     --------

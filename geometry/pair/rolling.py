@@ -1,4 +1,4 @@
-"""How both flanks move past the contact line: sliding, and how fast the line crosses either flank.
+"""Sliding of the flanks, and speed of the contact line across either flank.
 
 All velocities are by the pinion rotation [mm/rad], at points in conjugate contact. Times the pinion's angular velocity
 they are velocities in space.
@@ -83,7 +83,7 @@ def _across(tangents: Array, slopes: Array) -> Array:
 
 @dataclass(frozen=True)
 class Drift:
-    """How what the pinion shows to a fixed point of the gear changes by the pinion rotation, at the nodes (n).
+    """Rates, by the pinion rotation, of the pinion point opposite a fixed point of the gear, at the nodes (n).
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class Drift:
 
 
 def drift(ease_off: EaseOff) -> Drift:
-    """Rates of what the pinion shows to the nodes of the gear flank, by central differences as the separation skew.
+    """Drift of the pinion points opposite the nodes of the gear flank, by central differences as the separation skew.
 
     Parameters
     ----------

@@ -139,7 +139,7 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
 
 
 def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
-    """How the middles of two flanks stand to each other where their machines cut them.
+    """Angle between the middles of two flanks as their machines cut them.
 
     Parameters
     ----------

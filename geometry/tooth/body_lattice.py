@@ -12,8 +12,8 @@ from ..flanks.blank_section import BlankSection
 
 Array = NDArray[Any]
 
-COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
-DEPTH_PER_HEIGHT = 1.2  # of the tooth, that the body is deep if nothing is said
+COLUMN_SPREAD = 0.25  # widening of the columns under the tooth, over the depth
+DEPTH_PER_HEIGHT = 1.2  # default depth of the body over the height of the tooth
 DEPTH_SHARE_LIMIT = 0.65  # of the way from the root to the member's axis
 
 
@@ -50,7 +50,7 @@ class LatticeSections:
 
 
 def usual_depth(blank: BlankSection) -> float:
-    """Depth of the body that is taken if none is given [mm]: 1.2 times the tooth's height at mid face.
+    """Default depth of the body [mm]: 1.2 times the tooth's height at mid face.
 
     That is about 2.5 normal modules, the rim of the finite elements that the root springs were compared with.
     """

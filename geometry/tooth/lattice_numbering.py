@@ -1,4 +1,4 @@
-"""What a lattice of bricks in a tooth and its body is, and how its nodes are numbered."""
+"""The lattice of bricks in a tooth and its body, and the numbering of its nodes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class LatticeSize:
 
     def __post_init__(self) -> None:
         if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1 or self.overhang < 0:
-            raise InputError(f"{self}: every number of bricks must be at least 1")
+            raise InputError(f"{self}: every number of bricks must be at least 1, overhang at least 0")
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""

@@ -1,4 +1,4 @@
-"""Where the bricks of a tooth's lattice end: along the face, up the flank and through the tooth."""
+"""Spacing of the bricks of a tooth's lattice: along the face, up the flank and through the tooth."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def with_middles(ends: Array) -> Array:
 
 @dataclass(frozen=True)
 class LatticeSpacing:
-    """Where the bricks of the tooth end, and their middles, from 0 to 1: an odd number of increasing fractions each.
+    """Ends and middles of the bricks of a tooth, from 0 to 1: an odd number of increasing fractions each.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ MemberName = Literal["pinion", "gear"]
 
 
 def side(surface: GeneratingSurface) -> Side:
-    """Which flank a blade cuts: the outside blade the concave one, the inside blade the convex one."""
+    """Side of the flank that a blade cuts: the outside blade the concave one, the inside blade the convex one."""
     return "concave" if surface.blade.side == "outside" else "convex"
 
 
@@ -88,7 +88,7 @@ def named_member(pair: GearPair, name: str) -> Member:
         If it is called anything else.
     """
     if name not in ("pinion", "gear"):
-        raise InputError(f"member = {name!r}: allowed are 'pinion' and 'gear'")
+        raise InputError(f"member = {name!r}: must be one of pinion, gear")
     return pair.pinion if name == "pinion" else pair.gear
 
 

@@ -207,7 +207,7 @@ def tooth_surface(
     which = named_member(pair, member)
     t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
     if min(t.size, nodes[1]) < 5:
-        raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
+        raise InputError(f"nodes = {nodes}: must be at least 5 in each direction")
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
         tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()
