@@ -10,7 +10,7 @@ from .schema_table import Integer, Number, Table, number
 class BlankDesignTable(Table):
     """Basic data of both blanks, by ISO 23509:2016, instead of the blanks themselves.
 
-    Which keys go together is checked by ``geometry.blank.BlankDesign``, whose fields these are, in degrees.
+    Which keys go together is checked by ``geometry.BlankDesign``, whose fields these are, in degrees.
     """
 
     method: Literal[0, 1, 2, 3] = number(

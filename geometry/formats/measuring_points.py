@@ -100,7 +100,7 @@ def cmm_points(
     edge_margins
         Strips left out at the edges.
     tooth_angle
-        Angular thickness of the tooth in the middle of the flank [rad], from ``geometry.tooth_flanks.tooth_angle``; it
+        Angular thickness of the tooth in the middle of the flank [rad], from ``tooth_flanks.tooth_angle``; it
         puts both flanks of one tooth into one frame. Without it the loaded flank comes alone, as it does for a member
         whose other flank is not known.
 

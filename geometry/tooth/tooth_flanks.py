@@ -93,7 +93,7 @@ def named_member(pair: GearPair, name: str) -> Member:
 
 
 def tooth_angle(pair: GearPair, name: str) -> float:
-    """Angular thickness of a member's tooth in the middle of the flank [rad], see ``pair.tooth_angles``.
+    """Angular thickness of a member's tooth in the middle of the flank [rad], see ``gear_pair.tooth_angles``.
 
     Raises
     ------

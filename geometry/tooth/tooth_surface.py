@@ -184,7 +184,7 @@ class ToothSurface:
 def tooth_surface(
     pair: GearPair, member: str, nodes: tuple[int | Array, int] = (31, 21), fillet_nodes: int = FILLET_NODES
 ) -> ToothSurface:
-    """The real tooth of one member, with the thickness of its teeth as in ``pair.bodies``.
+    """The real tooth of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
 
     Parameters
     ----------
