@@ -20,7 +20,7 @@ from ..geometry.design.blank import BlankDimensions
 from ..geometry.design.pair_design import SIDES, PairDesign, design_pair
 from ..geometry.flanks.flank import NodeStatus
 from ..geometry.pair.assembly import Assembly
-from ..geometry.pair.ease_off import compute
+from ..geometry.pair.ease_off import exact_ease_off
 from ..geometry.pair.gear_pair import FlankName, bodies, grid
 
 Array = NDArray[Any]
@@ -198,7 +198,7 @@ def _report(design: Design, designed: PairDesign) -> DesignReport:
 def _side(design: Design, designed: PairDesign, side: Literal["drive", "coast"]) -> SideReport:
     pair, fit = designed.pair(side), designed.pinion[side]
     t, h = grid(NODES)
-    found = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     inside = found.status == NodeStatus.INSIDE
     gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
     wanted = ease_off_target(getattr(design.target, side))(*np.meshgrid(t, h, indexing="ij"))

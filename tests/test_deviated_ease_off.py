@@ -28,7 +28,7 @@ from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
 from easeoff.geometry.deviation.measurement import distance_along_normals
 from easeoff.geometry.flanks.curvature import principal_curvatures
 from easeoff.geometry.newton import complex_steps
-from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import Member, grid
 from easeoff.geometry.pair.rolling import drift, relative_velocity, rolling
 
@@ -102,7 +102,7 @@ def test_equal_and_opposite_deviations_of_conjugate_points_cancel() -> None:
     pair = case_pair()
     t, h = grid(NODES)
     gear = of(pair.gear, GEAR_ERRORS)
-    surface = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     place = surface.pinion_position
     on_gear = gear.at(*np.meshgrid(t, h, indexing="ij"))
     pinion = Deviation(pair.pinion.section, place[2].reshape(NODES), np.hypot(*place[:2]).reshape(NODES), -on_gear)
@@ -197,7 +197,7 @@ def test_flanks_of_several_sections_deviate_too() -> None:
         pinion=relieved(pair.pinion, toprem=Relief(1.6, 0.02)),
         gear=relieved(pair.gear, flankrem=Relief(5.0, 0.02)),
     )
-    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     assert set(surface.part) == {0, 1}
     nothing = deviated_pair(pair, pinion=of(pair.pinion, uniform, 0.0), gear=of(pair.gear, uniform, 0.0))
     same = pair_geometry(nothing, NODES).ease_off
@@ -290,7 +290,7 @@ def test_a_deviation_of_another_blank_is_refused() -> None:
 @cache
 def computed() -> EaseOff:
     pair = case_pair()
-    return compute(pair.gear.flank(*grid((9, 7))), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return exact_ease_off(pair.gear.flank(*grid((9, 7))), pair.pinion.loaded, pair.pinion.section, pair.assembly)
 
 
 def test_what_drifts_past_a_place_of_the_gear_is_the_sliding_pinion() -> None:

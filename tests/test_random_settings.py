@@ -18,7 +18,7 @@ from easeoff.geometry.cutting.blade_sections import Relief
 from easeoff.geometry.cutting.machine import MOVING_SETTINGS
 from easeoff.geometry.flanks.flank import Flank
 from easeoff.geometry.flanks.flank_parts import on_parts
-from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import FlankName, grid
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
@@ -168,7 +168,7 @@ def outcome(pair: GearPair, *, teeth: bool) -> str:
         gear = pair.gear.flank(t, h)
         check_flank(pair.gear, gear)
         check_flank(pair.pinion, pair.pinion.flank(t, h))
-        check_ease_off(pair, gear, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+        check_ease_off(pair, gear, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
         if teeth:
             pair_geometry(pair, NODES)
     except EaseoffError as error:

@@ -14,7 +14,7 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
 from ..flanks.flank import Flank
-from ..pair.ease_off import EaseOff, angle_near, compute
+from ..pair.ease_off import EaseOff, angle_near, exact_ease_off
 from ..pair.gear_pair import GearPair, grid
 from .root_line import RootLine
 
@@ -212,7 +212,7 @@ def fit_pinion(
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    known = compute(gear, pinion.loaded, pinion.section, pair.assembly)
+    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
     fit = _Fit(pair, gear, wanted, names, known, root_line)
     if fit.lever.size < 2 * len(names):
@@ -235,7 +235,7 @@ def fit_pinion(
     moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
     left = 1e-3 * fit(found.x)[: fit.lever.size]
     # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
-    fresh = compute(gear, surface, pinion.section, pair.assembly)
+    fresh = exact_ease_off(gear, surface, pinion.section, pair.assembly)
     if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):
         raise GeometryError(
             "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "

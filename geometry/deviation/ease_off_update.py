@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ...core.attributes import labelled
 from ..pair.datasets import first_contact
-from ..pair.ease_off import compute
+from ..pair.ease_off import exact_ease_off
 from ..pair.gear_pair import GearPair
 from ..pair.rolling import drift
 from .deviation import Deviation
@@ -107,7 +107,7 @@ def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> 
 def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
     """Change of the roll angle of points (nt, nh) of the gear by the pinion's deviation [rad]."""
     gear = pair.gear.flank(lengthwise[:, 0], profile[0])
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     position, lever, moving = surface.pinion_position, surface.lever_arm, drift(surface)
     value, slope = deviation.interpolant(position[2], np.hypot(position[0], position[1]))
     rate = (slope[0] * moving.axial + slope[1] * moving.radial) / lever - value * moving.lever_arm / lever**2

@@ -168,7 +168,7 @@ def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Arr
     return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second)), first, second
 
 
-def compute(
+def exact_ease_off(
     gear: Flank,
     pinion_surface: GeneratingSurface,
     pinion_section: BlankSection,

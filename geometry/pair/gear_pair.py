@@ -15,7 +15,7 @@ from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
 from .assembly import Assembly, Misalignment
 from .datasets import ease_off_dataset, flank_dataset, flanks_dataset, teeth_dataset
-from .ease_off import EaseOff, compute
+from .ease_off import EaseOff, exact_ease_off
 from .tooth_body import ToothBody, middle_angle, opposite_surface, tooth_body
 
 Array = NDArray[Any]
@@ -153,7 +153,7 @@ def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Pai
     """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     return PairGeometry(
         flanks_dataset(t, h, pair.pinion.flank(t, h), gear),
         ease_off_dataset(t, h, surface),
@@ -177,7 +177,7 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
     """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    return ease_off_dataset(t, h, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+    return ease_off_dataset(t, h, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
 
 
 def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surface: EaseOff) -> xr.Dataset:
