@@ -34,8 +34,11 @@ def printed_update(pair: GearPair, designed: xr.Dataset, update: xr.Dataset) -> 
     distance from the axis.
     """
     lever, ratio = designed["lever_arm"], pair.assembly.ratio
-    _, gear_radius = pair.gear.section.points(*xr.broadcast(designed["lengthwise"], designed["profile"]))
-    _, pinion_radius = pair.pinion.section.points(designed["pinion_lengthwise"], designed["pinion_profile"])
+    nodes = np.meshgrid(designed["lengthwise"].values, designed["profile"].values, indexing="ij")
+    _, gear_radius = pair.gear.section.points(*nodes)
+    _, pinion_radius = pair.pinion.section.points(
+        designed["pinion_lengthwise"].values, designed["pinion_profile"].values
+    )
     by_gear = 1e-3 * update["gear_deviation"] * lever / gear_radius**2
     by_pinion = 1e-3 * update["pinion_deviation"] * lever / ratio / pinion_radius**2
     change = -(by_pinion / ratio + by_gear)

@@ -91,7 +91,7 @@ def test_no_deviation_changes_nothing_in_the_last_bit() -> None:
 def test_uniform_metal_on_one_member_takes_just_as_much_off_the_normal_ease_off(member: str) -> None:
     pair = case_pair()
     deviation = of(pair.pinion if member == "pinion" else pair.gear, uniform)
-    updated = deviated_ease_off(pair, designed(pair), **{member: deviation})  # type: ignore[arg-type]
+    updated = deviated_ease_off(pair, designed(pair), **{member: deviation})
     change = 1e3 * (absolute(updated) - absolute(designed(pair))) * updated["lever_arm"].values
     inside = updated["inside"].values.astype(bool)
     np.testing.assert_allclose(change[inside], -10.0, rtol=0, atol=1e-9)
