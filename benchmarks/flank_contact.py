@@ -26,7 +26,7 @@ from easeoff.contact.compliance.finite_elements.bricks import quadratic
 from easeoff.verification.flank_response import flank_response
 from easeoff.verification.surface_cells import Cells
 from easeoff.verification.surface_contact import half_space_compliance
-from easeoff.geometry.tooth.lattice_spacing import LatticePlaces, with_middles
+from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize, tooth_lattice
 
 BLOCK, RADII, CLOSURE = (6.0, 8.0, 8.0), (12.0, 600.0), 0.012  # half sides and height, radii, approach [mm]
@@ -126,7 +126,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
         bunched(m, half, count, widest) for m, half, widest in zip(middle, halves, (0.08, 0.15), strict=True)
     )
     through = with_middles(steps(2.0 * SPOT[1] / count / 7.0, 1, 1.0, 1.7))
-    lattice = tooth_lattice(pair, "gear", places=LatticePlaces(lengthwise, upward, through))
+    lattice = tooth_lattice(pair, "gear", spacing=LatticeSpacing(lengthwise, upward, through))
     body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
     x, w = np.polynomial.legendre.leggauss(4)
     shape = quadratic(x)[0]

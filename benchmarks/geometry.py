@@ -21,7 +21,7 @@ import numpy as np
 from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import GearPair, Misalignment, pair_geometry
 from easeoff.geometry.flanks.curvature import principal_curvatures
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from easeoff.geometry.pair.gear_pair import bodies, grid
 from tabulate import tabulate
@@ -39,7 +39,7 @@ def stages(pair: GearPair, nodes: tuple[int, int]) -> dict[str, Callable[[dict[s
         "first guesses": lambda r: [seed_lattice(m.loaded, m.section) for m in (pinion, gear)],
         "pinion flank": lambda r: pinion.flank(t, h),
         "gear flank": lambda r: gear.flank(t, h),
-        "ease-off": lambda r: compute(r["gear flank"], pinion.loaded, pinion.section, pair.assembly),
+        "ease-off": lambda r: exact_ease_off(r["gear flank"], pinion.loaded, pinion.section, pair.assembly),
         "curvatures": lambda r: [principal_curvatures(r[name]) for name in ("pinion flank", "gear flank")],
         "teeth": lambda r: bodies(pair),
     }

@@ -25,7 +25,7 @@ from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
-from .schema.cutting_table import FlankSettings, Machine, Motions
+from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
 
 Side = Literal["concave", "convex"]
 
@@ -71,7 +71,7 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
 
 
 def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
-    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if there are none."""
+    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if no blanks follow."""
     design = blank_design(table, teeth, pair)
     try:
         return blank_dimensions(design)
@@ -120,7 +120,7 @@ def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Polynomial coefficients of the settings that move, angles in rad."""
     result = []
     for name, derivatives in motions:
-        unit = math.radians(1.0) if name in ("machine_root_angle", "cutter_tilt", "cutter_swivel") else 1.0
+        unit = math.radians(1.0) if name in ANGULAR_MOTIONS else 1.0
         if any(derivatives):
             result.append((name, tuple(unit * d / math.factorial(n) for n, d in enumerate(derivatives, start=1))))
     return tuple(result)
@@ -129,7 +129,7 @@ def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
 def generating_surface(
     settings: FlankSettings, side: Side, hand: Hand, teeth: int, *, pinion: bool
 ) -> GeneratingSurface:
-    """What cuts one flank: the concave one is cut by an outside blade."""
+    """Generating surface of one flank; the concave one is cut by an outside blade."""
     cutter = settings.cutter
     blade = Blade(
         cutter.blade_point_radius,
@@ -204,24 +204,23 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
-    """How the teeth of a case give way: as shells, or by the teeth from ``finite_elements``."""
+    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``."""
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)
     return ElasticModel(
         pinion,
         gear,
-        table.shell_form,
-        (table.profile_modes, table.lengthwise_modes),
-        table.shear_factor,
-        table.plate,
-        foundation,
-        None if teeth is None else (teeth[0].flank, teeth[1].flank),
+        modes=(table.profile_modes, table.lengthwise_modes),
+        shear_factor=table.shear_factor,
+        plate=table.plate,
+        foundation=foundation,
+        condensed=None if teeth is None else (teeth[0].flank, teeth[1].flank),
     )
 
 
 def edges_touch(case: Case) -> bool:
-    """Whether tooth edges may touch beside the contact lines: as the case says, else with the accurate models."""
+    """Whether tooth edges may touch beside the contact lines; by default with the accurate elastic models alone."""
     chosen = case.contact.edge_contact
     return case.compliance.model != "shell" if chosen is None else chosen
 
@@ -240,9 +239,16 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     ------
     InputError
         If the case does not describe these flanks.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"), "coast")
+    >>> pair.pinion.loaded.blade.side  # the inside blade cuts the convex flank
+    'inside'
     """
     if flank not in ("drive", "coast"):
-        raise InputError(f"flank = {flank!r}: allowed are 'drive' and 'coast'")
+        raise InputError(f"flank = {flank!r}: must be one of drive, coast")
     pinion_side: Side = "concave" if flank == "drive" else "convex"
     gear_side: Side = "convex" if flank == "drive" else "concave"
     for name, side, table in (("pinion", pinion_side, case.pinion), ("gear", gear_side, case.gear)):

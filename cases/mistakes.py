@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a case or design file, in the words of the file: key, value, what is allowed."""
+"""Messages about the mistakes in a case or design file that pydantic finds: key, value, what is allowed."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-LIMITS = {
+LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
     "less_than": ("below", "lt"),
     "less_than_equal": ("at most", "le"),
 }
-COUNTS = {
+COUNT_MESSAGES = {
     "too_short": ("least", "min_length"),
     "too_long": ("most", "max_length"),
     "string_too_short": ("least", "min_length"),
     "string_too_long": ("most", "max_length"),
 }
-WORDS = {
+TYPE_MESSAGES = {
     "finite_number": "must be a finite number",
     "float_type": "must be a number",
     "int_type": "must be a whole number",
@@ -41,7 +41,7 @@ def mistakes(model: type[BaseModel], error: ValidationError) -> str:
 
 
 def _items(error: ValidationError) -> list[Any]:
-    """What pydantic reports, but that a list is too short when it only lacks the entries reported already."""
+    """Mistakes that pydantic reports, without lists that are too short for entries reported already."""
     return [
         item
         for item in error.errors(include_url=False)
@@ -80,20 +80,20 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
         return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else whole}; known are: {known}"
     if kind == "value_error":
         return str(context["error"])
-    if kind in LIMITS:
-        words, name = LIMITS[kind]
+    if kind in LIMIT_MESSAGES:
+        words, name = LIMIT_MESSAGES[kind]
         return f"must be {words} {context[name]:g}"
-    if kind in COUNTS:
-        words, name = COUNTS[kind]
+    if kind in COUNT_MESSAGES:
+        words, name = COUNT_MESSAGES[kind]
         unit = "character" if kind.startswith("string") else "value"
         return f"must have at {words} {context[name]} {unit}{'' if context[name] == 1 else 's'}"
     if kind == "literal_error":
         return f"must be {context['expected']}"
-    return WORDS.get(kind) or str(item["msg"][0].lower() + item["msg"][1:])
+    return TYPE_MESSAGES.get(kind) or str(item["msg"][0].lower() + item["msg"][1:])
 
 
 def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
-    """Keys of the table at the given place of a case or design."""
+    """Keys of the table ``table`` of a case or design."""
     schema = model.model_json_schema()
     definitions = schema["$defs"]
     node = schema

@@ -1,44 +1,130 @@
-"""Reading case and design files and telling the user, in one message, what is wrong with them."""
+"""Reading and checking case and design files, with one message that names every mistake."""
 
 from __future__ import annotations
 
 import os
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from ..core.errors import EaseoffError, InputError
-from ..geometry.cutting.named_settings import scale_of
 from .conversion import designed_blanks
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", Case, Design)
+
+
+@dataclass(frozen=True)
+class FileKind(Generic[Model]):
+    """A kind of input file: its schema, the folder of the shipped files, and how to read one.
+
+    Parameters
+    ----------
+    name
+        Name of the kind in messages.
+    model
+        Schema.
+    folder
+        Folder of the shipped files.
+    other
+        Advice for a file of the other kind; ``{0}`` stands for its name.
+    """
+
+    name: str
+    model: type[Model]
+    folder: Traversable
+    other: str
+
+    def shipped(self) -> dict[str, str]:
+        """Names and titles of the shipped files."""
+        return {name: self.read(name).title for name in self._names()}
+
+    def _names(self) -> list[str]:
+        return sorted(f.name[:-5] for f in self.folder.iterdir() if f.name.endswith(".toml"))
+
+    def find(self, name_or_path: str | Path) -> tuple[str, Path | None]:
+        """Text of a shipped file (by name) or of a user's file (by path), and the folder of the latter."""
+        kind, name = self.name, str(name_or_path)
+        if name in self._names():
+            return self.folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
+        path = Path(name_or_path)
+        if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
+            known = ", ".join(self._names())
+            raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
+        try:
+            return path.read_text(encoding="utf-8"), path.absolute().parent
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"{kind} {name!r} cannot be read: a {kind} is a text file, in TOML ({error})") from error
+
+    def read(self, name_or_path: str | Path) -> Model:
+        """Read and check a file."""
+        text, folder = self.find(name_or_path)
+        return self.parse(text, str(name_or_path), folder)
+
+    def parse(self, text: str, origin: str, folder: Path | None) -> Model:
+        """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``."""
+        try:
+            data = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{origin} is not a TOML file: {error}") from error
+        versions = [f"easeoff_{kind.name}" for kind in (CASE, DESIGN) if f"easeoff_{kind.name}" in data]
+        if versions and f"easeoff_{self.name}" not in versions:
+            raise InputError(f"{origin} is {self.other.format(origin)}")
+        found = self.check(data, origin, folder)
+        found._text = text
+        return found
+
+    def check(self, data: Mapping[str, Any], origin: str, folder: Path | None = None) -> Model:
+        """Check the tables of a file, also whether its basic data make blanks."""
+        try:
+            found = self.model.model_validate(data, context={"folder": folder})
+        except ValidationError as error:
+            raise InputError(f"{origin} has {count(error)}:\n{mistakes(self.model, error)}") from error
+        if found.blank_design is not None:
+            try:
+                designed_blanks(
+                    found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair
+                )
+            except EaseoffError as error:
+                raise type(error)(f"{origin}: {error}") from error
+        return found
+
+
+SHIPPED = resources.files(__package__)
+CASE = FileKind("case", Case, SHIPPED, "a design: make a case of it with 'easeoff design {0} -o CASE'")
+DESIGN = FileKind(
+    "design", Design, SHIPPED.joinpath("designs"), "a case already: analyse it with 'easeoff run {0} -o RESULT'"
+)
 
 
 def shipped_cases() -> dict[str, str]:
-    """Names and titles of the cases that come with the package."""
-    return {name: read_case(name).title for name in _names(_folder("case"))}
+    """Names and titles of the cases that come with the package.
+
+    Examples
+    --------
+    >>> "nasa-12x36" in shipped_cases()
+    True
+    """
+    return CASE.shipped()
 
 
 def shipped_designs() -> dict[str, str]:
-    """Names and titles of the designs that come with the package."""
-    return {name: read_design(name).title for name in _names(_folder("design"))}
+    """Names and titles of the designs that come with the package.
 
-
-def _folder(kind: str) -> Traversable:
-    root = resources.files(__package__)
-    return root if kind == "case" else root.joinpath("designs")
-
-
-def _names(folder: Traversable) -> list[str]:
-    return sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".toml"))
+    Examples
+    --------
+    >>> "fm-11x41" in shipped_designs()
+    True
+    """
+    return DESIGN.shipped()
 
 
 def case_text(name_or_path: str | Path) -> str:
@@ -49,26 +135,12 @@ def case_text(name_or_path: str | Path) -> str:
     InputError
         If there is neither a shipped case nor a readable file of that name.
     """
-    return _text("case", name_or_path)
+    return CASE.find(name_or_path)[0]
 
 
-def _text(kind: str, name_or_path: str | Path) -> str:
-    return _found(kind, name_or_path)[0]
-
-
-def _found(kind: str, name_or_path: str | Path) -> tuple[str, Path | None]:
-    """The text, and the folder of the file; none of a shipped one."""
-    name, folder = str(name_or_path), _folder(kind)
-    if name in _names(folder):
-        return folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
-    path = Path(name_or_path)
-    if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
-        known = ", ".join(_names(folder))
-        raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
-    try:
-        return path.read_text(encoding="utf-8"), path.absolute().parent
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{kind} {name!r} cannot be read: a {kind} is a text file, in TOML ({error})") from error
+def design_text(name_or_path: str | Path) -> str:
+    """Text of a shipped design (by name) or of a design file (by path). Raises as ``case_text``."""
+    return DESIGN.find(name_or_path)[0]
 
 
 def read_case(name_or_path: str | Path) -> Case:
@@ -89,103 +161,62 @@ def read_case(name_or_path: str | Path) -> Case:
     >>> read_case("nasa-12x36").pinion.number_of_teeth
     12
     """
-    text, folder = _found("case", name_or_path)
-    return parse_case(text, str(name_or_path), folder)
-
-
-def parse_case(text: str, origin: str = "case", folder: Path | None = None) -> Case:
-    """Check the text of a case. Raises as ``read_case``.
-
-    Parameters
-    ----------
-    text
-        In TOML.
-    origin
-        What messages call it.
-    folder
-        Where relative paths in it start; the working folder if left out.
-    """
-    case = _checked(Case, text, origin, folder)
-    _check_blanks(case, origin)
-    case._text = text
-    return case
+    return CASE.read(name_or_path)
 
 
 def read_design(name_or_path: str | Path) -> Design:
-    """Read and check a design.
-
-    Parameters
-    ----------
-    name_or_path
-        Name of a shipped design, or path of a design file in TOML.
-
-    Raises
-    ------
-    InputError
-        Naming every wrong key, its value and what is allowed.
+    """Read and check a design. Takes and raises what ``read_case`` does.
 
     Examples
     --------
     >>> read_design("fm-11x41").gear.number_of_teeth
     41
     """
-    text, folder = _found("design", name_or_path)
-    return parse_design(text, str(name_or_path), folder)
+    return DESIGN.read(name_or_path)
 
 
-def parse_design(text: str, origin: str = "design", folder: Path | None = None) -> Design:
-    """Check the text of a design. Raises as ``read_design``.
+def parse_case(text: str, origin: str = "case", folder: Path | None = None) -> Case:
+    """Check the text of a case.
 
     Parameters
     ----------
     text
-        In TOML.
+        Content of a case file, in TOML.
     origin
-        What messages call it.
+        Name of the case in messages.
     folder
         Where relative paths in it start; the working folder if left out.
+
+    Raises
+    ------
+    InputError
+        As ``read_case``.
+
+    Examples
+    --------
+    >>> parse_case("easeoff_case = 1", "mine.toml")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: mine.toml has 4 mistakes:
+      title: is missing; it must be given
+      pair: is missing; it must be given
+      pinion: is missing; it must be given
+      gear: is missing; it must be given
     """
-    design = _checked(Design, text, origin, folder)
-    _check_blanks(design, origin)
-    try:
-        for name in design.pinion.free_settings or ():
-            scale_of(name)
-    except InputError as error:
-        raise InputError(f"{origin} has a mistake:\n  pinion.free_settings: {error}") from error
-    return design
+    return CASE.parse(text, origin, folder)
 
 
-def _checked(model: type[Model], text: str, origin: str, folder: Path | None) -> Model:
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{origin} is not a TOML file: {error}") from error
-    if model is Case and "easeoff_design" in data and "easeoff_case" not in data:
-        raise InputError(f"{origin} is a design: make a case of it with 'easeoff design {origin} -o CASE'")
-    if model is Design and "easeoff_case" in data and "easeoff_design" not in data:
-        raise InputError(f"{origin} is a case already: analyse it with 'easeoff run {origin} -o RESULT'")
-    return _validated(model, data, origin, folder)
+def parse_design(text: str, origin: str = "design", folder: Path | None = None) -> Design:
+    """Check the text of a design. Takes and raises what ``parse_case`` does.
 
-
-def _validated(model: type[Model], data: Mapping[str, Any], origin: str, folder: Path | None = None) -> Model:
-    try:
-        return model.model_validate(data, context={"folder": folder})
-    except ValidationError as error:
-        raise InputError(f"{origin} has {count(error)}:\n{mistakes(model, error)}") from error
+    Examples
+    --------
+    >>> parse_design("easeoff_case = 1", "mine.toml")
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: mine.toml is a case already: analyse it with 'easeoff run mine.toml -o RESULT'
+    """
+    return DESIGN.parse(text, origin, folder)
 
 
 def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:
     """Check the tables of a case, wherever they come from; messages call it ``origin``. Raises as ``read_case``."""
-    case = _validated(Case, data, origin)
-    _check_blanks(case, origin)
-    return case
-
-
-def _check_blanks(case: Case | Design, origin: str) -> None:
-    """Whether basic data make blanks; a quick computation that no table can stand for."""
-    if case.blank_design is None:
-        return
-    try:
-        designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
-    except EaseoffError as error:
-        raise type(error)(f"{origin}: {error}") from error
+    return CASE.check(data, origin)

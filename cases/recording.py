@@ -1,4 +1,4 @@
-"""From objects of the geometry to the tables of a case: the inverse of ``conversion``.
+"""Conversion of objects of the geometry to the tables of a case: the inverse of ``conversion``.
 
 Numbers are rounded to ten decimals of a millimetre or degree, far below anything a flank feels.
 """
@@ -15,10 +15,7 @@ from ..geometry.cutting.machine import MachineSettings
 from ..geometry.design.iso23509.blank_dimensions import MemberBlank
 from .conversion import designed_blanks
 from .schema.case_schema import Blank, Case
-from .schema.cutting_table import Cutter, FlankSettings, Machine, Motions
-
-ANGLES = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
-ROLL = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
+from .schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, FlankSettings, Machine, Motions
 
 
 def _rounded(value: float) -> float:
@@ -60,30 +57,31 @@ def with_blanks(case: Case) -> Case:
 
 
 def flank_settings(surface: GeneratingSurface, teeth: int) -> FlankSettings:
-    """How one flank of a member with so many teeth is cut.
+    """Cutter and machine settings of one flank of a member with a number of teeth.
 
     Raises
     ------
     InputError
         If the surface has settings a case file cannot hold.
     """
-    groups = surface.settings.indexing_ratio * teeth
+    ratio = surface.settings.indexing_ratio
+    groups = ratio * teeth
     if abs(groups - round(groups)) > 1e-9:
-        raise InputError(f"indexing_ratio = {surface.settings.indexing_ratio}: no whole number of blade groups")
+        raise InputError(f"indexing_ratio = {ratio}: must be a whole number of blade groups over {teeth} teeth")
     return FlankSettings(machine=machine_table(surface.settings), cutter=cutter_table(surface.blade, round(groups)))
 
 
 def machine_table(settings: MachineSettings) -> Machine:
     """Machine settings in mm and degrees, modified roll and motions as derivatives."""
-    if len(settings.modified_roll) > len(ROLL):
-        raise InputError(f"modified_roll has {len(settings.modified_roll)} orders: a case file holds {len(ROLL)}")
+    if len(settings.modified_roll) > len(ROLL_KEYS):
+        raise InputError(f"modified_roll = {settings.modified_roll}: must have at most {len(ROLL_KEYS)} orders")
     roll = {
         name: _rounded(coefficient * math.factorial(order))
-        for order, (name, coefficient) in enumerate(zip(ROLL, settings.modified_roll, strict=False), start=2)
+        for order, (name, coefficient) in enumerate(zip(ROLL_KEYS, settings.modified_roll, strict=False), start=2)
     }
     motions = {}
     for name, coefficients in settings.motions:
-        unit = math.degrees(1.0) if name in ANGLES else 1.0
+        unit = math.degrees(1.0) if name in ANGULAR_MOTIONS else 1.0
         motions[name] = tuple(_rounded(unit * c * math.factorial(n)) for n, c in enumerate(coefficients, start=1))
     return Machine(
         radial_distance=_rounded(settings.radial_distance),

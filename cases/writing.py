@@ -1,4 +1,4 @@
-"""Writing case files: the text that a checked case would be read from."""
+"""Writing case files."""
 
 from __future__ import annotations
 
@@ -49,6 +49,16 @@ def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> N
     ------
     InputError
         If the file cannot be written, or is the case's own file of an oil.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("nasa-12x36")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_case(case, f"{folder}/mine.toml", comment="My pair")
+    ...     print(read_case(f"{folder}/mine.toml").text.splitlines()[0])
+    # My pair
     """
     if case.friction is not None:
         check_writable(path, case.friction.oil_file)

@@ -50,7 +50,6 @@ MEANINGS = {
     ),
     "torques": ("torques at the pinion, one or more", "N m"),
     "model": ("`fe` and `solid_shell` for accuracy instead of speed, see [finite elements](finite_elements.md)", ""),
-    "shell_form": ("displacement assumption of the shell, see [method](method.md#the-tooth-as-a-shell)", ""),
     "plate": (
         "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
         "dissertation's",

@@ -15,7 +15,7 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
 from easeoff.geometry.deviation.deviation import deviation_from_formula
-from easeoff.geometry.deviation.global_errors import FlankErrors
+from easeoff.geometry.deviation.global_errors import GlobalErrors
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
@@ -28,7 +28,7 @@ def coarse_analysis() -> xr.DataTree:
     """
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
     case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
-    worn = deviation_from_formula(gear_pair(case).pinion.section, FlankErrors(twist=1.0))
+    worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})
     best = easeoff.optimize(plain, order=2, programmes=1)

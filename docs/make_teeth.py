@@ -19,7 +19,7 @@ from easeoff.cases.reading import case_text
 from easeoff.geometry import GearPair
 from easeoff.geometry.flanks.blank_section import BlankSection
 from easeoff.geometry.formats.patches import oriented, rotations
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.geometry.tooth.tooth_surface import tooth_patches
@@ -118,7 +118,7 @@ def quads(patches: dict[str, Array], teeth: int) -> Array:
 def in_mesh(pair: GearPair, corners: dict[str, Array]) -> dict[str, Array]:
     """The quadrilaterals of both members in the global frame, at a moment of contact in the middle of the flank."""
     gear = pair.gear.flank(*grid((15, 9)))
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     contact = path_of_contact(gear, surface, np.zeros(1))
     motion, turn = surface.motion, contact.pinion_rotation
     placed = {}

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ..contact.lines.flank_splines import FlankFields, fit
 from ..core.errors import InputError
+from ..geometry.newton import cramers_rule, determinant
 from ..geometry.vectors import column, cross, dot
 
 Array = NDArray[Any]
@@ -165,11 +166,10 @@ def surface_velocities(axes: Axes, fields: FlankFields, points: Array) -> Surfac
     # On the gear, turning with it, the same points make the flank. Its tangents are what is left of the derivatives.
     tangents = [s["position"] - rate * gear for s, rate in zip(slopes, rates, strict=True)]
     first, mixed, second = (dot(tangents[i], tangents[j]) for i, j in ((0, 0), (0, 1), (1, 1)))
-    determinant = first * second - mixed**2
-    climb = (second * rates[0] ** 2 - 2.0 * mixed * rates[0] * rates[1] + first * rates[1] ** 2) / determinant
-    uphill = (
-        tangents[0] * (second * rates[0] - mixed * rates[1]) + tangents[1] * (first * rates[1] - mixed * rates[0])
-    ) / determinant
+    squared = second * rates[0] ** 2 - 2.0 * mixed * rates[0] * rates[1] + first * rates[1] ** 2
+    climb = squared / determinant((first, mixed), (mixed, second))
+    by_first, by_second = cramers_rule((first, mixed), (mixed, second), rates)
+    uphill = tangents[0] * by_first + tangents[1] * by_second
     across = cross(normal, along)
     across = across * np.sign(dot(across, uphill))
     return SurfaceVelocities(pinion, gear, normal, along, across, 1.0 / np.sqrt(climb))

@@ -11,7 +11,7 @@ from .deviation.corrective_settings import Correction, corrective_settings
 from .deviation.deviated_flank import deviated_pair
 from .deviation.deviation import Deviation, deviation_from_dataset, deviation_from_formula
 from .deviation.ease_off_update import deviated_ease_off
-from .deviation.global_errors import FlankErrors, fit_flank_errors
+from .deviation.global_errors import GlobalErrors, fit_global_errors
 from .flanks.blank_section import BlankSection
 from .flanks.flank import NodeStatus
 from .pair.assembly import Assembly, Misalignment
@@ -27,9 +27,9 @@ __all__ = [
     "Correction",
     "Deviation",
     "EaseOffTarget",
-    "FlankErrors",
     "GearPair",
     "GeneratingSurface",
+    "GlobalErrors",
     "MachineSettings",
     "Member",
     "Misalignment",
@@ -46,7 +46,7 @@ __all__ = [
     "deviation_from_dataset",
     "deviation_from_formula",
     "ease_off",
-    "fit_flank_errors",
+    "fit_global_errors",
     "fit_pinion",
     "flank",
     "formate_gear",

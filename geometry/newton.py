@@ -1,4 +1,4 @@
-"""Newton's method for two equations in two unknowns, on all nodes at once, with derivatives by complex step.
+"""Two equations in two unknowns on all nodes at once: Cramer's rule, and Newton's method by complex steps.
 
 The functions of this package that carry a flank are analytic, so an imaginary step of 1e-30 gives derivatives exact to
 rounding (Squire & Trapp 1998, doi:10.1137/S003614459631241X); no step size has to be chosen.
@@ -6,7 +6,7 @@ rounding (Squire & Trapp 1998, doi:10.1137/S003614459631241X); no step size has 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-STEP = 1e-30
-BLOCK = 2000  # columns at a time, so that what lies between parameters and result stays in the processor's cache
+Pair = Sequence[Array] | Array
+COMPLEX_STEP = 1e-30
+COLUMNS_PER_BLOCK = 2000  # so many that their intermediate results stay in the processor's cache
 
 
 def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tuple[Array, Array]:
@@ -34,16 +35,45 @@ def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tupl
         Value (..., n) and derivatives (m, ..., n).
     """
     count, n = parameters.shape
-    if n > BLOCK:
-        blocks = [complex_steps(function, parameters[:, i : i + BLOCK]) for i in range(0, n, BLOCK)]
+    if n > COLUMNS_PER_BLOCK:
+        starts = range(0, n, COLUMNS_PER_BLOCK)
+        blocks = [complex_steps(function, parameters[:, i : i + COLUMNS_PER_BLOCK]) for i in starts]
         values, slopes = zip(*blocks, strict=True)
         return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-1)
     stepped = np.tile(parameters.astype(complex), count)
     for index in range(count):
-        stepped[index, index * n : (index + 1) * n] += 1j * STEP
+        stepped[index, index * n : (index + 1) * n] += 1j * COMPLEX_STEP
     result = function(stepped)
-    derivatives = np.stack(np.split(result.imag / STEP, count, axis=-1))
+    derivatives = np.stack(np.split(result.imag / COMPLEX_STEP, count, axis=-1))
     return result[..., :n].real, derivatives
+
+
+def determinant(first: Pair, second: Pair) -> Array:
+    """Determinant (...) of matrices with the columns (2, ...) ``first`` and ``second``."""
+    return np.asarray(first[0] * second[1] - first[1] * second[0])
+
+
+def cramers_rule(first: Pair, second: Pair, right: Pair) -> Array:
+    """Solution of first * x + second * y = right; infinite or NaN where the matrix is singular.
+
+    Parameters
+    ----------
+    first, second
+        Columns of the matrices (2, ...).
+    right
+        Right-hand sides (2, ...).
+
+    Returns
+    -------
+    Array
+        The unknowns x and y (2, ...).
+
+    Examples
+    --------
+    >>> cramers_rule((2.0, 0.0), (1.0, 4.0), (4.0, 8.0))
+    array([1., 2.])
+    """
+    return np.stack([determinant(right, second), -determinant(right, first)]) / determinant(first, second)
 
 
 @dataclass(frozen=True)
@@ -98,11 +128,7 @@ def solve(
             here = parameters[:, active]
             value, (first, second) = complex_steps(function, here)
             residual = target[:, active] - value
-            determinant = first[0] * second[1] - first[1] * second[0]
-            step = np.stack(
-                [residual[0] * second[1] - residual[1] * second[0], first[0] * residual[1] - first[1] * residual[0]]
-            )
-            step = step / determinant
+            step = cramers_rule(first, second, residual)
             usable = np.all(np.isfinite(step), axis=0)
             scale = np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
             step = np.where(usable, step / scale, 0.0)

@@ -17,10 +17,10 @@ from ..cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTa
 from ..cases.schema.design_schema import Design
 from ..core.errors import GeometryError
 from ..geometry.design.blank import BlankDimensions
-from ..geometry.design.pair_design import SIDES, DesignedPair, design_pair
+from ..geometry.design.pair_design import SIDES, PairDesign, design_pair
 from ..geometry.flanks.flank import NodeStatus
 from ..geometry.pair.assembly import Assembly
-from ..geometry.pair.ease_off import compute
+from ..geometry.pair.ease_off import exact_ease_off
 from ..geometry.pair.gear_pair import FlankName, bodies, grid
 
 Array = NDArray[Any]
@@ -140,7 +140,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     return case, _report(design, designed)
 
 
-def _case(design: Design, designed: DesignedPair) -> Case:
+def _case(design: Design, designed: PairDesign) -> Case:
     blank, (convex, concave) = designed.blank, designed.gear
     teeth = designed.assembly.pinion_teeth, designed.assembly.gear_teeth
     thickness = designed.gear_thickness
@@ -173,7 +173,7 @@ def _case(design: Design, designed: DesignedPair) -> Case:
     )
 
 
-def _report(design: Design, designed: DesignedPair) -> DesignReport:
+def _report(design: Design, designed: PairDesign) -> DesignReport:
     sides = {side: _side(design, designed, side) for side in SIDES}
     warnings = [
         f"{side}: the settings leave {1e3 * item.greatest_left:.1f} um of the wanted ease-off; free other settings of "
@@ -195,10 +195,10 @@ def _report(design: Design, designed: DesignedPair) -> DesignReport:
     return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed)))
 
 
-def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"]) -> SideReport:
+def _side(design: Design, designed: PairDesign, side: Literal["drive", "coast"]) -> SideReport:
     pair, fit = designed.pair(side), designed.pinion[side]
     t, h = grid(NODES)
-    found = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     inside = found.status == NodeStatus.INSIDE
     gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
     wanted = ease_off_target(getattr(design.target, side))(*np.meshgrid(t, h, indexing="ij"))
@@ -213,7 +213,7 @@ def _side(design: Design, designed: DesignedPair, side: Literal["drive", "coast"
     )
 
 
-def _narrow(designed: DesignedPair) -> list[str]:
+def _narrow(designed: PairDesign) -> list[str]:
     """Members whose teeth have a narrow top land, or that have no teeth at all between these flanks."""
     try:
         both = bodies(designed.pair())

@@ -15,7 +15,7 @@ from ..cases.recording import flank_settings
 from ..cases.schema.case_schema import Case
 from ..geometry.design.synthesis import Synthesis, fit_pinion
 from ..geometry.flanks.flank import solve_flank
-from ..geometry.pair.ease_off import compute
+from ..geometry.pair.ease_off import exact_ease_off
 from ..geometry.pair.gear_pair import FlankName, GearPair
 from ..geometry.pair.modification import Modification
 
@@ -33,7 +33,7 @@ class _Wanted:
         """Wanted ease-off (n) [mm] at fractions (n)."""
         gear = self.pair.gear
         flank = solve_flank(gear.loaded, gear.section, *gear.section.points(lengthwise, profile))
-        now = compute(flank, self.pair.pinion.loaded, self.pair.pinion.section, self.pair.assembly)
+        now = exact_ease_off(flank, self.pair.pinion.loaded, self.pair.pinion.section, self.pair.assembly)
         return np.asarray(now.angle * now.lever_arm + 1e-3 * self.modification(lengthwise, profile))
 
 
@@ -57,7 +57,7 @@ def fit_modification(
     flank
         ``drive``: the pinion's concave flank is cut anew; ``coast``: the convex one.
     free
-        Settings that may move; ``geometry.synthesis.FREE`` if left out.
+        Settings that may move; ``geometry.design.synthesis.FREE_SETTINGS`` if left out.
 
     Returns
     -------

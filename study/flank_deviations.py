@@ -16,7 +16,7 @@ from ..core.errors import GeometryError, InputError
 from ..geometry.deviation.deviated_flank import deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
-from ..geometry.formats.measured_grid import NEAR, SUFFIXES, flank_deviation, read_measured_grid
+from ..geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
 from ..geometry.formats.measuring_points import opened as open_netcdf
 from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
@@ -78,12 +78,12 @@ def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: Gea
     teeth = (int(worn.attrs["pinion_teeth"]), int(worn.attrs["gear_teeth"]))
     own_teeth = (pair.assembly.pinion_teeth, pair.assembly.gear_teeth)
     off = _apart(named_member(pair, name), worn.sel(member=name))
-    if teeth == own_teeth and off <= NEAR:
+    if teeth == own_teeth and off <= NOMINAL_DISTANCE_LIMIT:
         return
     other = [] if teeth == own_teeth else [f"this pair has {own_teeth[0]} x {own_teeth[1]} teeth"]
-    if off > NEAR:
+    if off > NOMINAL_DISTANCE_LIMIT:
         far = f"up to {off:.3g} mm" if np.isfinite(off) else "altogether"
-        other.append(f"its {name} flank is {far} off the designed one here ({NEAR:g} mm are allowed)")
+        other.append(f"its {name} flank is {far} off the designed one here ({NOMINAL_DISTANCE_LIMIT:g} mm are allowed)")
     raise InputError(
         f"deviation {name} = {path}: made by 'easeoff wear' for another pair or for the other flanks: "
         f"{worn.attrs.get('title', 'no title')!r}, {worn.attrs.get('flank', 'unknown')} flanks, "

@@ -26,7 +26,7 @@ from ..core.errors import GeometryError
 from ..geometry.deviation.deviation import Deviation, Method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
 from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.ease_off import compute
+from ..geometry.pair.ease_off import exact_ease_off
 from ..geometry.pair.gear_pair import FlankName, GearPair, PairGeometry, grid, pair_geometry
 from ..geometry.pair.rolling import rolling
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
@@ -139,7 +139,9 @@ class _Run:
         self.nodes = (settings.lengthwise_nodes, settings.profile_nodes)
         self.model = elastic_model(case, finite_elements(case, pair))
         self.designed: PairGeometry = pair_geometry(pair, self.nodes)
-        surface = compute(pair.gear.flank(*grid(self.nodes)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+        surface = exact_ease_off(
+            pair.gear.flank(*grid(self.nodes)), pair.pinion.loaded, pair.pinion.section, pair.assembly
+        )
         motion = {name: value.reshape(self.nodes) for name, value in vars(rolling(surface)).items()}
         self.motion = rolling_fields(self.designed.ease_off, motion)
         self.t, self.h = grid(WEAR_NODES)

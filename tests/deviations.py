@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from easeoff.geometry.deviation.global_errors import FlankErrors
+from easeoff.geometry.deviation.global_errors import GlobalErrors
 
 Array = NDArray[np.float64]
 
 # Of the size of real manufacturing errors [um].
-PINION_ERRORS = FlankErrors(6.0, 8.0, -10.0, 5.0, -4.0)
-GEAR_ERRORS = FlankErrors(-5.0, 3.0, 4.0, -2.0, 6.0)
+PINION_ERRORS = GlobalErrors(6.0, 8.0, -10.0, 5.0, -4.0)
+GEAR_ERRORS = GlobalErrors(-5.0, 3.0, 4.0, -2.0, 6.0)
 
 
 def worn(lengthwise: Array, profile: Array) -> Array:

@@ -23,7 +23,7 @@ from easeoff.geometry.cutting.generating_surface import Hand
 from easeoff.geometry.cutting.machine import work_rotation
 from easeoff.geometry.flanks.curvature import principal_curvatures
 from easeoff.geometry.flanks.flank import solve_flank
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import rotate_z
 
@@ -188,7 +188,7 @@ def test_conjugate_pinion_of_a_curved_blade_has_no_ease_off(
     assembly = Assembly(11, 41, hand, math.pi / 2, 20.0)
     pinion = conjugate_pinion(gear, assembly, 9.83)
     t, h = grid((9, 7))
-    result = compute(Member(41, GEAR_BLANK, gear).flank(t, h), pinion, pair.pinion.section, assembly)
+    result = exact_ease_off(Member(41, GEAR_BLANK, gear).flank(t, h), pinion, pair.pinion.section, assembly)
     known = np.isfinite(result.angle)
     assert known.mean() > 0.8
     values, lever = (result.angle * result.lever_arm)[known], result.lever_arm[known]
@@ -240,15 +240,15 @@ def test_reliefs_of_either_member_show_in_the_ease_off() -> None:
     """A relieved gear on its conjugate pinion has the relief as ease-off, as has the same relief on the pinion."""
     pair = conjugate_pair()
     t, h = grid((9, 15))
-    exact = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    exact = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     gear = _relieved(pair).flank(t, h)
-    found = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     gap = (found.angle - exact.angle) * exact.lever_arm
     removed = -np.sum((gear.position - pair.gear.flank(t, h).position) * gear.normal, axis=0)
     known = np.isfinite(gap)
     np.testing.assert_allclose(gap[known], removed[known], rtol=0.02, atol=1e-6)
     pinion = replace(pair.pinion.loaded, blade=replace(pair.pinion.loaded.blade, toprem=Relief(2.5, math.radians(2.0))))
-    relieved = compute(pair.gear.flank(t, h), pinion, pair.pinion.section, pair.assembly)
+    relieved = exact_ease_off(pair.gear.flank(t, h), pinion, pair.pinion.section, pair.assembly)
     gap = (relieved.angle - exact.angle) * exact.lever_arm
     known = np.isfinite(gap)
     assert np.nanmin(gap) > -1e-10
@@ -329,7 +329,7 @@ def _with_cutter(lines: str) -> str:
         ("toprem_depth = 2.0", "toprem_angle or toprem_radius"),
         ("toprem_depth = 0.3\ntoprem_angle = 2.0\ntool_edge_radius = 2.0", "edge radius"),
         ("flankrem_depth = 0.3\nflankrem_angle = 2.0\ntool_edge_radius = 2.0", "flankrem_depth"),
-        ("blade_spheric_radius = 0.5", "longer than 1 mm"),
+        ("blade_spheric_radius = 0.5", "must be above 1 mm or below -1 mm"),
         ("blade_reference_height = 3.0", "blade_spheric_radius"),
         ("tool_edge_radius = -1.0", "at least 0"),
         ("blade_spheric_radius = 5.0\nblade_reference_height = 30.0", "no such arc"),

@@ -71,6 +71,11 @@ MISTAKES = {
         ["pinion.teeth", "known are", "number_of_teeth"],
     ),
     "unknown table": (r"^\[pair\]$", "[gears]\n[pair]", ["gears", "known are", "pinion"]),
+    "a key of earlier versions": (
+        r"^\[contact\]$",
+        '[compliance]\nshell_form = "thesis"\n[contact]',
+        ["compliance.shell_form = 'thesis': is not a key of [compliance]; known are: fineness, lengthwise_modes"],
+    ),
     "negative tooth count": (
         r"^number_of_teeth = 12$",
         "number_of_teeth = -12",

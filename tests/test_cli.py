@@ -14,7 +14,7 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import easeoff
-from easeoff.cases.reading import _text, case_text
+from easeoff.cases.reading import case_text, design_text
 from easeoff.contact import read_labels, read_problems
 from easeoff.core.errors import InputError
 from easeoff.study.cli import main
@@ -219,7 +219,7 @@ def test_mistakes_give_one_message_and_exit_code_2(
     text, foreign, case, design = (tmp_path / f for f in ("text.toml", "foreign.nc", "case.toml", "design.toml"))
     text.write_text("no case at all", encoding="utf-8")
     case.write_text(case_text("nasa-12x36"), encoding="utf-8")
-    design.write_text(_text("design", "fh-design-a"), encoding="utf-8")
+    design.write_text(design_text("fh-design-a"), encoding="utf-8")
     xr.Dataset({"x": ("t", [1.0, 2.0])}).to_netcdf(foreign)
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)

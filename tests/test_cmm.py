@@ -136,10 +136,10 @@ def test_flank_that_is_not_known_is_left_out(pair: GearPair) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"rows": 1}, "rows = 1: at least 2"),
-        ({"columns": 0}, "columns = 0: at least 2"),
-        ({"edge_margins": EdgeMargins(toe=-0.1)}, "margin at the toe = -0.1 mm"),
-        ({"edge_margins": EdgeMargins(tip=math.nan)}, "margin at the tip = nan mm"),
+        ({"rows": 1}, "rows = 1: must be at least 2"),
+        ({"columns": 0}, "columns = 0: must be at least 2"),
+        ({"edge_margins": EdgeMargins(toe=-0.1)}, "edge margin toe = -0.1 mm: must be zero or more"),
+        ({"edge_margins": EdgeMargins(tip=math.nan)}, "edge margin tip = nan mm: must be zero or more"),
         (
             {"edge_margins": EdgeMargins(toe=13.0, heel=13.0)},
             "toe 13, heel 13.*leave nothing of the flank.*25.* mm long",
@@ -194,8 +194,8 @@ def line_changed(text: str, number: int, old: str, new: str) -> str:
         (17, "row,column", "column,row", "line 17.*expected the column names"),
         (20, "concave,1,3,", "concave,1,", "line 20.*8 values, expected 9"),
         (20, "concave,1,3,", "concave,1,three,", "line 20.*three"),
-        (20, "concave,1,3,", "drive,1,3,", "line 20.*'drive'.*'concave' and 'convex'"),
-        (20, "concave,1,3,", "concave,0,3,", "line 20.*counted from 1"),
+        (20, "concave,1,3,", "drive,1,3,", "line 20: flank = 'drive': must be one of concave, convex"),
+        (20, "concave,1,3,", "concave,0,3,", "line 20: row = 0, column = 3: must be 1 or more"),
         (20, "concave,1,3,", "concave,1,2,", "line 20.*second point of the concave flank in row 1, column 2"),
         (20, "concave,1,3,", "concave,1,3,0.5,", "line 20.*10 values, expected 9"),
         (20, "concave,1,3,", "concave,1,10,", "no point in row 1, column 3"),
@@ -214,8 +214,8 @@ def test_bad_text_is_refused_with_its_line(
 @pytest.mark.parametrize(
     ("row", "words"),
     [
-        ("convex,1,1,1,2,inf,1,0,0", "line 4.*no finite number"),
-        ("convex,1,1,1,2,3,1,1,0", r"line 4.*normal \(1, 1, 0\) is not of length 1"),
+        ("convex,1,1,1,2,inf,1,0,0", "line 4: every value must be a finite number"),
+        ("convex,1,1,1,2,3,1,1,0", r"line 4: normal = \(1, 1, 0\): must be of length 1"),
     ],
 )
 def test_values_that_cannot_be_are_refused_with_their_line(row: str, words: str, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from easeoff.cases import gear_pair, read_case
 from easeoff.contact.compliance.elastic_pair import STEEL
 from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from easeoff.core.errors import InputError
-from easeoff.geometry.tooth.lattice_spacing import LatticePlaces
+from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize
 from easeoff.verification.flank_response import FlankResponse, flank_response
 from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
@@ -88,7 +88,7 @@ def test_impossible_numbers_are_refused(name: str, value: float) -> None:
 
 
 def test_thin_bricks_at_the_edges() -> None:
-    even = LatticePlaces.of_size(LatticeSize(lengthwise=10, upward=6))
+    even = LatticeSpacing.of_size(LatticeSize(lengthwise=10, upward=6))
     thin = even.thinner_edges(0.25)
     for before, after, ends in ((even.lengthwise, thin.lengthwise, 2), (even.upward, thin.upward, 1)):
         assert after.size == before.size

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from easeoff.cases import Case, case_toml, gear_pair, parse_case, parse_design, read_case, read_design, shipped_designs
 from easeoff.cases.conversion import ease_off_target
-from easeoff.cases.reading import _text
+from easeoff.cases.reading import design_text
 from easeoff.core.errors import EaseoffError
 from easeoff.geometry import ease_off
 from easeoff.geometry.design.mean_point import mean_point_angles
@@ -25,7 +25,7 @@ from easeoff.study.cli import main
 from easeoff.study.report.design_report import unit_of
 
 NAMES = list(shipped_designs())
-FM = _text("design", "fm-11x41")
+FM = design_text("fm-11x41")
 
 
 @cache
@@ -196,7 +196,7 @@ def test_command_leaves_nothing_behind_after_a_mistake(tmp_path: Path) -> None:
 @pytest.mark.thorough
 def test_generated_gear_takes_the_same_target(name: str) -> None:
     """Rolled on its pitch cone it is fitted like the Formate one, and the pair is certified under load."""
-    text = _text("design", name).replace("[gear]\n", '[gear]\ngeneration = "generated"\n')
+    text = design_text(name).replace("[gear]\n", '[gear]\ngeneration = "generated"\n')
     case, report = design_case(parse_design(text))
     assert gear_pair(case).gear.loaded.settings.generated
     assert report.warnings == ()

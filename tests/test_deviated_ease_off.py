@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,13 +28,14 @@ from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
 from easeoff.geometry.deviation.measurement import distance_along_normals
 from easeoff.geometry.flanks.curvature import principal_curvatures
 from easeoff.geometry.newton import complex_steps
-from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import Member, grid
 from easeoff.geometry.pair.rolling import drift, relative_velocity, rolling
 
 Array = NDArray[np.float64]
 Formula = Callable[[Array, Array], Array]
 NODES = (15, 11)
+DOCS = Path(__file__).parent.parent / "docs"
 
 
 @cache
@@ -88,7 +91,7 @@ def test_no_deviation_changes_nothing_in_the_last_bit() -> None:
 def test_uniform_metal_on_one_member_takes_just_as_much_off_the_normal_ease_off(member: str) -> None:
     pair = case_pair()
     deviation = of(pair.pinion if member == "pinion" else pair.gear, uniform)
-    updated = deviated_ease_off(pair, designed(pair), **{member: deviation})  # type: ignore[arg-type]
+    updated = deviated_ease_off(pair, designed(pair), **{member: deviation})
     change = 1e3 * (absolute(updated) - absolute(designed(pair))) * updated["lever_arm"].values
     inside = updated["inside"].values.astype(bool)
     np.testing.assert_allclose(change[inside], -10.0, rtol=0, atol=1e-9)
@@ -99,7 +102,7 @@ def test_equal_and_opposite_deviations_of_conjugate_points_cancel() -> None:
     pair = case_pair()
     t, h = grid(NODES)
     gear = of(pair.gear, GEAR_ERRORS)
-    surface = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     place = surface.pinion_position
     on_gear = gear.at(*np.meshgrid(t, h, indexing="ij"))
     pinion = Deviation(pair.pinion.section, place[2].reshape(NODES), np.hypot(*place[:2]).reshape(NODES), -on_gear)
@@ -108,12 +111,14 @@ def test_equal_and_opposite_deviations_of_conjugate_points_cancel() -> None:
     np.testing.assert_allclose(updated["ease_off"].values, designed(pair)["ease_off"].values, rtol=0, atol=1e-8)
 
 
-def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
-    """Kolivand 2009, Eq. 4.5a: (u . n) d / L for d / (L (u . n))."""
+def test_the_printed_form_is_low_by_the_square_of_the_cosine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kolivand 2009, Eq. 4.5a: (u . n) d / L for d / (L (u . n)); the page on real flanks compares both."""
+    monkeypatch.syspath_prepend(DOCS)
+    studies = importlib.import_module("real_flanks_studies")
     pair = case_pair()
     gear = of(pair.gear, GEAR_ERRORS)
     correct = deviated_ease_off(pair, designed(pair), gear=gear)
-    printed = deviated_ease_off(pair, designed(pair), gear=gear, form="printed")
+    printed = studies.printed_update(pair, designed(pair), correct)
     flank = pair.gear.flank(*grid(NODES))
     radius = np.hypot(flank.position[0], flank.position[1])
     around = np.stack([-flank.position[1], flank.position[0], 0.0 * radius]) / radius
@@ -121,8 +126,6 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine() -> None:
     share = printed["ease_off_change"].values / correct["ease_off_change"].values
     np.testing.assert_allclose(share, cosine**2, rtol=1e-12)
     assert 0.55 < share.min() < share.max() < 0.8
-    with pytest.raises(InputError, match="allowed are correct, printed"):
-        deviated_ease_off(pair, designed(pair), form="thesis")  # type: ignore[arg-type]
 
 
 @pytest.mark.thorough
@@ -199,7 +202,7 @@ def test_flanks_of_several_sections_deviate_too() -> None:
         pinion=relieved(pair.pinion, toprem=Relief(1.6, 0.02)),
         gear=relieved(pair.gear, flankrem=Relief(5.0, 0.02)),
     )
-    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     assert set(surface.part) == {0, 1}
     nothing = deviated_pair(pair, pinion=of(pair.pinion, uniform, 0.0), gear=of(pair.gear, uniform, 0.0))
     same = pair_geometry(nothing, NODES).ease_off
@@ -293,7 +296,7 @@ def test_a_deviation_of_another_blank_is_refused() -> None:
 @cache
 def computed() -> EaseOff:
     pair = case_pair()
-    return compute(pair.gear.flank(*grid((9, 7))), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return exact_ease_off(pair.gear.flank(*grid((9, 7))), pair.pinion.loaded, pair.pinion.section, pair.assembly)
 
 
 def test_what_drifts_past_a_place_of_the_gear_is_the_sliding_pinion() -> None:

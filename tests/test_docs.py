@@ -27,8 +27,8 @@ from easeoff.contact.solvers.solver_table import SOLVERS
 from easeoff.geometry import MachineSettings, ease_off
 from easeoff.geometry.cutting.machine import IncrementSense
 from easeoff.geometry.cutting.machine_pose import machine_pose
-from easeoff.geometry.cutting.named_settings import BLADE, CURVATURE, MACHINE, MODIFIED_ROLL
-from easeoff.geometry.design.synthesis import FREE
+from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
+from easeoff.geometry.design.synthesis import FREE_SETTINGS
 from easeoff.study.cli import main
 from easeoff.study.library import entries, reference_answers
 from easeoff.study.library.library_files import labels
@@ -175,9 +175,10 @@ def test_example_design_is_a_design() -> None:
 
 
 def test_free_settings_of_the_page_are_those_of_the_code() -> None:
-    listed = [row[0].strip("`") for row in rows(text("design_file"), "## Free settings")]
-    assert listed == [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "..._motion_1"]
-    assert set(FREE) == {row[0].strip("`") for row in rows(text("design_file"), "## Free settings") if row[2] == "yes"}
+    table = rows(text("design_file"), "## Free settings")
+    listed = [row[0].strip("`") for row in table]
+    assert listed == [*BLADE_STEPS, *CURVATURE_STEPS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS, "..._motion_1"]
+    assert set(FREE_SETTINGS) == {row[0].strip("`") for row in table if row[2] == "yes"}
 
 
 def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

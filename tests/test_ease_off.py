@@ -18,7 +18,7 @@ from easeoff.geometry.flanks.blank_section import BlankSection
 from easeoff.geometry.flanks.curvature import shape_operator
 from easeoff.geometry.flanks.flank import Flank
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
-from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import ease_off, grid
 from easeoff.geometry.vectors import cross, dot
 from easeoff.verification.point_contact import PointContact, path_of_contact
@@ -29,7 +29,7 @@ ARC_SECOND = math.pi / 180 / 3600
 def surfaces(pair: GearPair, nodes: tuple[int, int] = (13, 9)) -> tuple[Flank, EaseOff]:
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    return gear, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return gear, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
 
 
 def spread(result: EaseOff) -> float:
@@ -121,7 +121,7 @@ def test_separation_curvature_is_the_relative_curvature_across_the_contact_line(
     pair = conjugate_pair()
     t, h = np.linspace(0.3, 0.7, 9), np.linspace(0.4, 0.8, 9)
     gear = pair.gear.flank(t, h)
-    result = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    result = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     pinion = replace(gear, surface=pair.pinion.loaded, parameters=result.pinion_parameters)
     position, normal, _ = pair.pinion.loaded.evaluate(result.pinion_parameters)
     middle = 4 * 9 + 4

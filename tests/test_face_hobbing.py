@@ -30,7 +30,7 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.cutting.generating_surface import Hand
 from easeoff.geometry.cutting.machine import work_rotation
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate_z
 from easeoff.verification.conventional_analysis import both_methods, point_differences
@@ -127,7 +127,7 @@ def test_hobbed_flank_satisfies_the_equation_of_meshing(blade: Blade) -> None:
 def test_hobbed_conjugate_pinion_has_no_ease_off(hand: Hand, coast: bool) -> None:
     pair = hobbed_pair(hand, coast=coast)
     t, h = grid((9, 7))
-    result = compute(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    result = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     known = np.isfinite(result.angle)
     assert known.mean() > 0.8
     values = result.angle[known] * result.lever_arm[known]

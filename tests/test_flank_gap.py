@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.verification.flank_gap import flank_gap
 from easeoff.verification.point_contact import path_of_contact
@@ -15,7 +15,7 @@ def test_no_gap_where_the_flanks_touch() -> None:
     """At the points of contact of the five equations gap and place agree; turning on closes by the lever arm."""
     pair = gear_pair(read_case("fm-11x41"))
     gear = pair.gear.flank(*grid((9, 7)))
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     motion = surface.motion
     for rotation in (-0.15, 0.0, 0.2):
         contact = path_of_contact(gear, surface, np.array([rotation]))
@@ -35,7 +35,7 @@ def test_no_gap_where_the_flanks_touch() -> None:
 def test_no_gap_is_a_number_where_no_flank_is() -> None:
     pair = gear_pair(read_case("fm-11x41"))
     gear = pair.gear.flank(*grid((5, 5)))
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     far = gear.position[:, :1] + np.array([[0.0], [0.0], [300.0]])
     found = flank_gap(surface.motion, far, gear.normal[:, :1], 0.0, 0.0, surface.pinion_parameters[:, :1])
     assert np.all(np.isnan(found.gap))

@@ -11,17 +11,24 @@ from pairs import conjugate_pair
 from easeoff.core.errors import InputError
 from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.named_settings import (
-    BLADE,
-    CURVATURE,
-    MACHINE,
-    MODIFIED_ROLL,
+    BLADE_STEPS,
+    CURVATURE_STEPS,
+    MACHINE_STEPS,
+    MODIFIED_ROLL_ORDERS,
     get_setting,
     scale_of,
     with_settings,
 )
 from easeoff.geometry.design.synthesis import EaseOffTarget, fit_pinion
 
-NAMES = [*BLADE, *CURVATURE, *MACHINE, *MODIFIED_ROLL, "sliding_base_motion_1", "cutter_tilt_motion_3"]
+NAMES = [
+    *BLADE_STEPS,
+    *CURVATURE_STEPS,
+    *MACHINE_STEPS,
+    *MODIFIED_ROLL_ORDERS,
+    "sliding_base_motion_1",
+    "cutter_tilt_motion_3",
+]
 
 
 @pytest.mark.parametrize("name", NAMES)

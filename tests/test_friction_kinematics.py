@@ -15,7 +15,7 @@ from easeoff.core.errors import InputError
 from easeoff.friction.surface_velocities import Axes, SurfaceVelocities, action_fields, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.datasets import ease_off_dataset
-from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import GearPair
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
@@ -33,7 +33,7 @@ def pair_of(name: str) -> GearPair:
 def surface(request: pytest.FixtureRequest) -> EaseOff:
     pair = pair_of(request.param)
     gear = pair.gear.flank(*grid())
-    return compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    return exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
 
 
 def grid() -> tuple[Array, Array]:
@@ -74,7 +74,7 @@ def test_the_gears_own_normal_would_not_do() -> None:
     """With ease-off the flanks' normals differ; on a conjugate pair they are the same and either will do."""
     for pair, exact in ((pair_of("fh-design-b").misaligned(Misalignment()), False), (conjugate_pair(), True)):
         gear = pair.gear.flank(*grid())
-        found = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+        found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
         motion, inside = found.motion, found.inside
         turn = (found.roll_angle + motion.center) / motion.assembly.ratio - found.angle
         normal = rotate(motion.gear_axis, turn, gear.normal)
@@ -150,7 +150,7 @@ def test_rolling_over_the_line_is_rolling_less_the_lines_own_motion(dataset: xr.
 def test_points_of_action_of_one_moment_lie_along_the_line() -> None:
     """Chords of a level set of the roll angle: along the line, and in the flank."""
     pair = conjugate_pair()
-    found = compute(pair.gear.flank(*grid()), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    found = exact_ease_off(pair.gear.flank(*grid()), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     data = ease_off_dataset(*grid(), found)
     fields = action_fields(data)
     points = np.random.default_rng(2).uniform(0.3, 0.7, (2, 20))
@@ -271,7 +271,7 @@ def test_velocities_do_not_depend_on_the_point_taken_on_an_axis(dataset: xr.Data
 def test_points_of_action_have_the_axial_and_radial_coordinates_of_the_gears_nodes() -> None:
     pair = pair_of("fm-11x41")
     gear = pair.gear.flank(*grid())
-    found = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     x, y, z = found.action_position - column(pair.assembly.gear_origin, found.action_position)
     inside = found.inside
     np.testing.assert_allclose(z[inside], gear.position[2][inside], atol=1e-9)

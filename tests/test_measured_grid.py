@@ -120,26 +120,26 @@ def test_millimetres_are_read_if_said_and_noticed_if_not(tmp_path: Path) -> None
         return [*cells[:9], repr(1e-3 * float(cells[9]))]
 
     path = rewritten(tmp_path, in_mm)
-    with pytest.raises(InputError, match=r"less than can be measured. If the values are in mm, say so"):
+    with pytest.raises(InputError, match=r"must be at least 0.1 um. If the values are in mm, add"):
         read_measured_grid(path)
     path.write_text(path.read_text().replace("# deviation_unit: um", "# deviation_unit: mm"))
     np.testing.assert_allclose(
         read_measured_grid(path)["deviation"].values, grid()["deviation"].values, rtol=1e-12, atol=1e-12
     )
     path.write_text(path.read_text().replace("# deviation_unit: mm", "# deviation_unit: inch"))
-    with pytest.raises(InputError, match="allowed are um and mm"):
+    with pytest.raises(InputError, match="must be one of um, mm"):
         read_measured_grid(path)
 
 
 def test_nanometres_are_noticed(tmp_path: Path) -> None:
     path = rewritten(tmp_path, lambda cells: [*cells[:9], repr(1e3 * float(cells[9]))])
-    with pytest.raises(InputError, match="up to 1000 um are allowed"):
+    with pytest.raises(InputError, match=r"largest deviation = .* um: must be at most 1000 um"):
         read_measured_grid(path)
 
 
 def test_a_hole_in_the_grid_is_refused(tmp_path: Path) -> None:
     path = rewritten(tmp_path, lambda cells: [*cells[:9], "nan" if cells[:3] == ["convex", "2", "4"] else cells[9]])
-    with pytest.raises(InputError, match=r"line .*no finite number"):
+    with pytest.raises(InputError, match=r"line .*: every value must be a finite number"):
         read_measured_grid(path)
     holed = grid()["deviation"].values.copy()
     holed[1, 1, 3] = np.nan
@@ -172,7 +172,7 @@ def test_exchanged_or_reversed_rows_and_columns_are_noticed(tmp_path: Path) -> N
 
 def test_a_flank_that_does_not_exist_is_refused(tmp_path: Path) -> None:
     path = rewritten(tmp_path, lambda cells: ["left", *cells[1:]])
-    with pytest.raises(InputError, match="flank 'left': allowed are 'concave' and 'convex'"):
+    with pytest.raises(InputError, match="flank = 'left': must be one of concave, convex"):
         read_measured_grid(path)
     only = grid().sel(flank=["concave"])
     with pytest.raises(InputError, match="no convex flank, which is the one in contact; it has concave"):
@@ -222,9 +222,9 @@ def test_a_dmis_file_of_another_hand_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("UNITS/MM,ANGDEC", "", "before any UNITS"),
-        ("UNITS/MM", "UNITS/YARD", "unit 'YARD'"),
-        ("F(CONCAVE_R1_C1)=", "F(POINT1)=", "expected flank, row and column"),
+        ("UNITS/MM,ANGDEC", "", "before the first UNITS"),
+        ("UNITS/MM", "UNITS/YARD", "UNITS = 'YARD': must be one of MM"),
+        ("F(CONCAVE_R1_C1)=", "F(POINT1)=", "must tell flank, row and column"),
         ("F(CONCAVE_R1_C2)=", "F(CONCAVE_R1_C1)=", "a second F"),
         ("F(CONVEX_R1_C2)=FEAT/POINT,CART", "F(CONVEX_R1_C2)=FEAT/POINT,POL", "in POL coordinates: only CART"),
         ("FA(CONCAVE_R2_C3)=FEAT/POINT", "FA(CONCAVE_R2_C3)=FEAT/PLANE", "1 points were not measured"),

@@ -9,7 +9,7 @@ import easeoff
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError
 from easeoff.geometry import EaseOffTarget, ease_off
-from easeoff.geometry.pair.modification import ORDERS, Modification, basis, modified_ease_off, terms
+from easeoff.geometry.pair.modification import TERM_ORDERS, Modification, basis, modified_ease_off, terms
 from easeoff.study.fitted_settings import fit_modification
 
 T, H = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 7), indexing="ij")
@@ -22,7 +22,7 @@ def test_second_order_terms_are_those_of_a_target() -> None:
         np.testing.assert_allclose(ours, 1e3 * EaseOffTarget(**{name: 7e-3})(T, H), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", TERM_ORDERS)
 def test_terms_span_all_surfaces_of_their_order_but_the_constant(order: int) -> None:
     columns = basis(terms(order), T.ravel(), H.ravel())
     assert columns.shape[1] == (order + 1) * (order + 2) // 2 - 1
@@ -76,9 +76,9 @@ def test_no_modification_changes_nothing() -> None:
 
 
 def test_mistakes_are_named() -> None:
-    with pytest.raises(InputError, match="modification term 'crowning': allowed are spiral_angle_error"):
+    with pytest.raises(InputError, match="modification term = 'crowning': must be one of spiral_angle_error"):
         Modification({"crowning": 1.0})
     with pytest.raises(InputError, match="bias = nan"):
         Modification({"bias": np.nan})
-    with pytest.raises(InputError, match="order = 5: allowed are 2, 3, 4"):
+    with pytest.raises(InputError, match="order = 5: must be one of 2, 3, 4"):
         terms(5)

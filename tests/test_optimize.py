@@ -168,7 +168,7 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
     ("options", "message"),
     [
         ({"objective": "noise"}, "objective = 'noise'"),
-        ({"order": 1}, "order = 1: allowed are 2, 3, 4"),
+        ({"order": 1}, "order = 1: must be one of 2, 3, 4"),
         ({"transmission_error": 0.0}, "transmission_error = 0.0: must be a peak to peak above 0 urad"),
         ({"end_load": -1.0}, "end_load = -1.0"),
         ({"largest": math.inf}, "largest = inf: must be above 0 and up to 1000 um"),

@@ -15,10 +15,10 @@ from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.core.errors import EaseoffError
 from easeoff.geometry import Blade, GearPair, GeneratingSurface, Member, Misalignment, NodeStatus, pair_geometry
 from easeoff.geometry.cutting.blade_sections import Relief
-from easeoff.geometry.cutting.machine import MOVING
+from easeoff.geometry.cutting.machine import MOVING_SETTINGS
 from easeoff.geometry.flanks.flank import Flank
 from easeoff.geometry.flanks.flank_parts import on_parts
-from easeoff.geometry.pair.ease_off import EaseOff, compute
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import FlankName, grid
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
@@ -56,7 +56,7 @@ def shaken_surface(surface: GeneratingSurface, rng: Random, scale: float) -> Gen
     if settings.generated and rng.random() < 0.5:
         settings = replace(settings, modified_roll=tuple(0.2 * scale * rng.normal(size=rng.integers(1, 5))))
     if settings.generated and rng.random() < 0.3:
-        moving = rng.choice(MOVING, size=2, replace=False)
+        moving = rng.choice(MOVING_SETTINGS, size=2, replace=False)
         motions = tuple((str(m), tuple(SIZES[m] * scale * rng.normal(size=rng.integers(1, 4)))) for m in moving)
         settings = replace(settings, motions=motions)
     turned = (0.0, 0.0, 0.0)
@@ -168,7 +168,7 @@ def outcome(pair: GearPair, *, teeth: bool) -> str:
         gear = pair.gear.flank(t, h)
         check_flank(pair.gear, gear)
         check_flank(pair.pinion, pair.pinion.flank(t, h))
-        check_ease_off(pair, gear, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+        check_ease_off(pair, gear, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
         if teeth:
             pair_geometry(pair, NODES)
     except EaseoffError as error:

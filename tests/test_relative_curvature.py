@@ -24,7 +24,7 @@ from easeoff.geometry import (
     fit_pinion,
 )
 from easeoff.geometry.flanks.curvature import principal_curvatures
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import FlankName, grid
 from easeoff.geometry.vectors import cross, dot
 from easeoff.verification.conventional_analysis import BothMethods, both_methods, line_differences, point_differences
@@ -166,7 +166,7 @@ def test_line_of_a_conjugate_pair_is_the_level_set_of_its_roll_angle() -> None:
     pair = conjugate_pair()
     t = h = 0.5 + 0.01 * np.arange(-2, 3)
     gear = pair.gear.flank(t, h)
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     contact = path_of_contact(gear, surface, surface.roll_angle[[12]])
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
     assert abs(relative.along_line[0]) < 1e-12

@@ -15,7 +15,7 @@ from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolli
 from easeoff.contact.lines.flank_splines import FlankFields
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.pair.ease_off import compute
+from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.pair.rolling import rolling
 from easeoff.study.analysis import prepared_pair
@@ -36,7 +36,7 @@ def small_case(mesh_positions: int = 8) -> Case:
 @cache
 def moving_fields() -> FlankFields:
     pair = prepared_pair(small_case(), "drive", None)
-    surface = compute(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
     return rolling_fields(pair_geometry(pair, NODES).ease_off, motion)
 

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.newton import BLOCK, complex_steps
+from ..geometry.newton import COLUMNS_PER_BLOCK, complex_steps
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.vectors import column, rotate
 
 Array = NDArray[Any]
-ITERATIONS = 25
-TOLERANCE = 1e-9  # [mm]
+ITERATION_LIMIT = 25
+RESIDUAL_TOLERANCE = 1e-9  # [mm]
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ def flank_gap(
     start
         First guess of the pinion parameters (2, n).
     """
-    if position.shape[1] > BLOCK:
-        parts = [slice(i, i + BLOCK) for i in range(0, position.shape[1], BLOCK)]
+    if position.shape[1] > COLUMNS_PER_BLOCK:
+        parts = [slice(i, i + COLUMNS_PER_BLOCK) for i in range(0, position.shape[1], COLUMNS_PER_BLOCK)]
         found = [flank_gap(motion, position[:, p], normal[:, p], rotation, closing, start[:, p]) for p in parts]
         return FlankGap(*(np.concatenate([getattr(f, one.name) for f in found], axis=-1) for one in fields(FlankGap)))
     turn = np.asarray(rotation / motion.assembly.ratio - closing)
@@ -86,13 +86,13 @@ def flank_gap(
     limit = np.concatenate([motion.surface.max_step, [2.0]])[:, None]
     converged = np.zeros(position.shape[1], dtype=bool)
     with np.errstate(all="ignore"):
-        for _ in range(ITERATIONS):
+        for _ in range(ITERATION_LIMIT):
             value, derivatives = complex_steps(miss, values)
             jacobian = np.array(derivatives.transpose(2, 1, 0))
             finite = np.all(np.isfinite(jacobian), axis=(1, 2)) & (np.abs(np.linalg.det(jacobian)) > 0.0)
             jacobian[~finite] = np.eye(3)
             step = -np.linalg.solve(jacobian, np.where(finite, value, 0.0).T[..., None])[..., 0].T
-            converged = finite & (np.max(np.abs(value), axis=0) < TOLERANCE)
+            converged = finite & (np.max(np.abs(value), axis=0) < RESIDUAL_TOLERANCE)
             values = values + step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0))
             if np.all(converged | ~finite):
                 break

@@ -19,7 +19,7 @@ from ..contact.compliance.finite_elements.elastic_members import unfilled
 from ..contact.compliance.material import Material
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import GearPair
-from ..geometry.tooth.lattice_spacing import LatticePlaces
+from ..geometry.tooth.lattice_spacing import LatticeSpacing
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 from .surface_compliance import surface_compliance
@@ -100,7 +100,7 @@ def flank_response(
     GeometryError
         As ``tooth_lattice``, or if a brick is turned inside out.
     """
-    lattice = tooth_lattice(pair, member, size, rim_depth, LatticePlaces.of_size(size).thinner_edges(EDGE))
+    lattice = tooth_lattice(pair, member, size, rim_depth, LatticeSpacing.of_size(size).thinner_edges(EDGE))
     key = key_of("flank_response", FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _response(lattice, material, member))
     return FlankResponse(found["lengthwise"], found["profile"], found["beyond_half_space"])

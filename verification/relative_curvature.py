@@ -130,7 +130,7 @@ def relative_curvature(
     gear_surface
         The gear flank.
     contact
-        Points from ``conventional.path_of_contact``; where they did not converge the result is NaN.
+        Points from ``point_contact.path_of_contact``; where they did not converge the result is NaN.
     """
     gear, pinion = shape_operators(motion, gear_surface, contact)
     return stationary_directions(gear.principal(), pinion.principal(), cross(gear.first, gear.second))

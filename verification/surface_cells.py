@@ -18,7 +18,7 @@ from ..contact.lines.flank_splines import FlankFields
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.datasets import ease_off_dataset, flanks_dataset
-from ..geometry.pair.ease_off import compute
+from ..geometry.pair.ease_off import exact_ease_off
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, grid
 from .flank_gap import flank_gap
 
@@ -52,7 +52,7 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
     """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     ease_off = ease_off_dataset(t, h, surface)
     flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
     parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.errors import InputError
-from .rexs_vocabulary import UNITS, Term
+from .rexs_vocabulary import UNIT_FACTORS, Term
 
 Value = str | float | int | tuple[float, ...]
 
@@ -47,7 +47,7 @@ class Component:
         Raises
         ------
         InputError
-            If its text is no finite number, or its unit is none of this quantity.
+            If its text is not a finite number, or its unit is unknown for this quantity.
         """
         text = self.text(term)
         return None if text is None else self._converted(term, text)
@@ -65,15 +65,15 @@ class Component:
         return tuple(self._converted(term, (item.text or "").strip()) for item in array.findall("c"))
 
     def described(self, term: Term) -> str:
-        """What an error message calls an attribute."""
+        """Name of an attribute in messages."""
         return f"component {self.number} ({self.kind}), attribute {term.attribute}"
 
     def _converted(self, term: Term, text: str) -> float:
         unit = self.attributes[term.attribute].get("unit", term.unit).strip()
-        ours, factor = UNITS.get(unit, ("", math.nan))
+        ours, factor = UNIT_FACTORS.get(unit, ("", math.nan))
         if ours != term.unit:
-            allowed = ", ".join(repr(name) for name, (quantity, _) in UNITS.items() if quantity == term.unit)
-            raise InputError(f"{self.described(term)}: unit {unit!r} is not known for it; known are {allowed}")
+            allowed = ", ".join(repr(name) for name, (quantity, _) in UNIT_FACTORS.items() if quantity == term.unit)
+            raise InputError(f"{self.described(term)}: unit = {unit!r}: must be one of {allowed}")
         try:
             value = float(text)
         except ValueError as error:
@@ -136,16 +136,16 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         parser.feed(data)
         root = parser.close()
     except (ET.ParseError, LookupError, ValueError) as error:
-        raise InputError(f"{path} is no XML file that can be read: {error}") from error
+        raise InputError(f"{path} cannot be read as XML: {error}") from error
     for element in root.iter():
         element.tag = element.tag.rsplit("}", 1)[-1]  # the schema exists with and without a namespace
     if root.tag != "model":
-        raise InputError(f"{path} is no REXS file: its outermost element is <{root.tag}>, not <model>")
+        raise InputError(f"{path} is not a REXS file: its outermost element is <{root.tag}>, not <model>")
     try:
         components = [_component(item) for item in root.findall("./components/component")]
         relations = tuple(_relation(item) for item in root.findall("./relations/relation"))
     except (KeyError, ValueError) as error:
-        raise InputError(f"{path}: a component or relation lacks its id or type, or its id is no number") from error
+        raise InputError(f"{path}: a component or relation lacks its id or type, or its id is not a number") from error
     return Model(
         root.get("version", ""),
         {component.number: component for component in components},

@@ -14,23 +14,21 @@ from pydantic import BaseModel
 from ...core.errors import InputError
 from ..reading import check_case
 from ..schema.case_schema import Blank, Case, MemberTable
-from ..schema.cutting_table import Cutter, Machine
+from ..schema.cutting_table import ANGULAR_MOTIONS, ROLL_KEYS, Cutter, Machine
 from .rexs_file import Component, Model, read_model
 from .rexs_vocabulary import (
-    ANGULAR,
-    BLANK,
-    CUTTER,
-    FLANK,
-    HAND,
-    MACHINE,
-    MATERIAL,
-    MEMBER,
-    MISALIGNMENT,
-    MODIFIED_ROLL,
-    MOTIONS,
-    ROLL_KEYS,
-    STAGE,
-    UNDERSTOOD,
+    ATTRIBUTES_READ,
+    BLANK_TERMS,
+    CUTTER_TERMS,
+    FLANK_TERM,
+    HAND_TERM,
+    MACHINE_TERMS,
+    MATERIAL_TERMS,
+    MEMBER_TERMS,
+    MISALIGNMENT_TERMS,
+    MODIFIED_ROLL_TERM,
+    MOTION_TERMS,
+    STAGE_TERMS,
     Hand,
     Term,
     opposite,
@@ -58,6 +56,16 @@ def read_rexs(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     InputError
         If the file cannot be read, does not hold exactly one bevel stage, lacks an attribute that a case needs, or has
         values that a case does not allow.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import read_case, write_rexs
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     notes = write_rexs(read_case("nasa-12x36"), f"{folder}/pair.rexs")
+    ...     case, notes = read_rexs(f"{folder}/pair.rexs")
+    >>> case.gear.number_of_teeth
+    36
     """
     try:
         return _read(read_model(path))
@@ -77,7 +85,9 @@ def _read(model: Model) -> tuple[Case, list[str]]:
         raise InputError("the relation 'stage' of the bevel stage does not name two components of type bevel_gear")
     pinion, gear = members[0], members[1]
     missing: list[str] = []
-    if (gear.number_of(MEMBER["number_of_teeth"]) or 1e9) < (pinion.number_of(MEMBER["number_of_teeth"]) or 0):
+    if (gear.number_of(MEMBER_TERMS["number_of_teeth"]) or 1e9) < (
+        pinion.number_of(MEMBER_TERMS["number_of_teeth"]) or 0
+    ):
         pinion, gear = gear, pinion
         notes.append("gear_2 of the stage has fewer teeth: it is taken as the pinion")
     hand = _hand(pinion, gear, missing)
@@ -91,8 +101,8 @@ def _read(model: Model) -> tuple[Case, list[str]]:
     data = {
         "easeoff_case": 1,
         "title": (stage.name or f"{pinion.name} {gear.name}".strip() or "bevel stage")[:200],
-        "pair": _values(stage, STAGE),
-        "misalignment": _values(stage, MISALIGNMENT),
+        "pair": _values(stage, STAGE_TERMS),
+        "misalignment": _values(stage, MISALIGNMENT_TERMS),
         "pinion": {**tables[0], "hand_of_spiral": hand},
         "gear": tables[1],
     }
@@ -103,17 +113,17 @@ def _hand(pinion: Component, gear: Component, missing: list[str]) -> Hand:
     """Hand of the pinion, given by itself or by its mate."""
     hands: list[Hand] = []
     for component, turn in ((pinion, False), (gear, True)):
-        text = component.text(HAND)
+        text = component.text(HAND_TERM)
         if text is None:
             continue
         if text not in ("left", "right"):
-            raise InputError(f"{component.described(HAND)} = {text!r}: allowed are 'left' and 'right'")
+            raise InputError(f"{component.described(HAND_TERM)} = {text!r}: must be one of left, right")
         hand: Hand = "left" if text == "left" else "right"
         hands.append(opposite(hand) if turn else hand)
     if len(set(hands)) > 1:
-        raise InputError(f"{gear.described(HAND)}: both members have the same hand; they must be of opposite hand")
+        raise InputError(f"{gear.described(HAND_TERM)}: both members have the same hand; they must be of opposite hand")
     if not hands:
-        missing.append(pinion.described(HAND))
+        missing.append(pinion.described(HAND_TERM))
         return "left"
     return hands[0]
 
@@ -143,27 +153,27 @@ def _needed(
 def _read_member(
     model: Model, gear: Component, hand: Hand, missing: list[str], notes: list[str], visited: set[int]
 ) -> dict[str, Any]:
-    table = _needed(gear, MemberTable, MEMBER, missing)
-    table["blank"] = _needed(gear, Blank, BLANK, missing)
+    table = _needed(gear, MemberTable, MEMBER_TERMS, missing)
+    table["blank"] = _needed(gear, Blank, BLANK_TERMS, missing)
     for relation in model.related("reference", "origin", gear.number):
         steel = model.in_role(relation, "referenced", "material")
         if steel is not None:
             visited.add(steel.number)
-            table["material"] = _values(steel, MATERIAL)
+            table["material"] = _values(steel, MATERIAL_TERMS)
     for relation in model.related("flank", "gear", gear.number):
         for role in HANDS:
             flank = model.in_role(relation, role, "bevel_gear_flank")
             if flank is None:
                 continue
             visited.add(flank.number)
-            name = flank.text(FLANK) or side(hand, role)
+            name = flank.text(FLANK_TERM) or side(hand, role)
             settings = _read_flank(model, flank, missing, notes, visited)
             if settings is None:
                 continue
             if name not in ("concave", "convex") or name in table:
-                raise InputError(f"{flank.described(FLANK)} = {name!r}: allowed are 'concave' and 'convex', once each")
+                raise InputError(f"{flank.described(FLANK_TERM)} = {name!r}: must be one of concave, convex, once each")
             table[name] = settings
-            if flank.text(FLANK) is None:
+            if flank.text(FLANK_TERM) is None:
                 notes.append(
                     f"component {flank.number} (bevel_gear_flank): the {role} flank is taken as the {name} one, seen "
                     "from the heel; REXS does not say from where"
@@ -190,22 +200,22 @@ def _read_flank(
             "bevel_gear_manufacturing_settings"
         )
     visited |= {tool.number, made.number}
-    machine = _needed(made, Machine, MACHINE, missing, "radial_distance", "cradle_angle")
+    machine = _needed(made, Machine, MACHINE_TERMS, missing, "radial_distance", "cradle_angle")
     if not machine.get("ratio_of_roll"):
         if "ratio_of_roll" not in machine:
             notes.append(
                 f"component {made.number} ({made.kind}): has no ratio_of_roll, so that the member is taken as Formate"
             )
         machine.pop("ratio_of_roll", None)
-    roll = made.numbers_of(MODIFIED_ROLL)
+    roll = made.numbers_of(MODIFIED_ROLL_TERM)
     if any(roll[len(ROLL_KEYS) :]):
         raise InputError(
-            f"{made.described(MODIFIED_ROLL)}: has more than {len(ROLL_KEYS)} coefficients other than zero"
+            f"{made.described(MODIFIED_ROLL_TERM)}: has more than {len(ROLL_KEYS)} coefficients other than zero"
         )
     machine |= {key: c * math.factorial(n) for n, (key, c) in enumerate(zip(ROLL_KEYS, roll, strict=False), start=2)}
     motions = {}
-    for key, term in MOTIONS.items():
-        unit = math.degrees(1.0) if key in ANGULAR else 1.0
+    for key, term in MOTION_TERMS.items():
+        unit = math.degrees(1.0) if key in ANGULAR_MOTIONS else 1.0
         if coefficients := made.numbers_of(term):
             motions[key] = tuple(unit * c * math.factorial(n) for n, c in enumerate(coefficients, start=1))
     if any(roll) or any(any(values) for values in motions.values()):
@@ -214,7 +224,7 @@ def _read_flank(
             "powers of the cradle increment in rad, as docs/exchange.md says; REXS does not define them"
         )
     machine["motions"] = motions
-    return {"machine": machine, "cutter": _needed(tool, Cutter, CUTTER, missing)}
+    return {"machine": machine, "cutter": _needed(tool, Cutter, CUTTER_TERMS, missing)}
 
 
 def _not_used(model: Model, visited: set[int]) -> list[str]:
@@ -222,7 +232,7 @@ def _not_used(model: Model, visited: set[int]) -> list[str]:
     notes = []
     for number in sorted(visited):
         component = model.components[number]
-        unknown = [name for name in component.attributes if name not in UNDERSTOOD[component.kind]]
+        unknown = [name for name in component.attributes if name not in ATTRIBUTES_READ[component.kind]]
         if unknown:
             notes.append(f"component {number} ({component.kind}): not used: {', '.join(unknown)}")
     others = [component.kind for number, component in model.components.items() if number not in visited]

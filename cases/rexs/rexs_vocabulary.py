@@ -1,4 +1,4 @@
-"""What REXS calls the keys of a case: attribute and unit of every key, table by table.
+"""Names of the keys of a case in REXS: attribute and unit of every key, table by table.
 
 Ids and units are those of the schema of REXS 2.0.0 (FVA, ``rexs_schema_2.0.0.xml`` in the public repository
 ``fva-net/rexs-api-java``). What it has no attribute for is written under ids that begin with ``custom_easeoff_``, as
@@ -11,8 +11,8 @@ import math
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
-VERSION = "2.0.0"
-CUSTOM = "custom_easeoff_"
+REXS_VERSION = "2.0.0"
+CUSTOM_PREFIX = "custom_easeoff_"
 
 
 class Term(NamedTuple):
@@ -32,25 +32,25 @@ class Term(NamedTuple):
     @property
     def custom(self) -> bool:
         """Whether REXS itself has no such attribute."""
-        return self.attribute.startswith(CUSTOM)
+        return self.attribute.startswith(CUSTOM_PREFIX)
 
 
 def _terms(unit: str, *keys: str, **renamed: str) -> dict[str, Term]:
     return {key: Term(attribute, unit) for key, attribute in {**{k: k for k in keys}, **renamed}.items()}
 
 
-STAGE = _terms("deg", "shaft_angle") | _terms("mm", "hypoid_offset")
-MISALIGNMENT = _terms(
+STAGE_TERMS = _terms("deg", "shaft_angle") | _terms("mm", "hypoid_offset")
+MISALIGNMENT_TERMS = _terms(
     "mm",
     offset="deviation_of_offset",
     pinion_axial="axial_displacement_pinion",
     gear_axial="axial_displacement_gear",
 ) | _terms("deg", shaft_angle="deviation_of_shaft_angle")
-MEMBER = _terms("none", "number_of_teeth") | _terms(
+MEMBER_TERMS = _terms("none", "number_of_teeth") | _terms(
     "mm", mean_normal_circular_thickness="mean_normal_circular_tooth_thickness"
 )
-HAND = Term("spiral_angle_pitch_direction", "none")
-BLANK = (
+HAND_TERM = Term("spiral_angle_pitch_direction", "none")
+BLANK_TERMS = (
     _terms("deg", "pitch_angle", "face_angle", "root_angle")
     | _terms(
         "mm",
@@ -61,28 +61,30 @@ BLANK = (
         "face_width",
         clearance="clearance_iso_23509_2025",
     )
-    | _terms("deg", front_angle=f"{CUSTOM}front_angle", back_angle=f"{CUSTOM}back_angle")
+    | _terms("deg", front_angle=f"{CUSTOM_PREFIX}front_angle", back_angle=f"{CUSTOM_PREFIX}back_angle")
 )
-FLANK = Term(f"{CUSTOM}flank", "none")
+FLANK_TERM = Term(f"{CUSTOM_PREFIX}flank", "none")
 """``concave`` or ``convex``: REXS says left and right, but not from which end of a bevel gear."""
-MACHINE = (
+MACHINE_TERMS = (
     _terms("mm", "radial_distance")
     | _terms("deg", "machine_root_angle", "cutter_tilt", "cutter_swivel", cradle_angle="center_roll_position")
     | _terms("mm", "work_offset", "sliding_base", "machine_center_to_crossing_point")
     | _terms("none", "ratio_of_roll")
 )
-MODIFIED_ROLL = Term("modified_roll_coefficients", "none")
-MOTIONS = _terms(
+MODIFIED_ROLL_TERM = Term("modified_roll_coefficients", "none")
+"""C, D, ... in the order of ``ROLL_KEYS``."""
+MOTION_TERMS = _terms(
     "none",
     radial_distance="radial_motion_coefficients",
     work_offset="vertical_motion_coefficients",
     sliding_base="helical_motion_coefficients",
-    machine_center_to_crossing_point=f"{CUSTOM}axial_motion_coefficients",
+    machine_center_to_crossing_point=f"{CUSTOM_PREFIX}axial_motion_coefficients",
     machine_root_angle="angular_motion_coefficients",
     cutter_tilt="tilt_motion_coefficients",
     cutter_swivel="swivel_motion_coefficients",
 )
-CUTTER = (
+"""Without unit in REXS; those of angles are in rad."""
+CUTTER_TERMS = (
     _terms(
         "mm",
         "blade_point_radius",
@@ -99,33 +101,28 @@ CUTTER = (
         "blade_pressure_angle",
         toprem_angle="protuberance_angle_bevel_gear_tool",
         flankrem_angle="tip_relief_angle_bevel_gear_tool",
-        blade_offset_angle=f"{CUSTOM}blade_offset_angle",
-        blade_rake_angle=f"{CUSTOM}blade_rake_angle",
-        blade_hook_angle=f"{CUSTOM}blade_hook_angle",
+        blade_offset_angle=f"{CUSTOM_PREFIX}blade_offset_angle",
+        blade_rake_angle=f"{CUSTOM_PREFIX}blade_rake_angle",
+        blade_hook_angle=f"{CUSTOM_PREFIX}blade_hook_angle",
     )
     | _terms("none", number_of_blade_groups="number_of_blade_groups_bevel_gear_tool")
 )
-MATERIAL = _terms("MPa", "elastic_modulus") | _terms("none", "poisson_ratio")
+MATERIAL_TERMS = _terms("MPa", "elastic_modulus") | _terms("none", "poisson_ratio")
 
-ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
-"""Keys of the modified roll; ``modified_roll_coefficients`` holds C, D, ... in this order."""
-ANGULAR = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
-"""Motions of angles: their coefficients, without unit in REXS, are in rad."""
-
-UNDERSTOOD: Mapping[str, frozenset[str]] = {
+ATTRIBUTES_READ: Mapping[str, frozenset[str]] = {
     kind: frozenset(term.attribute for term in terms)
     for kind, terms in {
-        "bevel_stage": [*STAGE.values(), *MISALIGNMENT.values()],
-        "bevel_gear": [*MEMBER.values(), *BLANK.values(), HAND],
-        "bevel_gear_flank": [FLANK],
-        "bevel_gear_manufacturing_settings": [*MACHINE.values(), *MOTIONS.values(), MODIFIED_ROLL],
-        "bevel_gear_tool": [*CUTTER.values()],
-        "material": [*MATERIAL.values()],
+        "bevel_stage": [*STAGE_TERMS.values(), *MISALIGNMENT_TERMS.values()],
+        "bevel_gear": [*MEMBER_TERMS.values(), *BLANK_TERMS.values(), HAND_TERM],
+        "bevel_gear_flank": [FLANK_TERM],
+        "bevel_gear_manufacturing_settings": [*MACHINE_TERMS.values(), *MOTION_TERMS.values(), MODIFIED_ROLL_TERM],
+        "bevel_gear_tool": [*CUTTER_TERMS.values()],
+        "material": [*MATERIAL_TERMS.values()],
     }.items()
 }
 """Component types, and the attributes of each that are read."""
 
-UNITS: Mapping[str, tuple[str, float]] = {
+UNIT_FACTORS: Mapping[str, tuple[str, float]] = {
     "none": ("none", 1.0),
     "mm": ("mm", 1.0),
     "mum": ("mm", 1e-3),

@@ -18,22 +18,21 @@ from ...core.files import whole_file
 from ..conversion import machine_settings
 from ..recording import with_blanks
 from ..schema.case_schema import Case, MemberTable
-from ..schema.cutting_table import Cutter, FlankSettings
+from ..schema.cutting_table import ANGULAR_MOTIONS, Cutter, FlankSettings
 from .rexs_file import ModelWriter, Value
 from .rexs_vocabulary import (
-    ANGULAR,
-    BLANK,
-    CUTTER,
-    FLANK,
-    HAND,
-    MACHINE,
-    MATERIAL,
-    MEMBER,
-    MISALIGNMENT,
-    MODIFIED_ROLL,
-    MOTIONS,
-    STAGE,
-    VERSION,
+    BLANK_TERMS,
+    CUTTER_TERMS,
+    FLANK_TERM,
+    HAND_TERM,
+    MACHINE_TERMS,
+    MATERIAL_TERMS,
+    MEMBER_TERMS,
+    MISALIGNMENT_TERMS,
+    MODIFIED_ROLL_TERM,
+    MOTION_TERMS,
+    REXS_VERSION,
+    STAGE_TERMS,
     Hand,
     Term,
     opposite,
@@ -54,12 +53,21 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     Returns
     -------
     list of str
-        What REXS has no place for: left out, or written as an attribute that other programs do not know.
+        What REXS cannot hold: left out, or written as an attribute that other programs do not know.
 
     Raises
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import read_case
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     notes = write_rexs(read_case("nasa-12x36"), f"{folder}/pair.rexs")
+    >>> notes[0]
+    'pinion.blank.front_angle: written as custom_easeoff_front_angle, which other programs do not know'
     """
     notes: list[str] = []
     if case.blank_design is not None:
@@ -67,14 +75,14 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
         case = with_blanks(case)
     file = ModelWriter(
         {
-            "version": VERSION,
+            "version": REXS_VERSION,
             "applicationId": "easeoff",
             "applicationVersion": version("easeoff"),
             "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
             "applicationLanguage": "en",
         }
     )
-    pair = [*_terms(case.pair, STAGE), *((t, v) for t, v in _terms(case.misalignment, MISALIGNMENT) if v)]
+    pair = [*_terms(case.pair, STAGE_TERMS), *((t, v) for t, v in _terms(case.misalignment, MISALIGNMENT_TERMS) if v)]
     stage = file.component("bevel_stage", case.title, pair)
     hand = case.pinion.hand_of_spiral
     pinion = _write_member(file, "pinion", case.pinion, hand, notes)
@@ -84,7 +92,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     plain = Case.model_fields
     for name in ("description", "contact", "compliance", "friction", "target"):
         if getattr(case, name) != plain[name].default:
-            notes.append(f"{name}: left out, REXS has no place for it")
+            notes.append(f"{name}: left out, REXS cannot hold it")
     if case.pinion.number_of_teeth > case.gear.number_of_teeth:
         notes.append("number_of_teeth: a reader may take the member with fewer teeth for the pinion")
     with whole_file(path) as temporary:
@@ -113,14 +121,18 @@ def _noted(where: str, table: BaseModel, terms: dict[str, Term], notes: list[str
 
 def _write_member(file: ModelWriter, name: str, table: MemberTable, hand: Hand, notes: list[str]) -> int:
     assert table.blank is not None  # see ``with_blanks``
-    attributes = [*_terms(table, MEMBER), (HAND, hand), *_noted(f"{name}.blank", table.blank, BLANK, notes)]
+    attributes = [
+        *_terms(table, MEMBER_TERMS),
+        (HAND_TERM, hand),
+        *_noted(f"{name}.blank", table.blank, BLANK_TERMS, notes),
+    ]
     gear = file.component("bevel_gear", name, attributes)
-    steel = file.component("material", f"material of the {name}", _terms(table.material, MATERIAL))
+    steel = file.component("material", f"material of the {name}", _terms(table.material, MATERIAL_TERMS))
     file.relation("reference", origin=gear, referenced=steel)
     flanks: dict[str, int] = {}
     for flank in ("concave", "convex"):
         # A relation has to name both flanks, so that a flank which the case lacks is there without settings.
-        flanks[flank] = file.component("bevel_gear_flank", f"{name} {flank}", [(FLANK, flank)])
+        flanks[flank] = file.component("bevel_gear_flank", f"{name} {flank}", [(FLANK_TERM, flank)])
         settings = getattr(table, flank)
         if settings is not None:
             _write_flank(file, f"{name}.{flank}", flanks[flank], settings, notes)
@@ -139,14 +151,14 @@ def _write_flank(file: ModelWriter, where: str, flank: int, settings: FlankSetti
             f"{where}.machine: horizontal_distance and vertical_distance are written as radial_distance and "
             "center_roll_position"
         )
-    attributes = [(t, v) for t, v in _terms(machine, MACHINE) if t != MACHINE["ratio_of_roll"]]
-    attributes.append((MACHINE["ratio_of_roll"], machine.ratio_of_roll or 0.0))
+    attributes = [(t, v) for t, v in _terms(machine, MACHINE_TERMS) if t != MACHINE_TERMS["ratio_of_roll"]]
+    attributes.append((MACHINE_TERMS["ratio_of_roll"], machine.ratio_of_roll or 0.0))
     if any(machine.modified_roll):
         roll = tuple(value / math.factorial(order) for order, value in enumerate(machine.modified_roll, start=2))
-        attributes.append((MODIFIED_ROLL, roll))
-    for term, value in _noted(f"{where}.machine.motions", machine.motions, MOTIONS, notes):
+        attributes.append((MODIFIED_ROLL_TERM, roll))
+    for term, value in _noted(f"{where}.machine.motions", machine.motions, MOTION_TERMS, notes):
         assert isinstance(value, tuple)
-        unit = math.radians(1.0) if term in [MOTIONS[key] for key in ANGULAR] else 1.0
+        unit = math.radians(1.0) if term in [MOTION_TERMS[key] for key in ANGULAR_MOTIONS] else 1.0
         if value:
             attributes.append((term, tuple(unit * d / math.factorial(n) for n, d in enumerate(value, start=1))))
     tool = file.component("bevel_gear_tool", where, _noted(f"{where}.cutter", settings.cutter, _used(settings), notes))
@@ -157,4 +169,4 @@ def _write_flank(file: ModelWriter, where: str, flank: int, settings: FlankSetti
 def _used(settings: FlankSettings) -> dict[str, Term]:
     """Attributes of the blade that say something: those of a plain blade's zero radii and angles REXS excludes."""
     plain = {key for key, field in Cutter.model_fields.items() if getattr(settings.cutter, key) == field.default}
-    return {key: term for key, term in CUTTER.items() if key not in plain}
+    return {key: term for key, term in CUTTER_TERMS.items() if key not in plain}

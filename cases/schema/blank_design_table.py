@@ -1,4 +1,4 @@
-"""Basic data of the blanks of a pair in a case or design file, as ISO 23509 has them."""
+"""Basic data of the blanks of a pair, after ISO 23509, in a case or design file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .schema_table import Integer, Number, Table, number
 class BlankDesignTable(Table):
     """Basic data of both blanks, by ISO 23509:2016, instead of the blanks themselves.
 
-    Which keys go together is checked by ``geometry.blank.BlankDesign``, whose fields these are, in degrees.
+    Which keys go together is checked by ``geometry.BlankDesign``, whose fields these are, in degrees.
     """
 
     method: Literal[0, 1, 2, 3] = number(
@@ -56,7 +56,7 @@ class BlankDesignTable(Table):
         "data type II: clearance over working depth", "1", default=None, ge=0, lt=1
     )
     thickness_factor: Number | None = number(
-        "data type II: what the pinion's mean thickness has, and the gear's lacks, beyond half the pitch and the "
+        "data type II: excess of the pinion's mean thickness, and deficit of the gear's, over half the pitch and the "
         "profile shift, over module",
         "1",
         default=None,

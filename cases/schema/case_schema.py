@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
-from .schema_table import Integer, Number, Table, number
+from .schema_table import InputFile, Integer, Number, Table, number
 
 
 class Blank(Table):
@@ -52,7 +52,7 @@ class Blank(Table):
     def _ordered(self) -> Self:
         if self.face_angle < self.root_angle:
             raise ValueError(
-                f"face_angle = {self.face_angle}: must not be smaller than root_angle = {self.root_angle} (degrees); "
+                f"face_angle = {self.face_angle}: must be at least root_angle = {self.root_angle} (degrees); "
                 "both are the same for teeth of uniform depth"
             )
         if self.face_width >= self.outer_cone_distance:
@@ -95,7 +95,7 @@ class PinionTable(MemberTable):
 
 
 class PairTable(Table):
-    """How the members stand to each other."""
+    """Position of the axes."""
 
     shaft_angle: Number = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
     hypoid_offset: Number = number("offset; zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
@@ -111,7 +111,7 @@ class MisalignmentTable(Table):
 
 
 class ContactTable(Table):
-    """What to analyse, and how finely."""
+    """Torques and resolution of the analysis."""
 
     torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = (50.0, 250.0, 500.0)
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
@@ -125,7 +125,7 @@ class ContactTable(Table):
     def _positive_torques(self) -> Self:
         for value in self.torques:
             if not 0.0 < value < 1e7:
-                raise ValueError(f"torques contains {value}: every torque must be greater than 0 and below 1e7 N m")
+                raise ValueError(f"torques contains {value}: must be greater than 0 and below 1e7 N m")
             if self.torques.count(value) > 1:
                 raise ValueError(f"torques contains {value} twice: give every torque once")
         return self
@@ -143,7 +143,6 @@ class ComplianceTable(Table):
     """Models of the elastic tooth."""
 
     model: Literal["shell", "solid_shell", "fe"] = "shell"
-    shell_form: Literal["five_field", "thesis"] = "five_field"
     plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
@@ -164,12 +163,6 @@ class ComplianceTable(Table):
         le=4,
     )
 
-    @model_validator(mode="after")
-    def _plate_of_the_form(self) -> Self:
-        if self.plate == "fitted" and self.shell_form == "thesis":
-            raise ValueError('plate = "fitted": the shell_form "thesis" stands for an even plate; use "five_field"')
-        return self
-
 
 class TargetTable(Table):
     """Ease-off that the pinion's settings were fitted to, in the case's own misalignment; all at the flank's edges.
@@ -180,17 +173,17 @@ class TargetTable(Table):
     lengthwise_crowning: Number = number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
     profile_crowning: Number = number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
     bias: Number = number(
-        "twist: what toe-tip and heel-root have more than toe-root and heel-tip, over four",
+        "twist: sum of toe-tip and heel-root less that of toe-root and heel-tip, over four",
         "um",
         default=0.0,
         gt=-1e4,
         lt=1e4,
     )
     spiral_angle_error: Number = number(
-        "half the ease-off at the heel beyond that at the toe", "um", default=0.0, gt=-1e4, lt=1e4
+        "half the difference of ease-off between heel and toe", "um", default=0.0, gt=-1e4, lt=1e4
     )
     pressure_angle_error: Number = number(
-        "half the ease-off at the tip beyond that at the root", "um", default=0.0, gt=-1e4, lt=1e4
+        "half the difference of ease-off between tip and root", "um", default=0.0, gt=-1e4, lt=1e4
     )
 
 
@@ -201,8 +194,16 @@ class TargetsTable(Table):
     coast: TargetTable | None = None
 
 
-class Case(Table):
-    """A whole case file."""
+class Case(InputFile):
+    """A whole case file.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case = read_case("nasa-12x36")
+    >>> case.pair.shaft_angle, case.gear.number_of_teeth
+    (90.0, 36)
+    """
 
     easeoff_case: Literal[1]
     title: Annotated[str, Field(min_length=1, max_length=200)]
@@ -216,12 +217,6 @@ class Case(Table):
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
     target: TargetsTable = TargetsTable()
-    _text: str = PrivateAttr(default="")
-
-    @property
-    def text(self) -> str:
-        """The case file as it was read; empty for a case built in Python."""
-        return self._text
 
     @model_validator(mode="after")
     def _has_blanks_once(self) -> Self:

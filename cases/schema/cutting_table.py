@@ -1,4 +1,4 @@
-"""Tables of a case file that say how a flank is cut: blade, machine and motions."""
+"""Tables of a case file for the cutting of a flank: blade, machine and motions."""
 
 from __future__ import annotations
 
@@ -7,6 +7,11 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from .schema_table import Integer, Number, Table, number
+
+#: Keys of the modified roll, from the second derivative of the work rotation on.
+ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
+#: Moving settings that are angles.
+ANGULAR_MOTIONS = ("machine_root_angle", "cutter_tilt", "cutter_swivel")
 
 
 class Cutter(Table):
@@ -75,13 +80,13 @@ class Cutter(Table):
             if getattr(self, f"{name}_depth") is None and (
                 getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
             ):
-                raise ValueError(f"{name}_angle and {name}_radius need {name}_depth: where the {name} begins")
+                raise ValueError(f"{name}_angle and {name}_radius need {name}_depth, where the {name} begins")
             if getattr(self, f"{name}_depth") is not None and not (
                 getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
             ):
-                raise ValueError(f"{name}_depth needs {name}_angle or {name}_radius: it changes nothing without")
+                raise ValueError(f"{name}_depth needs {name}_angle or {name}_radius: without them it changes nothing")
         if self.blade_spheric_radius is not None and not abs(self.blade_spheric_radius) > 1.0:
-            raise ValueError(f"blade_spheric_radius = {self.blade_spheric_radius}: must be longer than 1 mm either way")
+            raise ValueError(f"blade_spheric_radius = {self.blade_spheric_radius}: must be above 1 mm or below -1 mm")
         if self.blade_spheric_radius is None and self.blade_reference_height:
             raise ValueError("blade_reference_height belongs to a circular profile: give blade_spheric_radius")
         return self
@@ -177,17 +182,11 @@ class Machine(Table):
     @property
     def modified_roll(self) -> tuple[float, ...]:
         """The derivatives 2C, 6D, 24E, ... as given."""
-        return (
-            self.modified_roll_2c,
-            self.modified_roll_6d,
-            self.modified_roll_24e,
-            self.modified_roll_120f,
-            self.modified_roll_720g,
-        )
+        return tuple(getattr(self, key) for key in ROLL_KEYS)
 
 
 class FlankSettings(Table):
-    """How one flank is cut."""
+    """Machine settings and cutter of one flank."""
 
     machine: Machine
     cutter: Cutter

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
+from ...geometry.cutting.named_settings import scale_of
 from .blank_design_table import BlankDesignTable
 from .case_schema import ComplianceTable, ContactTable, MisalignmentTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable
-from .schema_table import Integer, Number, Table, number
+from .schema_table import InputFile, Integer, Number, Table, number
 
 
 class DesignedGear(Table):
@@ -32,6 +33,13 @@ class DesignedPinion(Table):
     free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
     material: Steel = Steel()
 
+    @field_validator("free_settings")
+    @classmethod
+    def _known(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        for name in names or ():
+            scale_of(name)
+        return names
+
 
 class DesignTargets(Table):
     """Wanted ease-off of both sides, in the misalignment of the design."""
@@ -40,8 +48,16 @@ class DesignTargets(Table):
     coast: TargetTable
 
 
-class Design(Table):
-    """A whole design file."""
+class Design(InputFile):
+    """A whole design file.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> design = read_design("fm-11x41")
+    >>> design.pinion.number_of_teeth, design.blank_design.process
+    (11, 'face_milled')
+    """
 
     easeoff_design: Literal[1]
     title: Annotated[str, Field(min_length=1, max_length=200)]

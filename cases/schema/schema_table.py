@@ -1,16 +1,27 @@
-"""What every table of a case or design file is made of."""
+"""Base classes of the tables of case and design files."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 
 
 class Table(BaseModel):
     """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+
+class InputFile(Table):
+    """A whole case or design file."""
+
+    _text: str = PrivateAttr(default="")
+
+    @property
+    def text(self) -> str:
+        """The file as it was read; empty if it was built in Python."""
+        return self._text
 
 
 def number(description: str, unit: str, **limits: Any) -> Any:

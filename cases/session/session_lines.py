@@ -16,14 +16,17 @@ from typing import Literal
 from ...core.errors import InputError
 
 MemberName = Literal["PINION", "GEAR"]
-Place = tuple[str, str, str]
+MenuPath = tuple[str, str, str]
 """Member, flank and menu; empty where there is none."""
 
-ROTORS: dict[str, MemberName] = {"1": "PINION", "2": "GEAR"}
-TYPES: dict[str, MemberName] = {"FACEMILLED_PINION": "PINION", "FACEMILLED_GEAR": "GEAR"}
-MENUS = ("EDIT", "PAIRS", "ROTOR", "HYPOID", "SHAFT", "SEGMENT", "COMMON", "MACHINE", "CUTTER", "CONCAVE", "CONVEX")
-ORDERS = range(1, 7)
-KEYWORDS: dict[str, tuple[str, ...]] = {
+ROTOR_MEMBERS: dict[str, MemberName] = {"1": "PINION", "2": "GEAR"}
+TYPE_MEMBERS: dict[str, MemberName] = {"FACEMILLED_PINION": "PINION", "FACEMILLED_GEAR": "GEAR"}
+MENU_NAMES = (
+    *("EDIT", "PAIRS", "ROTOR", "HYPOID", "SHAFT", "SEGMENT", "COMMON", "MACHINE", "CUTTER"),
+    *("CONCAVE", "CONVEX"),
+)
+MOTION_ORDERS = range(1, 7)
+MENU_KEYWORDS: dict[str, tuple[str, ...]] = {
     "PAIRS": ("HAND_PINION",),
     "HYPOID": ("GEAR_TYPE",),
     "COMMON": (
@@ -34,7 +37,7 @@ KEYWORDS: dict[str, tuple[str, ...]] = {
         *("RADIALSETTING", "TILTANGLE", "SWIVELANGLE", "BLANKOFFSET", "ROOTANGLE", "MACHCTRBACK", "SLIDINGBASE"),
         *("CRADLEANGLE", "RATIOROLL", "HORIZONTAL", "VERTICAL"),
         *("MODROLL_2C", "MODROLL_6D", "MODROLL_24E", "MODROLL_120F", "MODROLL_720G", "MODROLL_5040H"),
-        *(f"{letter}{order}" for letter in "HVR" for order in ORDERS),
+        *(f"{letter}{order}" for letter in "HVR" for order in MOTION_ORDERS),
     ),
     "CUTTER": (
         *("POINTRADIUS", "BLADEANGLE", "EDGERADIUS", "TYPE", "RHO"),
@@ -62,7 +65,7 @@ class Setting:
         Raises
         ------
         InputError
-            If it is none.
+            If it is not a number.
         """
         try:
             return float(self.value)
@@ -75,16 +78,16 @@ class Setting:
         Raises
         ------
         InputError
-            If it is none of them.
+            If it is another word.
         """
         if self.value.upper() not in allowed:
-            raise InputError(f"line {self.line}: {self.keyword} = {self.value!r}: known are {', '.join(allowed)}")
+            raise InputError(f"line {self.line}: {self.keyword} = {self.value!r}: must be one of {', '.join(allowed)}")
         return self.value.upper()
 
 
 @dataclass
 class _State:
-    """Where in the menus a script stands."""
+    """Position of a script in the menus."""
 
     member: str = ""
     flank: str = ""
@@ -106,13 +109,13 @@ class _State:
                 raise InputError(f"line {line}: a third MACHINE for one member, without CONCAVE or CONVEX")
             self.flank = "CONCAVE" if count == 1 else "CONVEX"
 
-    def place(self) -> Place:
+    def menu_path(self) -> MenuPath:
         if self.menu in ("MACHINE", "CUTTER"):
             return self.member, self.flank, self.menu
         return ("", "", "PAIRS") if self.menu == "PAIRS" else (self.member, "", self.menu)
 
 
-def read_settings(path: str | os.PathLike[str]) -> tuple[dict[Place, dict[str, Setting]], list[str]]:
+def read_settings(path: str | os.PathLike[str]) -> tuple[dict[MenuPath, dict[str, Setting]], list[str]]:
     """Read the settings of a script.
 
     Parameters
@@ -123,7 +126,7 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[Place, dict[str, S
     Returns
     -------
     tuple
-        Settings by place and keyword, and the lines that were not understood.
+        Settings by menu and keyword, and the lines that were not understood.
 
     Raises
     ------
@@ -137,7 +140,7 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[Place, dict[str, S
     except UnicodeDecodeError as error:
         raise InputError(f"{path} cannot be read as text: {error}") from error
     state = _State()
-    settings: dict[Place, dict[str, Setting]] = {}
+    settings: dict[MenuPath, dict[str, Setting]] = {}
     unknown: list[str] = []
     for line, content in enumerate(text.splitlines(), start=1):
         words = content.split("//", 1)[0].split()
@@ -148,17 +151,17 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[Place, dict[str, S
                 words = rest
             elif keyword in ("ROTOR", "HYPOID") and rest and rest[0].isdigit():
                 if keyword == "ROTOR":
-                    state.select(ROTORS.get(rest[0], f"ROTOR {rest[0]}"))
+                    state.select(ROTOR_MEMBERS.get(rest[0], f"ROTOR {rest[0]}"))
                 words = rest[1:]
-            elif keyword == "TYPE" and rest and rest[0].upper() in TYPES:
-                state.select(TYPES[rest[0].upper()])
+            elif keyword == "TYPE" and rest and rest[0].upper() in TYPE_MEMBERS:
+                state.select(TYPE_MEMBERS[rest[0].upper()])
                 words = rest[1:]
-            elif keyword in KEYWORDS.get(state.menu, ()):
+            elif keyword in MENU_KEYWORDS.get(state.menu, ()):
                 if not rest:
                     raise InputError(f"{path}: line {line}: {keyword} has no value")
-                settings.setdefault(state.place(), {})[keyword] = Setting(keyword, rest[0], line)
+                settings.setdefault(state.menu_path(), {})[keyword] = Setting(keyword, rest[0], line)
                 words = rest[1:]
-            elif keyword in MENUS and not (rest and rest[0].isdigit()):
+            elif keyword in MENU_NAMES and not (rest and rest[0].isdigit()):
                 state.enter(keyword, line)
                 words = rest
             else:

@@ -15,30 +15,30 @@ from typing import Any
 from ...core.errors import InputError
 from ..reading import check_case
 from ..schema.case_schema import Case
-from .session_lines import ORDERS, MemberName, Place, Setting, read_settings
+from .session_lines import MOTION_ORDERS, MemberName, MenuPath, Setting, read_settings
 
 Settings = Mapping[str, Setting]
 
-BLANK = {
+BLANK_KEYWORDS = {
     "PITCHANGLE": "pitch_angle",
     "FACEANGLE": "face_angle",
     "OUTERCONEDIST": "outer_cone_distance",
     "FACEWIDTH": "face_width",
 }
-OPTIONAL_BLANK = {
+OPTIONAL_BLANK_KEYWORDS = {
     "PITCHAPEX": "pitch_apex_beyond_crossing_point",
     "FACEAPEX": "face_apex_beyond_crossing_point",
     "ROOTAPEX": "root_apex_beyond_crossing_point",
     "FRONTANGLE": "front_angle",
     "BACKANGLE": "back_angle",
 }
-GENERATED = {
+GENERATED_KEYWORDS = {
     "RADIALSETTING": "radial_distance",
     "CRADLEANGLE": "cradle_angle",
     "ROOTANGLE": "machine_root_angle",
     "RATIOROLL": "ratio_of_roll",
 }
-OPTIONAL_GENERATED = {
+OPTIONAL_GENERATED_KEYWORDS = {
     "TILTANGLE": "cutter_tilt",
     "SWIVELANGLE": "cutter_swivel",
     "BLANKOFFSET": "work_offset",
@@ -50,13 +50,13 @@ OPTIONAL_GENERATED = {
     "MODROLL_120F": "modified_roll_120f",
     "MODROLL_720G": "modified_roll_720g",
 }
-FORMATE = {
+FORMATE_KEYWORDS = {
     "HORIZONTAL": "horizontal_distance",
     "VERTICAL": "vertical_distance",
     "ROOTANGLE": "machine_root_angle",
 }
-OPTIONAL_FORMATE = {"MACHCTRBACK": "machine_center_to_crossing_point"}
-MOTIONS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
+OPTIONAL_FORMATE_KEYWORDS = {"MACHCTRBACK": "machine_center_to_crossing_point"}
+MOTION_LETTERS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
 
 
 def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
@@ -77,6 +77,31 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     InputError
         If the file cannot be read, a value is no number or no known word, a setting that a case needs is missing, or a
         value is out of the range of a case.
+
+    Examples
+    --------
+    The flanks of the drive side, both generated:
+
+    >>> import tempfile
+    >>> gear = '''
+    ... TYPE FACEMILLED_GEAR
+    ... COMMON  NTEETH 36  PITCHANGLE 71.567  FACEANGLE 73.133  ROOTANGLE 67.683  OUTERCONEDIST 93.81  FACEWIDTH 25.459
+    ... CONVEX  MACHINE  RADIALSETTING 72.643  CRADLEANGLE 59.234  ROOTANGLE 67.683  RATIOROLL 1.05167
+    ...         CUTTER  POINTRADIUS 75.375  BLADEANGLE 22.0
+    ... '''
+    >>> pinion = '''
+    ... TYPE FACEMILLED_PINION
+    ... COMMON  NTEETH 12  HAND LEFT  PITCHANGLE 18.433  FACEANGLE 22.317  ROOTANGLE 16.867  OUTERCONEDIST 93.761
+    ...         FACEWIDTH 25.41
+    ... CONCAVE MACHINE  RADIALSETTING 74.874  CRADLEANGLE 63.942  ROOTANGLE 16.867  RATIOROLL 3.2427
+    ...         CUTTER  POINTRADIUS 75.327  BLADEANGLE 18.046
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     script = Path(folder, "pair.ses")
+    ...     _ = script.write_text("ROTOR 1" + pinion + "ROTOR 2" + gear)
+    ...     case, notes = read_session_script(script)
+    >>> case.pinion.number_of_teeth, case.gear.convex.machine.radial_distance
+    (12, 72.643)
     """
     settings, unknown = read_settings(path)
     notes = [
@@ -97,7 +122,7 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     return check_case(data, str(path)), notes + [f"not understood: {line}" for line in unknown]
 
 
-def _hand(settings: Mapping[Place, Settings], notes: list[str]) -> str:
+def _hand(settings: Mapping[MenuPath, Settings], notes: list[str]) -> str:
     """Hand of the pinion, RIGHT or LEFT."""
     given = [
         s.word("LEFT", "RIGHT")
@@ -128,10 +153,10 @@ def _given(table: Settings, keys: Mapping[str, str]) -> dict[str, Any]:
     return {key: table[keyword].number() for keyword, key in keys.items() if keyword in table}
 
 
-def _member(settings: Mapping[Place, Settings], member: MemberName, hand: str, notes: list[str]) -> dict[str, Any]:
+def _member(settings: Mapping[MenuPath, Settings], member: MemberName, hand: str, notes: list[str]) -> dict[str, Any]:
     common = settings.get((member, "", "COMMON"), {})
     where = f"COMMON of the {member.lower()}"
-    blank = _needed(common, BLANK, where) | _given(common, OPTIONAL_BLANK)
+    blank = _needed(common, BLANK_KEYWORDS, where) | _given(common, OPTIONAL_BLANK_KEYWORDS)
     blank["root_angle"] = _root_angle(settings, member, notes)
     teeth = _needed(common, {"NTEETH": "number_of_teeth"}, where)["number_of_teeth"]
     result: dict[str, Any] = {"number_of_teeth": int(teeth) if teeth.is_integer() else teeth, "blank": blank}
@@ -142,17 +167,17 @@ def _member(settings: Mapping[Place, Settings], member: MemberName, hand: str, n
         if not machine and not cutter:
             continue
         where = f"{flank} of the {member.lower()}"
-        if formate:
-            made = _needed(machine, FORMATE, f"MACHINE, {where},") | _given(machine, OPTIONAL_FORMATE)
-        else:
-            made = _needed(machine, GENERATED, f"MACHINE, {where},") | _given(machine, OPTIONAL_GENERATED)
+        needed = FORMATE_KEYWORDS if formate else GENERATED_KEYWORDS
+        optional = OPTIONAL_FORMATE_KEYWORDS if formate else OPTIONAL_GENERATED_KEYWORDS
+        made = _needed(machine, needed, f"MACHINE, {where},") | _given(machine, optional)
+        if not formate:
             made["motions"] = _motions(machine, member, hand, notes)
             _doubts(machine, member, notes)
         result[flank.lower()] = {"machine": made, "cutter": _cutter(cutter, f"CUTTER, {where},")}
     return result
 
 
-def _root_angle(settings: Mapping[Place, Settings], member: MemberName, notes: list[str]) -> float:
+def _root_angle(settings: Mapping[MenuPath, Settings], member: MemberName, notes: list[str]) -> float:
     """Root angle of the blank: that of COMMON or, if the cutter is not tilted, that of the machine."""
     common = settings.get((member, "", "COMMON"), {})
     if "ROOTANGLE" in common:
@@ -172,10 +197,10 @@ def _root_angle(settings: Mapping[Place, Settings], member: MemberName, notes: l
 def _motions(machine: Settings, member: MemberName, hand: str, notes: list[str]) -> dict[str, list[float]]:
     """Derivatives of the settings that move, by our cradle increment."""
     motions = {}
-    for letter, key in MOTIONS.items():
+    for letter, key in MOTION_LETTERS.items():
         # The reading of the program gives the vertical motion of a gear the sign opposite to its offset, both hands.
         sign = -1.0 if letter == "V" and member == "GEAR" else 1.0
-        values = [machine[f"{letter}{n}"].number() if f"{letter}{n}" in machine else 0.0 for n in ORDERS]
+        values = [machine[f"{letter}{n}"].number() if f"{letter}{n}" in machine else 0.0 for n in MOTION_ORDERS]
         while values and values[-1] == 0.0:
             values.pop()
         motions[key] = [sign * value + 0.0 for value in values]
@@ -204,7 +229,7 @@ def _hands_differ(letter: str, order: int, member: MemberName) -> bool:
 
 
 def _doubts(machine: Settings, member: MemberName, notes: list[str]) -> None:
-    """Notes on settings that are given, and whose meaning is not certain or has no place in a case."""
+    """Notes on settings that are given, and whose meaning is not certain or that a case file cannot hold."""
 
     def say(keyword: str, text: str) -> None:
         if keyword in machine and machine[keyword].number() != 0.0:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.newton import cramers_rule
 from .contact_lines import curvature_and_skew
 from .flank_splines import FlankFields
 
@@ -135,11 +136,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
     # Unit length across the curve on the flank, as a direction (lengthwise, profile).
     metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
     gradient = [f["roll_angle"] for f in first]
-    determinant = metric[0] * metric[2] - metric[1] ** 2
-    across = (
-        np.stack([metric[2] * gradient[0] - metric[1] * gradient[1], metric[0] * gradient[1] - metric[1] * gradient[0]])
-        / determinant
-    )
+    across = cramers_rule(metric[:2], metric[1:], gradient)
     slope = np.sqrt(gradient[0] * across[0] + gradient[1] * across[1])
     across = across / slope
 

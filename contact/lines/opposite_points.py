@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.newton import cramers_rule, determinant
 from .flank_splines import FlankFields
 
 Array = NDArray[Any]
@@ -91,8 +92,6 @@ def _within_reach(places: Array) -> Array:
 
 def solved(matrix: Array, right: Array) -> Array:
     """Solutions (2, n) of systems (2, 2, n), zero where there is none."""
-    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-    first = matrix[1, 1] * right[0] - matrix[0, 1] * right[1]
-    second = matrix[0, 0] * right[1] - matrix[1, 0] * right[0]
+    columns = matrix[:, 0], matrix[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(determinant != 0.0, np.stack([first, second]) / determinant, 0.0)
+        return np.where(determinant(*columns) != 0.0, cramers_rule(*columns, right), 0.0)

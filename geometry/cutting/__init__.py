@@ -1,1 +1,1 @@
-"""How a flank is cut: blade, machine, equation of meshing, generating surface."""
+"""The cutting of a flank: blade, machine, equation of meshing, generating surface."""

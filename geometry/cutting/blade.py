@@ -1,4 +1,4 @@
-"""The cutter blade: where its edge stands on the cutter, and what sections the edge is made of."""
+"""The cutter blade: position of its edge on the cutter, and the sections of the edge."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BladeSide = Literal["outside", "inside"]
 
 @dataclass(frozen=True)
 class Blade:
-    """A blade with a straight or circular profile, and whatever relieves or rounds it.
+    """A blade with a straight or circular profile, its reliefs and its edge radius.
 
     The cutter frame has its axis along z, pointing from the shank towards the blank, with the blade tips in the
     plane z = 0.
@@ -46,6 +46,14 @@ class Blade:
     ------
     InputError
         If a length or an angle is out of range, or the sections do not fit onto one another.
+
+    Examples
+    --------
+    A straight outside blade: its pressure angle leans the edge outwards, the shank lies towards negative z.
+
+    >>> blade = Blade(point_radius=75.0, pressure_angle=np.radians(20.0), side="outside")
+    >>> [round(v, 3) for v in blade.edge]
+    [0.342, 0.0, -0.94]
     """
 
     point_radius: float
@@ -65,14 +73,14 @@ class Blade:
             raise InputError(f"blade_point_radius = {self.point_radius}: must be a positive length in mm")
         if not abs(self.pressure_angle) < np.pi / 2:
             raise InputError(
-                f"blade_pressure_angle = {np.degrees(self.pressure_angle)}: must lie between -90 and 90 degrees"
+                f"blade_pressure_angle = {np.degrees(self.pressure_angle)}: must be between -90 and 90 degrees"
             )
         if self.side not in ("outside", "inside"):
-            raise InputError(f"blade side = {self.side!r}: allowed are 'outside' and 'inside'")
+            raise InputError(f"blade side = {self.side!r}: must be one of outside, inside")
         if not self.edge_radius >= 0.0:
-            raise InputError(f"tool_edge_radius = {self.edge_radius}: must not be negative (mm)")
+            raise InputError(f"tool_edge_radius = {self.edge_radius}: must be 0 mm or more")
         if self.spheric_radius is not None and not abs(self.spheric_radius) > 1.0:
-            raise InputError(f"blade_spheric_radius = {self.spheric_radius}: must be longer than 1 mm either way")
+            raise InputError(f"blade_spheric_radius = {self.spheric_radius}: must be above 1 mm or below -1 mm")
         _ = self.sections  # a blade whose parts do not fit is refused when it is made
 
     @cached_property

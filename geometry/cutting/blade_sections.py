@@ -18,12 +18,12 @@ SectionName = Literal["edge", "toprem", "profile", "flankrem"]
 
 @dataclass(frozen=True)
 class Relief:
-    """Toprem or flankrem: where the edge leaves its profile, and how.
+    """Toprem or flankrem: a relief at one end of the blade's profile.
 
     Parameters
     ----------
     height
-        Where it begins, above the tip plane [mm].
+        Height of its beginning above the tip plane [mm].
     angle
         Kink at the beginning [rad]. A toprem's pressure angle is smaller by it, a flankrem's larger: positive removes
         metal at the flank's root or tip.
@@ -44,11 +44,11 @@ class BladeSection:
     Parameters
     ----------
     name
-        Which part.
+        Name of the part.
     begin, end
         Coordinate of its ends along the edge; the last section has no end.
     outward, height
-        Place of its beginning in the plane of the blade [mm].
+        Coordinates of its beginning in the plane of the blade [mm].
     angle
         Angle between edge and cutter axis at the beginning [rad].
     rate
@@ -82,7 +82,7 @@ class BladeSection:
         return self.angle + self.rate * (coordinate - self.begin)
 
     def point(self, coordinate: float) -> tuple[float, float]:
-        """Place (outward, height) [mm] at a coordinate."""
+        """Point (outward, height) [mm] at a coordinate."""
         along = coordinate - self.begin
         if self.radius is None:
             return self.outward + along * math.sin(self.angle), self.height + along * math.cos(self.angle)
@@ -111,11 +111,11 @@ class BladeSection:
 
 
 def _part(
-    name: SectionName, place: tuple[float, float], angle: float, radius: float | None, begin: float = 0.0
+    name: SectionName, point: tuple[float, float], angle: float, radius: float | None, begin: float = 0.0
 ) -> BladeSection:
-    """A section through a place; the coordinate counts from there, both ways."""
+    """A section through a point; the coordinate counts from there, both ways."""
     rate = 0.0 if radius is None else 1.0 / radius
-    return BladeSection(name, begin, math.inf, place[0], place[1], angle, rate, radius)
+    return BladeSection(name, begin, math.inf, point[0], point[1], angle, rate, radius)
 
 
 def blade_sections(
@@ -161,16 +161,16 @@ def blade_sections(
     top = profile.at_height(flankrem.height)
     if not top > start:
         raise InputError(
-            f"flankrem_depth = {flankrem.height:g} mm: it must lie above the edge radius and the toprem, which reach "
+            f"flankrem_depth = {flankrem.height:g} mm: must be above the edge radius and the toprem, which reach "
             f"{profile.point(start)[1]:g} mm above the tip plane"
         )
     sections["profile"] = _cut(profile, start, begin, begin + top - start)
-    place, angle = profile.point(top), profile.angle_at(top) + flankrem.angle
-    return sections | {"flankrem": _part("flankrem", place, angle, flankrem.radius, begin + top - start)}
+    point, angle = profile.point(top), profile.angle_at(top) + flankrem.angle
+    return sections | {"flankrem": _part("flankrem", point, angle, flankrem.radius, begin + top - start)}
 
 
 def _cut(part: BladeSection, start: float, begin: float, end: float) -> BladeSection:
-    """The part from its own coordinate ``start`` on, its coordinate then counted from ``begin``."""
+    """The part from its coordinate ``start`` on, with the coordinate counted from ``begin`` there."""
     outward, height = part.point(start)
     return replace(part, begin=begin, end=end, outward=outward, height=height, angle=part.angle_at(start))
 

@@ -1,8 +1,8 @@
-"""What cuts a flank: a blade on a machine, and the envelope of its motion.
+"""The generating surface of a flank: a blade on a machine, and the envelope of its motion.
 
-A generated flank has the two parameters (cutter angle, cradle rotation); the place on the blade follows from the
+A generated flank has the two parameters (cutter angle, cradle rotation); the blade coordinate follows from the
 equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
-angle, place on the blade). Every section of the blade has its own surface.
+angle, blade coordinate). Every section of the blade has its own surface.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Hand = Literal["left", "right"]
 
 @dataclass(frozen=True)
 class GeneratingSurface:
-    """What cuts one flank: a blade, the machine that carries it, and the hand of the member.
+    """Generating surface of one flank: blade, machine settings and hand of the member.
 
     Parameters
     ----------
@@ -42,6 +42,17 @@ class GeneratingSurface:
         Sense of the cradle increment, see ``machine.IncrementSense``.
     part
         Section of the blade that cuts; the profile unless said.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> gear = pair.gear.loaded
+    >>> gear.settings.generated, gear.hand
+    (False, 'right')
+    >>> position, normal, _ = gear.evaluate(np.array([[1.0], [5.0]]))  # cutter angle [rad] and blade coordinate [mm]
+    >>> round(float(np.linalg.norm(normal)), 12)
+    1.0
     """
 
     blade: Blade
@@ -56,12 +67,12 @@ class GeneratingSurface:
         return self.blade.sections[self.part]
 
     def on(self, part: SectionName) -> GeneratingSurface:
-        """What another section of the same blade cuts."""
+        """The surface that another section of the same blade cuts."""
         return self if part == self.part else replace(self, part=part)
 
     @property
     def designed(self) -> GeneratingSurface:
-        """The surface without what the flank as made departs from it."""
+        """The surface without deviation."""
         return self
 
     @property
@@ -78,12 +89,12 @@ class GeneratingSurface:
         Parameters
         ----------
         parameters
-            Cutter angle [rad] and, generated, cradle rotation [rad] or, Formate, place on the blade: (2, n).
+            Cutter angle [rad] and, generated, cradle rotation [rad] or, Formate, blade coordinate: (2, n).
 
         Returns
         -------
         tuple
-            Position (3, n) [mm] and outward unit normal (3, n) in the member frame, and the place on the blade (n): mm
+            Position (3, n) [mm] and outward unit normal (3, n) in the member frame, and the blade coordinate (n): mm
             along it from the end of its edge radius, see ``blade_sections``.
         """
         cutter_angle, second = parameters
@@ -105,7 +116,7 @@ class GeneratingSurface:
         spin = cutter_axis + indexing * pose.axis
         shift = -cross(cutter_axis, pose.center) - indexing * cross(pose.axis, pose.origin)
         velocities = (spin, shift), (pose.spin, pose.shift)
-        point, edge, place = self._on_blade(tip, (outward, upward), velocities, second)
+        point, edge, coordinate = self._on_blade(tip, (outward, upward), velocities, second)
         normal = -self.blade.side_sign * cross(edge, cross(spin, point) + shift)
         normal = normal / np.sqrt(dot(normal, normal))
 
@@ -114,14 +125,14 @@ class GeneratingSurface:
         normal = pose.to_member(normal, turned, point=False)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
-        return position, normal, place
+        return position, normal, coordinate
 
     def _on_blade(
-        self, tip: Array, plane: tuple[Array, Array], velocities: tuple[Velocity, Velocity], place: Array
+        self, tip: Array, plane: tuple[Array, Array], velocities: tuple[Velocity, Velocity], coordinate: Array
     ) -> tuple[Array, Array, Array]:
-        """Point of the blade that cuts [mm], direction of the edge there (3, n), and place on the blade (n).
+        """Point of the blade that cuts [mm], direction of the edge there (3, n), and blade coordinate (n).
 
-        Generated, the equation of meshing gives the place; Formate, it is the one asked for.
+        Generated, the equation of meshing gives the coordinate; Formate, it is the one asked for.
         """
         section, (outward, upward) = self.section, plane
         if section.radius is None:
@@ -130,17 +141,17 @@ class GeneratingSurface:
             origin = tip + (section.outward - section.begin * along_outward) * outward
             origin = origin + (section.height - section.begin * along_upward) * upward
             if self.settings.generated:
-                place = straight_edge(origin, edge, *velocities)
-            return origin + place * edge, edge, place
+                coordinate = straight_edge(origin, edge, *velocities)
+            return origin + coordinate * edge, edge, coordinate
         middle, middle_angle = section.point(section.middle), section.angle_at(section.middle)
         origin = tip + middle[0] * outward + middle[1] * upward
         if self.settings.generated:
             turn = circular_edge(origin, section.radius, plane, *velocities, middle_angle)
-            place = section.middle + turn / section.rate
+            coordinate = section.middle + turn / section.rate
         else:
-            turn = section.rate * (place - section.middle)
+            turn = section.rate * (coordinate - section.middle)
         point, edge = on_arc(origin, section.radius, plane, middle_angle, turn)
-        return point, edge, place
+        return point, edge, coordinate
 
     def axial_and_radial(self, parameters: Array) -> Array:
         """Axial and radial coordinates (2, n) [mm] of the flank at given parameters (2, n)."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...core.errors import InputError
 
 Array = NDArray[Any]
-MOVING = (
+MOVING_SETTINGS = (
     "radial_distance",
     "machine_root_angle",
     "work_offset",
@@ -60,6 +60,17 @@ class MachineSettings:
     motions
         Higher-order motions: names of settings and coefficients (c1, c2, ...) of setting + c1 p + c2 p^2 + ..., p the
         cradle increment [rad]. ``sliding_base`` is helical motion, ``work_offset`` vertical motion.
+
+    Examples
+    --------
+    Without a ratio of roll the member is Formate, with one it is generated:
+
+    >>> settings = MachineSettings(radial_distance=97.0, cradle_angle=1.04, machine_root_angle=1.17)
+    >>> settings.generated
+    False
+    >>> from dataclasses import replace
+    >>> replace(settings, ratio_of_roll=1.05, motions=(("sliding_base", (0.6,)),)).generated
+    True
     """
 
     radial_distance: float
@@ -77,8 +88,8 @@ class MachineSettings:
 
     def __post_init__(self) -> None:
         for name, coefficients in self.motions:
-            if name not in MOVING:
-                raise InputError(f"motion of {name!r}: allowed are {', '.join(MOVING)}")
+            if name not in MOVING_SETTINGS:
+                raise InputError(f"motion = {name!r}: must be one of {', '.join(MOVING_SETTINGS)}")
             if not np.all(np.isfinite(coefficients)):
                 raise InputError(f"motion of {name} = {coefficients}: must be finite numbers")
         for field in fields(self):

@@ -1,4 +1,4 @@
-"""Where cutter and work stand on the machine at a cradle rotation, and how they move, with every setting free to move.
+"""Position and motion of cutter and work at a cradle rotation, with every setting free to move.
 
 Any setting may be a polynomial in the cradle increment: helical motion moves the sliding base, vertical motion the work
 offset, and so on. Everything is seen from a frame that turns with the cradle, x towards the cutter centre; there the

@@ -1,4 +1,4 @@
-"""The equation of meshing: where on the blade a generated flank is touched (Kolivand 2009, Eq. 2.8).
+"""The equation of meshing: the point of the blade that touches a generated flank (Kolivand 2009, Eq. 2.8).
 
 The edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane there. A velocity
 by a rotation is given as (spin, shift): velocity = spin x point + shift.
@@ -16,8 +16,8 @@ from ..vectors import cos_sin, cross, dot
 Array = NDArray[Any]
 Velocity = tuple[Array, Array]
 
-ITERATIONS = 12  # from a start within a few degrees; five are usual
-FLAT = 0.2  # [rad] an arc and its tangent are near enough up to here
+ITERATION_LIMIT = 12  # from a start within a few degrees; five are usual
+FLAT_TURN_LIMIT = 0.2  # [rad] an arc and its tangent are near enough up to here
 
 
 def _of(velocity: Velocity, point: Array) -> Array:
@@ -94,7 +94,7 @@ def circular_edge(
     arc = (real(middle), radius, (real(plane[0]), real(plane[1])), middle_angle)
     velocities = [(real(spin), real(shift)) for spin, shift in (by_cutter, by_cradle)]
     turn = _start(*arc, velocities)
-    for _ in range(ITERATIONS):
+    for _ in range(ITERATION_LIMIT):
         step = _newton_step(*arc, velocities, turn)
         turn = turn + step
         if not np.any(np.abs(step) > 1e-14):
@@ -115,7 +115,7 @@ def _start(
     turn = np.mod(angle - middle_angle + np.pi / 2, np.pi) - np.pi / 2
     if radius != 0.0:
         along_tangent = straight_edge(middle, sine * outward + cosine * upward, *velocities) / radius
-        turn = np.where(np.abs(along_tangent) < FLAT, along_tangent, turn)
+        turn = np.where(np.abs(along_tangent) < FLAT_TURN_LIMIT, along_tangent, turn)
     return np.asarray(turn)
 
 

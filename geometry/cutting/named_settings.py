@@ -16,11 +16,11 @@ from typing import Any
 
 from ...core.errors import InputError
 from .generating_surface import GeneratingSurface
-from .machine import MOVING
+from .machine import MOVING_SETTINGS
 
-# What each setting is moved by to change the flank about equally: mm, rad, or per radian.
-BLADE = {"point_radius": 1.0, "pressure_angle": 0.01, "rake_angle": 0.05, "hook_angle": 0.05}
-MACHINE = {
+# Usual steps of the settings, which change the flank by about as much each: mm, rad, or per radian.
+BLADE_STEPS = {"point_radius": 1.0, "pressure_angle": 0.01, "rake_angle": 0.05, "hook_angle": 0.05}
+MACHINE_STEPS = {
     "radial_distance": 1.0,
     "cradle_angle": 0.01,
     "machine_root_angle": 0.01,
@@ -31,47 +31,47 @@ MACHINE = {
     "cutter_swivel": 0.02,
     "ratio_of_roll": 0.02,
 }
-MODIFIED_ROLL = {f"modified_roll_{key}": n for n, key in enumerate(("2c", "6d", "24e", "120f", "720g"), start=2)}
-MOTION = re.compile(rf"({'|'.join(MOVING)})_motion_([1-6])")
-CURVATURE = {"blade_curvature": 1e-3}
-REACH = 0.3  # cradle increment at which a motion changes the flank as much as the setting itself [rad]
+MODIFIED_ROLL_ORDERS = {f"modified_roll_{key}": n for n, key in enumerate(("2c", "6d", "24e", "120f", "720g"), start=2)}
+MOTION_PATTERN = re.compile(rf"({'|'.join(MOVING_SETTINGS)})_motion_([1-6])")
+CURVATURE_STEPS = {"blade_curvature": 1e-3}
+CRADLE_INCREMENT_SCALE = 0.3  # cradle increment at which a motion changes the flank as much as the setting itself [rad]
 
 
 def scale_of(name: str) -> float:
-    """By how much a setting is moved to change the flank about as much as the others [mm, rad or per radian].
+    """Usual step of a setting, which changes the flank about as much as those of the others [mm, rad or per radian].
 
     Raises
     ------
     InputError
         If there is no setting of that name.
     """
-    plain = {**BLADE, **CURVATURE, **MACHINE}
+    plain = {**BLADE_STEPS, **CURVATURE_STEPS, **MACHINE_STEPS}
     if name in plain:
         return plain[name]
-    if name in MODIFIED_ROLL:
-        return float(0.02 * 10.0 ** (MODIFIED_ROLL[name] - 2))
-    motion = MOTION.fullmatch(name)
+    if name in MODIFIED_ROLL_ORDERS:
+        return float(0.02 * 10.0 ** (MODIFIED_ROLL_ORDERS[name] - 2))
+    motion = MOTION_PATTERN.fullmatch(name)
     if motion is None:
         raise InputError(
-            f"free setting {name!r}: allowed are {', '.join([*plain, *MODIFIED_ROLL])}, and the name of a "
-            f"moving setting ({', '.join(MOVING)}) with _motion_1 to _motion_6"
+            f"free setting = {name!r}: must be one of {', '.join([*plain, *MODIFIED_ROLL_ORDERS])}, or the name of a "
+            f"moving setting ({', '.join(MOVING_SETTINGS)}) with _motion_1 to _motion_6"
         )
     order = int(motion[2])
-    return MACHINE[motion[1]] * math.factorial(order) / REACH**order
+    return MACHINE_STEPS[motion[1]] * math.factorial(order) / CRADLE_INCREMENT_SCALE**order
 
 
 def get_setting(surface: GeneratingSurface, name: str) -> float:
     """One setting of a generating surface by name. Raises as ``scale_of``."""
     scale_of(name)
-    if name in BLADE:
+    if name in BLADE_STEPS:
         return float(getattr(surface.blade, name))
-    if name in CURVATURE:
+    if name in CURVATURE_STEPS:
         radius = surface.blade.spheric_radius
         return 0.0 if radius is None else 1.0 / radius
-    if name in MACHINE:
+    if name in MACHINE_STEPS:
         return float(getattr(surface.settings, name))
-    if name in MODIFIED_ROLL:
-        return _derivative(surface.settings.modified_roll, MODIFIED_ROLL[name], 2)
+    if name in MODIFIED_ROLL_ORDERS:
+        return _derivative(surface.settings.modified_roll, MODIFIED_ROLL_ORDERS[name], 2)
     base, order = name.rsplit("_motion_", 1)
     return _derivative(dict(surface.settings.motions).get(base, ()), int(order), 1)
 
@@ -83,14 +83,14 @@ def with_settings(surface: GeneratingSurface, values: Mapping[str, float]) -> Ge
     roll, motions = surface.settings.modified_roll, dict(surface.settings.motions)
     for name, value in values.items():
         scale_of(name)
-        if name in BLADE:
+        if name in BLADE_STEPS:
             blade[name] = value
-        elif name in CURVATURE:
+        elif name in CURVATURE_STEPS:
             blade["spheric_radius"] = 1.0 / value if value else None
-        elif name in MACHINE:
+        elif name in MACHINE_STEPS:
             machine[name] = value
-        elif name in MODIFIED_ROLL:
-            roll = _with_derivative(roll, MODIFIED_ROLL[name], 2, value)
+        elif name in MODIFIED_ROLL_ORDERS:
+            roll = _with_derivative(roll, MODIFIED_ROLL_ORDERS[name], 2, value)
         else:
             base, order = name.rsplit("_motion_", 1)
             motions[base] = _with_derivative(motions.get(base, ()), int(order), 1, value)

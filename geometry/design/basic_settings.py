@@ -22,11 +22,21 @@ from .mean_point import mean_point_angles
 
 Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
-CLOSE = 1e-11  # residual of the corrected flanks [rad]
+ANGLE_TOLERANCE = 1e-11  # residual of the corrected flanks [rad]
 
 
 def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
-    """Axial section of one member of a blank; the flank ends at the clearance above the root cone."""
+    """Axial section of one member of a blank; the flank ends at the clearance above the root cone.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> from easeoff.cases.conversion import designed_blanks
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> blank_section(blanks.gear, blanks.clearance).face_width == blanks.gear.face_width
+    True
+    """
     return BlankSection(
         pitch_angle=member.pitch_angle,
         face_angle=member.face_angle,
@@ -91,6 +101,16 @@ def formate_gear(
     Notes
     -----
     Source: ISO 23509:2016, formulas 34 to 40 (crown gear).
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> from easeoff.cases.conversion import designed_blanks
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> convex, concave = formate_gear(blanks, cutter_radius=95.25, hand="right", corrected=False)
+    >>> convex.settings == concave.settings, convex.settings.generated
+    (True, False)
     """
     return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, None)
 
@@ -107,6 +127,16 @@ def generated_gear(
 
     The cradle axis passes through the apex of the pitch cone and the ratio of roll is cos(dedendum angle) / sin(pitch
     angle): the pitch cone rolls without sliding. Parameters, return and exceptions are those of ``formate_gear``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> from easeoff.cases.conversion import designed_blanks
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> convex, _ = generated_gear(blanks, cutter_radius=95.25, hand="right", corrected=False)
+    >>> convex.settings.generated
+    True
     """
     gear = blank.gear
     ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
@@ -255,7 +285,7 @@ def hobbing_blade(
 def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     """Settings near the start at which the measured errors vanish."""
     found = root(error, start, tol=1e-14)
-    if not np.max(np.abs(error(found.x))) < CLOSE:
+    if not np.max(np.abs(error(found.x))) < ANGLE_TOLERANCE:
         raise GeometryError(
             "no settings of the gear were found that give the blank's spiral angle and pressure angles: "
             f"an error of {np.degrees(np.max(np.abs(found.fun))):.2g} degrees is left; check the blank's dedendum "

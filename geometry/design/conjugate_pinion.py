@@ -45,6 +45,19 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     ------
     GeometryError
         If the gear is generated (no fixed cone stands for its flank), or the cone ends before ``blade_height``.
+
+    Examples
+    --------
+    The ease-off of the conjugate pinion is zero:
+
+    >>> from dataclasses import replace
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import Misalignment, ease_off
+    >>> pair = gear_pair(read_case("fm-11x41")).misaligned(Misalignment())
+    >>> surface = conjugate_pinion(pair.gear.loaded, pair.assembly, blade_height=10.0)
+    >>> found = ease_off(replace(pair, pinion=replace(pair.pinion, loaded=surface)), (5, 5))
+    >>> bool(abs(found["ease_off"]).max() < 1e-6)  # [um]
+    True
     """
     settings = gear.settings
     if settings.generated:

@@ -24,7 +24,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class MeanPointAngles:
-    """A flank where it meets the mean point's axial and radial coordinates.
+    """Angles of a flank at the mean point's axial and radial coordinates.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def mean_point_angles(surface: GeneratingSurface, section: BlankSection, member:
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     section
         Axial section of the blank.
     member

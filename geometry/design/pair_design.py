@@ -19,13 +19,13 @@ from .conjugate_pinion import conjugate_pinion
 from .mean_point import mean_point_angles
 from .synthesis import EaseOffTarget, Synthesis, fit_pinion
 
-POOR = 0.005  # root mean square left of a target [mm] that is worth another try
+RETRY_RESIDUAL = 0.005  # [mm]; root mean square residual above which a second fit is tried
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 
 @dataclass(frozen=True)
-class DesignedPair:
-    """A pair as designed.
+class PairDesign:
+    """A designed pair.
 
     Parameters
     ----------
@@ -73,8 +73,8 @@ def design_pair(
     generated: bool = False,
     corrected: bool = True,
     edge_radii: tuple[float, float] = (0.0, 0.0),
-) -> DesignedPair:
-    """Blanks, gear and pinion of a pair.
+) -> PairDesign:
+    """Design the blanks, the gear and the pinion flanks of a pair.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def design_pair(
     targets
         Wanted ease-off of the two sides.
     free
-        Pinion settings that may move, see ``free_settings``; the usual ones if left out.
+        Pinion settings that may move, see ``named_settings``; the usual ones if left out.
     follow_root
         Whether the tips of the pinion's blades shall run along its root cone, see ``fit_pinion``.
     generated
@@ -121,13 +121,13 @@ def design_pair(
         wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
         pinion[side] = _fitted(GearPair(start, wheel, assembly), targets[side], free, follow_root)
     thickness = _middle_thickness(blank, gear) if groups else None
-    return DesignedPair(blank, assembly, gear, pinion, thickness)
+    return PairDesign(blank, assembly, gear, pinion, thickness)
 
 
 def _fitted(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:
     """The fit, and where it stops far from the target a second one that takes the form first and the root cone then."""
     fit = fit_pinion(pair, target, free=free, follow_root=follow_root)
-    if not follow_root or free is not None or fit.rms < POOR:
+    if not follow_root or free is not None or fit.rms < RETRY_RESIDUAL:
         return fit
     try:
         form = fit_pinion(pair, target)

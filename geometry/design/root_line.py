@@ -1,4 +1,4 @@
-"""Where the tip of a blade runs against the root cone of the blank it cuts."""
+"""The path of a blade's tip against the root cone of the blank."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ..newton import solve
 
 Array = NDArray[Any]
 
-PLACES = np.array([0.0, 0.5, 1.0])  # toe, middle, heel
-LOW = 0.15  # profile fraction of the nodes: near the root, yet on the flank
+LENGTHWISE_FRACTIONS = np.array([0.0, 0.5, 1.0])  # toe, middle, heel
+PROFILE_FRACTION = 0.15  # profile fraction of the nodes: near the root, yet on the flank
 
 
 @dataclass(frozen=True)
@@ -37,26 +37,26 @@ class RootLine:
     @classmethod
     def of(cls, surface: GeneratingSurface, section: BlankSection) -> RootLine:
         """The nodes of a flank. Raises GeometryError if the cutter meets no tooth of the blank."""
-        axial, radial = section.points(PLACES, np.full_like(PLACES, LOW))
+        axial, radial = section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, PROFILE_FRACTION))
         return cls(section, solve_flank(surface, section, axial, radial).parameters)
 
     def gap(self, surface: GeneratingSurface) -> tuple[Array, RootLine]:
-        """How far above the root cone the blade's tip stays (3) [mm], negative where it cuts deeper.
+        """Distance of the blade's tip above the root cone (3) [mm], negative where it cuts deeper.
 
         Parameters
         ----------
         surface
-            What cuts the flank; near the surface of the parameters.
+            Generating surface, near the one of the parameters.
 
         Returns
         -------
         tuple
             The gap, NaN where the node is not found, and the nodes of this surface.
         """
-        target = self.section.points(PLACES, np.full_like(PLACES, LOW))
+        target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, PROFILE_FRACTION))
         found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
-        _, _, place = surface.evaluate(found.parameters)
-        above_tip = np.array([surface.section.point(p)[1] for p in place])
+        _, _, coordinates = surface.evaluate(found.parameters)
+        above_tip = np.array([surface.section.point(c)[1] for c in coordinates])
         gap = self.section.height_above_root(target[0], target[1]) - above_tip
         converged = bool(np.all(found.converged))
         return np.where(found.converged, gap, np.nan), RootLine(self.section, found.parameters) if converged else self

@@ -12,17 +12,17 @@ from scipy.optimize import least_squares
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import CURVATURE, get_setting, scale_of, with_settings
+from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
 from ..flanks.flank import Flank
-from ..pair.ease_off import EaseOff, angle_near, compute
+from ..pair.ease_off import EaseOff, angle_near, exact_ease_off
 from ..pair.gear_pair import GearPair, grid
 from .root_line import RootLine
 
 Array = NDArray[Any]
 
-FAR = 1e9  # residual [um] of settings with which the flanks do not meet
-# Without tilt and swivel, which can stand in for the others, so that settings would run away at no gain.
-FREE = (
+MISSING_RESIDUAL = 1e9  # residual [um] of settings with which the flanks do not meet
+# Without tilt and swivel: their effects are nearly those of other settings, which makes the fit ill-conditioned.
+FREE_SETTINGS = (
     "point_radius",
     "pressure_angle",
     "radial_distance",
@@ -35,7 +35,7 @@ FREE = (
 
 
 # To follow the root cone the cutter has to be tilted anew; the others then hold the flank.
-FREE_WITH_TILT = (*FREE, "cutter_tilt", "cutter_swivel", "sliding_base")
+FREE_SETTINGS_WITH_TILT = (*FREE_SETTINGS, "cutter_tilt", "cutter_swivel", "sliding_base")
 ROOT_WEIGHT = 50.0  # [um/mm]
 
 
@@ -55,9 +55,15 @@ class EaseOffTarget:
     bias
         Twist; positive adds gap at toe-tip and heel-root.
     spiral_angle_error
-        Half of what the heel has more than the toe.
+        Half the difference between heel and toe.
     pressure_angle_error
-        Half of what the tip has more than the root.
+        Half the difference between tip and root.
+
+    Examples
+    --------
+    >>> target = EaseOffTarget(lengthwise_crowning=0.03)
+    >>> [float(v) for v in target(np.array([0.0, 0.5, 1.0]), np.full(3, 0.5))]
+    [0.03, 0.0, 0.03]
     """
 
     lengthwise_crowning: float = 0.0
@@ -82,12 +88,19 @@ class Synthesis:
     surface
         The pinion flank.
     moved
-        What became of each free setting: (start, end), mm, rad or per radian.
+        Start and end value of each free setting: mm, rad or per radian.
     residual
         Ease-off less target at the fit's nodes (n) [mm], its mean removed.
     root_gap
-        How far above the root cone the blade's tip stays at toe, middle and heel (3) [mm], negative where it cuts
-        deeper.
+        Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], negative where it cuts deeper.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> fit = fit_pinion(pair, EaseOffTarget(lengthwise_crowning=0.04), free=["point_radius"], nodes=(7, 5))
+    >>> isinstance(fit, Synthesis), list(fit.moved)
+    (True, ['point_radius'])
     """
 
     surface: GeneratingSurface
@@ -141,7 +154,7 @@ class _Fit:
         residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
         if not np.all(np.isfinite(residual)):
             # A step so large that the flanks no longer meet: the search must take a shorter one.
-            return np.linspace(FAR, 2.0 * FAR, residual.size)
+            return np.linspace(MISSING_RESIDUAL, 2.0 * MISSING_RESIDUAL, residual.size)
         self.parameters, self.root_line = parameters, root_line
         return residual
 
@@ -164,7 +177,8 @@ def fit_pinion(
         The wanted ease-off on the gear flank (n) [mm] at fractions (n) lengthwise and up the profile, up to a rotation
         of the gear: an ``EaseOffTarget`` or any other function.
     free
-        Settings that may move, see ``free_settings``; ``FREE`` or, to follow the root, ``FREE_WITH_TILT`` if left out.
+        Settings that may move, see ``named_settings``; ``FREE_SETTINGS`` if left out, or
+        ``FREE_SETTINGS_WITH_TILT`` to follow the root.
     nodes
         Gear nodes of the fit, lengthwise and along the profile.
     follow_root
@@ -182,19 +196,30 @@ def fit_pinion(
         If a free setting has another name.
     GeometryError
         If the flanks do not meet on enough of the gear flank.
+
+    Examples
+    --------
+    More lengthwise crowning takes another cutter radius on another radial distance:
+
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> target = EaseOffTarget(lengthwise_crowning=0.04, profile_crowning=0.01)
+    >>> fit = fit_pinion(pair, target, nodes=(7, 5))
+    >>> bool(fit.rms < 0.001)  # [mm]
+    True
     """
-    names = free if free is not None else FREE_WITH_TILT if follow_root else FREE
+    names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    known = compute(gear, pinion.loaded, pinion.section, pair.assembly)
+    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
     fit = _Fit(pair, gear, wanted, names, known, root_line)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
     # A straight blade has no radius to differentiate by: begin a little curved, and differentiate by long steps, which
     # a flank that is nearly linear in its blade's curvature allows.
-    curved = np.array([name in CURVATURE for name in names])
+    curved = np.array([name in CURVATURE_STEPS for name in names])
     found = least_squares(
         fit,
         np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
@@ -210,7 +235,7 @@ def fit_pinion(
     moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
     left = 1e-3 * fit(found.x)[: fit.lever.size]
     # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
-    fresh = compute(gear, surface, pinion.section, pair.assembly)
+    fresh = exact_ease_off(gear, surface, pinion.section, pair.assembly)
     if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):
         raise GeometryError(
             "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "

@@ -1,4 +1,4 @@
-"""Corrective machine settings: the changes of settings that take a measured deviation back, and what they leave.
+"""Corrective machine settings: changes of settings that cancel a measured deviation, and the residual.
 
 The flank is known by its deviation from the one designed. Least squares find the settings that would have made the
 measured flank; the opposite of their changes corrects it. (Settings that make the opposite deviation would do to first
@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, scale_of, with_settings
-from ..design.synthesis import FREE
+from ..design.synthesis import FREE_SETTINGS
 from ..flanks.flank import solve_flank
 from ..newton import solve
 from ..pair.gear_pair import Member
@@ -27,9 +27,9 @@ from .deviation import Deviation
 Array = NDArray[Any]
 
 # Formate: no roll. The cradle angle and tilt would only stand in for others.
-FREE_FORMATE = ("point_radius", "pressure_angle", "radial_distance", "machine_root_angle", "sliding_base")
-RELUCTANCE = 1.0  # [um] at one node that a usual step of a setting counts: of settings that do the same, none runs away
-FAR = 1e6
+FREE_FORMATE_SETTINGS = ("point_radius", "pressure_angle", "radial_distance", "machine_root_angle", "sliding_base")
+STEP_WEIGHT = 1.0  # residual of a usual step of a setting [um]; it keeps apart settings that have the same effect
+MISSING_RESIDUAL = 1e6
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,23 @@ class Correction:
     Parameters
     ----------
     surface
-        The designed flank with the corrections added: what to set on the machine.
+        The designed flank with the corrections added, to be set on the machine.
     changes
         Change of each free setting: mm, rad or per radian.
     residual
-        What is left of the deviation (columns, rows) [mm], a rotation removed.
+        Rest of the deviation (columns, rows) [mm], a rotation removed.
     rms_before, rms
         Root mean square of deviation and residual, both with a rotation removed [mm].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(pressure_angle=5.0), (9, 5))
+    >>> correction = corrective_settings(pair.gear, deviation, free=["pressure_angle"])
+    >>> list(correction.changes), correction.residual.shape
+    (['pressure_angle'], (9, 5))
     """
 
     surface: GeneratingSurface
@@ -63,25 +73,35 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     member
         The member as designed.
     deviation
-        What was measured.
+        Measured deviation.
     free
-        Settings that may change, see ``free_settings``; usual ones of a generated or Formate member if left out.
+        Settings that may change, see ``named_settings``; usual ones of a generated or Formate member if left out.
 
     Raises
     ------
     InputError
         If a free setting has another name.
     GeometryError
-        If a measured point is none of the designed flank.
+        If a measured point lies off the designed flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0), (9, 5))
+    >>> correction = corrective_settings(pair.gear, deviation)
+    >>> correction.rms < 0.01 * correction.rms_before
+    True
     """
     surface = member.loaded.designed
-    names = tuple(free) if free is not None else FREE if surface.settings.generated else FREE_FORMATE
+    names = tuple(free) if free is not None else FREE_SETTINGS if surface.settings.generated else FREE_FORMATE_SETTINGS
     scales = np.array([scale_of(name) for name in names])
     start = np.array([get_setting(surface, name) for name in names])
     target = np.stack([deviation.axial.ravel(), deviation.radial.ravel()])
     flank = solve_flank(surface, member.section, *target)
     if not np.all(np.isfinite(flank.position)):
-        raise GeometryError("measured points lie where the designed flank does not exist: check the measuring grid")
+        raise GeometryError("measured points lie off the designed flank: check the measuring grid")
     azimuth = np.arctan2(flank.position[1], flank.position[0])
     lever = flank.position[0] * flank.normal[1] - flank.position[1] * flank.normal[0]
     profile = surface.on("profile")
@@ -91,17 +111,17 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
         return with_settings(profile, dict(zip(names, start + scales * steps, strict=True)))
 
     def left(steps: Array) -> Array:
-        """What is measured beyond the flank that these settings make (n) [mm], a rotation removed."""
+        """Measured deviation from the flank of these settings (n) [mm], a rotation removed."""
         changed = moved(steps)
         found = solve(changed.axial_and_radial, flank.parameters, target, changed.max_step)
         position, _, _ = changed.evaluate(found.parameters)
         turned = np.mod(np.arctan2(position[1], position[0]) - azimuth + np.pi, 2.0 * np.pi) - np.pi
         error = measured - turned * lever
         error = error - lever * float(lever @ error) / float(lever @ lever)
-        return np.where(found.converged, error, FAR)
+        return np.where(found.converged, error, MISSING_RESIDUAL)
 
     def residual(steps: Array) -> Array:
-        return np.concatenate([1e3 * left(steps), RELUCTANCE * steps])
+        return np.concatenate([1e3 * left(steps), STEP_WEIGHT * steps])
 
     found = least_squares(
         residual,

@@ -1,4 +1,4 @@
-"""The deviating flank itself: a surface that goes through every step of the geometry like the one that is cut.
+"""The deviated flank as a surface of its own, for every step of the geometry.
 
 A point of the designed flank moves along its normal by the deviation. The normal leans against the deviation's slope:
 with the tangents **r**_k, the deviation d and its derivatives d_k, the new normal is along **n** - **w**, where **w**
@@ -15,22 +15,23 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
+from ..newton import cramers_rule
 from ..pair.gear_pair import GearPair, Member
 from ..vectors import dot
 from .deviation import Deviation
 
 Array = NDArray[Any]
-STEP = 1e-5  # relative; of a central difference in what is of the deviation's own size: an error of 1e-10 of it
+RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a relative error of 1e-10
 
 
 @dataclass(frozen=True)
-class DeviatedSurface(GeneratingSurface):
-    """A generated flank that departs from its design.
+class DeviatedFlank(GeneratingSurface):
+    """A generated flank with its deviation from the design.
 
     Parameters
     ----------
     deviation
-        By how much; ``None`` for none.
+        Deviation; ``None`` for the designed flank.
     """
 
     deviation: Deviation | None = None
@@ -42,16 +43,16 @@ class DeviatedSurface(GeneratingSurface):
 
     @np.errstate(all="ignore")
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
-        """As ``GeneratingSurface.evaluate``; the place on the blade is that of the designed flank."""
-        position, normal, place = super().evaluate(parameters)
+        """As ``GeneratingSurface.evaluate``; the blade coordinate is that of the designed flank."""
+        position, normal, coordinate = super().evaluate(parameters)
         if self.deviation is None:
-            return position, normal, place
+            return position, normal, coordinate
         deviation, slope = self.deviation.interpolant(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
         tangents, stretched, climbs = [], [], []
-        for index, step in enumerate(STEP * self.max_step):
+        for index, step in enumerate(RELATIVE_STEP * self.max_step):
             shift = np.zeros_like(parameters)
             shift[index] = step
-            ahead, behind = (super(DeviatedSurface, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
+            ahead, behind = (super(DeviatedFlank, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
             tangent, turned = ((a - b) / (2.0 * step) for a, b in zip(ahead[:2], behind[:2], strict=True))
             radial = (position[0] * tangent[0] + position[1] * tangent[1]) / np.sqrt(
                 position[0] ** 2 + position[1] ** 2
@@ -59,16 +60,14 @@ class DeviatedSurface(GeneratingSurface):
             tangents.append(tangent)
             stretched.append(tangent + deviation * turned)
             climbs.append(slope[0] * tangent[2] + slope[1] * radial)
-        a, b = (dot(tangents[0], stretched[k]) for k in (0, 1))
-        c, d = (dot(tangents[1], stretched[k]) for k in (0, 1))
-        determinant = a * d - b * c
-        lean = (climbs[0] * d - climbs[1] * c) / determinant * tangents[0]
-        lean = lean + (climbs[1] * a - climbs[0] * b) / determinant * tangents[1]
-        return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), place
+        own, mixed = ([dot(tangent, other) for other in stretched] for tangent in tangents)
+        first, second = cramers_rule(own, mixed, climbs)
+        lean = first * tangents[0] + second * tangents[1]
+        return position + deviation * normal, (normal - lean) / np.sqrt(1.0 + dot(lean, lean)), coordinate
 
 
 def deviated_member(member: Member, deviation: Deviation | None) -> Member:
-    """The member with its loaded flank deviating.
+    """The member with a deviated loaded flank.
 
     Raises
     ------
@@ -78,15 +77,26 @@ def deviated_member(member: Member, deviation: Deviation | None) -> Member:
     if deviation is None:
         return member
     if deviation.section != member.section:
-        raise InputError("the deviation was made for another blank: make it with the section of this member")
+        raise InputError("deviation: must have the section of this member; it was made for another blank")
     surface = member.loaded.designed
     own = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
-    return replace(member, loaded=DeviatedSurface(**own, deviation=deviation))
+    return replace(member, loaded=DeviatedFlank(**own, deviation=deviation))
 
 
 def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:
-    """The pair with deviating flanks: all of the geometry, and what follows it, is that of the flanks themselves.
+    """The pair with deviated flanks, for geometry and contact of the deviated surfaces themselves.
 
     Raises as ``deviated_member``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, ease_off
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(lengthwise_crowning=10.0))
+    >>> crowned = ease_off(deviated_pair(pair, gear=deviation), (7, 5))["ease_off"].sel(profile=0.5)
+    >>> added = crowned - ease_off(pair, (7, 5))["ease_off"].sel(profile=0.5)
+    >>> bool(added.sel(lengthwise=0.0) > 1.0)  # the gap at the toe grows [um]
+    True
     """
     return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))

@@ -1,4 +1,4 @@
-"""What a flank as made or as worn departs from the one designed: a field on the flank of one member.
+"""Deviation of a made or worn flank from the designed one: a field on the flank of one member.
 
 A deviation is measured along the outward normal of the designed flank and is **positive where there is more metal**.
 """
@@ -21,21 +21,21 @@ from .interpolation import GridSpline, Interpolant, WeightedAverage, smoothed
 
 Array = NDArray[Any]
 Method = Literal["spline", "smooth", "weighted_average"]
-LARGEST = 2.0  # [mm]; what departs further is another flank
-SAMPLES = (49, 25)  # nodes at which a formula is taken, lengthwise and up the profile
-ON_GRID = 1e-9
+DEVIATION_LIMIT = 2.0  # [mm]; what departs further is another flank
+FORMULA_NODES = (49, 25)  # nodes at which a formula is taken, lengthwise and up the profile
+FRACTION_TOLERANCE = 1e-9
 
 
 def require_method(name: str) -> None:
-    """Refuse an interpolation between nodes that there is none of.
+    """Refuse an unknown method of interpolation.
 
     Raises
     ------
     InputError
-        The message lists those there are.
+        If the name is unknown; the message lists the methods.
     """
     if name not in get_args(Method):
-        raise InputError(f"interpolation {name!r}: allowed are {', '.join(get_args(Method))}")
+        raise InputError(f"interpolation = {name!r}: must be one of {', '.join(get_args(Method))}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,17 @@ class Deviation:
     Raises
     ------
     InputError
-        If the arrays do not fit together, a value is no number or larger than any deviation, or the method is unknown.
+        If the shapes differ, a value is not finite or larger than 2 mm, or the method is unknown.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> section = pair.gear.section
+    >>> axial, radial = section.points(*np.meshgrid([0.1, 0.5, 0.9], [0.2, 0.8], indexing="ij"))
+    >>> measured = Deviation(section, axial, radial, np.array([[0.004, 0.002], [0.0, 0.0], [0.002, 0.004]]))
+    >>> round(1e3 * float(measured.at(np.array([0.1]), np.array([0.2]))[0]), 6)  # [um]
+    4.0
     """
 
     section: BlankSection
@@ -72,31 +82,31 @@ class Deviation:
         shapes = {name: np.shape(getattr(self, name)) for name in ("axial", "radial", "value")}
         if len(set(shapes.values())) != 1 or np.ndim(self.value) != 2 or min(np.shape(self.value)) < 2:
             given = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-            raise InputError(f"deviation: shapes {given}; expected one shape (columns, rows), at least 2 each")
+            raise InputError(f"shapes = {given}: must be one shape (columns, rows), at least 2 each")
         for name in shapes:
             bad = np.argwhere(~np.isfinite(getattr(self, name)))
             if bad.size:
                 column, row = bad[0] + 1
                 raise InputError(
-                    f"deviation: {len(bad)} of {np.size(self.value)} values of {name} are no finite numbers, the first "
-                    f"in row {row}, column {column}: measure these points again, or leave their rows or columns out"
+                    f"{name}: {len(bad)} of {np.size(self.value)} values are not finite, the first in row {row}, "
+                    f"column {column}; measure these points again, or leave their rows or columns out"
                 )
         largest = float(np.max(np.abs(self.value)))
-        if largest > LARGEST:
+        if largest > DEVIATION_LIMIT:
             raise InputError(
-                f"deviation: the largest is {largest:g} mm; up to {LARGEST:g} mm are allowed. Are the values in um?"
+                f"largest deviation = {largest:g} mm: must be at most {DEVIATION_LIMIT:g} mm. Are the values in um?"
             )
 
     @cached_property
     def interpolant(self) -> Interpolant:
-        """The deviation as a function of axial and radial coordinate [mm], see ``deviation_interpolation``."""
+        """The deviation as a function of axial and radial coordinate [mm], see ``Interpolant``."""
         if self.method == "weighted_average":
             return WeightedAverage(self.axial.ravel(), self.radial.ravel(), self.value.ravel())
         return self._spline
 
     @property
     def scatter(self) -> float:
-        """Root mean square of what the nodes depart from the smooth surface [mm]: noise, waves and local wear."""
+        """Root mean square distance of the nodes from the smooth surface [mm]: noise, waves and local wear."""
         return float(np.sqrt(np.mean((self.value - smoothed(self.value)) ** 2)))
 
     @cached_property
@@ -111,8 +121,9 @@ class Deviation:
     def extrapolated(self, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
         """Whether fractions (...) of the flank lie beyond the outermost nodes (...)."""
         shape = np.broadcast_shapes(np.shape(lengthwise), np.shape(profile))
-        place = self._spline.locate(*self.section.points(lengthwise, profile).reshape(2, -1))
-        return np.asarray(np.any((place < -ON_GRID) | (place > 1.0 + ON_GRID), axis=0)).reshape(shape)
+        point = self._spline.locate(*self.section.points(lengthwise, profile).reshape(2, -1))
+        beyond = (point < -FRACTION_TOLERANCE) | (point > 1.0 + FRACTION_TOLERANCE)
+        return np.asarray(np.any(beyond, axis=0)).reshape(shape)
 
     def on_grid(self, lengthwise: Array, profile: Array) -> xr.Dataset:
         """The deviation on a grid of the flank.
@@ -133,10 +144,9 @@ class Deviation:
             If a fraction lies beyond the flank: nothing is known of it there.
         """
         for name, values in (("lengthwise", lengthwise), ("profile", profile)):
-            if np.min(values) < -ON_GRID or np.max(values) > 1.0 + ON_GRID:
+            if np.min(values) < -FRACTION_TOLERANCE or np.max(values) > 1.0 + FRACTION_TOLERANCE:
                 raise InputError(
-                    f"{name} = {np.min(values):g} to {np.max(values):g}: a deviation reaches to the edges of the flank "
-                    "(0 and 1), not beyond"
+                    f"{name} = {np.min(values):g} to {np.max(values):g}: must be fractions of the flank, from 0 to 1"
                 )
         t, h = np.meshgrid(lengthwise, profile, indexing="ij")
         grid = ("lengthwise", "profile")
@@ -152,9 +162,9 @@ class Deviation:
 
 
 def deviation_from_formula(
-    section: BlankSection, formula: Callable[[Array, Array], Array], nodes: tuple[int, int] = SAMPLES
+    section: BlankSection, formula: Callable[[Array, Array], Array], nodes: tuple[int, int] = FORMULA_NODES
 ) -> Deviation:
-    """A deviation given by a formula, such as ``flank_errors.FlankErrors``.
+    """A deviation given by a formula, such as ``GlobalErrors``.
 
     Parameters
     ----------
@@ -163,12 +173,22 @@ def deviation_from_formula(
     formula
         Deviation (...) [um] of fractions (...) lengthwise and up the profile, positive where there is more metal.
     nodes
-        At how many places it is taken, evenly spread; a polynomial up to the third order is kept exactly.
+        Number of nodes lengthwise and up the profile, evenly spread; a polynomial up to the third order is kept
+        exactly.
 
     Raises
     ------
     InputError
         As ``Deviation``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> round(1e3 * float(deviation.at(np.array([1.0]), np.array([0.5]))[0]), 6)  # at the heel [um]
+    5.0
     """
     t, h = np.meshgrid(np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1]), indexing="ij")
     axial, radial = section.points(t, h)
@@ -191,17 +211,29 @@ def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: M
     ------
     InputError
         If the variable or a coordinate is missing or of another kind; and as ``Deviation``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(twist=3.0))
+    >>> stored = deviation.on_grid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5))
+    >>> again = deviation_from_dataset(pair.gear.section, stored)
+    >>> again.value.shape
+    (5, 5)
     """
     grid = ("lengthwise", "profile")
     if "deviation" not in dataset or set(dataset["deviation"].dims) != set(grid):
-        raise InputError(f"the dataset has no variable 'deviation' over ({', '.join(grid)})")
+        raise InputError(f"dataset: must have a variable 'deviation' over ({', '.join(grid)})")
     unit = dataset["deviation"].attrs.get("units", "um")
     if unit != "um":
-        raise InputError(f"'deviation' is in {unit!r}: give it in um")
+        raise InputError(f"units of 'deviation' = {unit!r}: must be um")
     for name in grid:
         values = dataset[name].values if name in dataset.coords else np.zeros(0)
-        if values.size < 2 or np.any(np.diff(values) <= 0.0) or values[0] < -ON_GRID or values[-1] > 1.0 + ON_GRID:
-            raise InputError(f"the coordinate {name!r} of the dataset must increase within 0 and 1")
+        within = np.all(np.abs(values - 0.5) <= 0.5 + FRACTION_TOLERANCE)
+        if values.size < 2 or np.any(np.diff(values) <= 0.0) or not within:
+            raise InputError(f"coordinate {name!r} of the dataset: must increase, within 0 and 1")
     t, h = np.meshgrid(dataset["lengthwise"].values, dataset["profile"].values, indexing="ij")
     axial, radial = section.points(t, h)
     return Deviation(section, axial, radial, 1e-3 * dataset["deviation"].transpose(*grid).values, method)

@@ -1,34 +1,32 @@
-"""The ease-off of deviating flanks without new flanks: the update of the dissertation, in its correct form.
+"""The ease-off of deviated flanks as an update of the designed one (Kolivand 2009, chapter 4, Eq. 4.5a corrected).
 
-A deviation d along the normal moves the place where the flank meets a circle about the member's axis by the angle
+A deviation d along the normal moves the point where the flank meets a circle about the member's axis by the angle
 d / ((a x r) . n), the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead,
 with u the circumferential direction and L the distance from the axis, which is low by (u . n)^2. With the condition
 of conjugate contact, R (a_p x r) . n = (a_g x r) . n, the normal gap changes by just the sum of both deviations.
 
-The roll angle of a place on the gear is where its gap is smallest. At a fixed place of the gear the gap of the designed
-flanks is a + (1/2) c (q - Q)^2. What the pinion shows to that place moves on with q, so its deviation takes off
+The roll angle of a point of the gear is where its gap is smallest. At a fixed point of the gear the gap of the designed
+flanks is a + (1/2) c (q - Q)^2. What the pinion shows to that point moves on with q, so its deviation takes off
 D(q) = d / lever, and the smallest gap moves to Q + D'(Q) / c. Kolivand 2009, Eq. 4.6 has the change d / ((a_p x r) . n)
 instead: right for a flank turned as a whole, but without the slope of the deviation, which is the larger part.
 """
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
-from ...core.errors import InputError
 from ..pair.datasets import first_contact
-from ..pair.ease_off import compute
+from ..pair.ease_off import exact_ease_off
 from ..pair.gear_pair import GearPair
 from ..pair.rolling import drift
 from .deviation import Deviation
 
 Array = NDArray[Any]
-Form = Literal["correct", "printed"]
 GRID = ("lengthwise", "profile")
 
 
@@ -38,13 +36,12 @@ def deviated_ease_off(
     *,
     pinion: Deviation | None = None,
     gear: Deviation | None = None,
-    form: Form = "correct",
 ) -> xr.Dataset:
-    """Ease-off and surface of roll angle of a pair whose flanks deviate (Kolivand 2009, Eq. 4.3 to 4.10).
+    """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 
     Good to the first order, but for one part: the pinion's deviation goes over the lever arm of the gear's normal,
     which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
-    see ``deviated_surface``.
+    see ``deviated_flank``.
 
     Parameters
     ----------
@@ -54,33 +51,34 @@ def deviated_ease_off(
         The ease-off of its designed flanks, from ``pair_geometry``.
     pinion, gear
         Deviations of the members' flanks. The pinion's is taken at the point conjugate to the gear's node.
-    form
-        ``correct``, or ``printed`` for Eq. 4.5a as it stands in the dissertation.
 
     Returns
     -------
     xr.Dataset
-        The same variables, of the deviating flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
+        The same variables, of the deviated flanks; also ``pinion_deviation``, ``gear_deviation`` and their sum's
         effect ``ease_off_change`` [um], and ``extrapolated``, 1 where a deviation is taken beyond its outermost nodes.
 
-    Raises
-    ------
-    InputError
-        If the form is unknown.
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, ease_off
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> updated = deviated_ease_off(pair, ease_off(pair, (7, 5)), gear=deviation)
+    >>> [round(float(v), 3) for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel closes the gap
+    [5.0, 3.333, 1.667, 0.0, -1.667, -3.333, -5.0]
     """
-    if form not in get_args(Form):
-        raise InputError(f"form = {form!r}: allowed are {', '.join(get_args(Form))}")
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
-    lever, ratio = fields["lever_arm"], pair.assembly.ratio
+    lever = fields["lever_arm"]
     t, h = np.meshgrid(ease_off["lengthwise"].values, ease_off["profile"].values, indexing="ij")
     pinion_t, pinion_h = (ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID)
     on_gear, beyond_gear = _sampled(gear, t, h)
     on_pinion, beyond_pinion = _sampled(pinion, pinion_t, pinion_h)
-    by_gear, by_pinion = _turns(form, pair, lever, (t, h), (pinion_t, pinion_h))
     roll = fields["roll_angle"]
     if pinion is not None:
-        later = _later(pair, pinion, t, h) if form == "correct" else -on_pinion * by_pinion
-        roll = roll + later
+        roll = roll + _later(pair, pinion, t, h)
+    ratio = pair.assembly.ratio
+    by_gear, by_pinion = 1.0 / lever, ratio / lever  # rotation of a member per deviation of its flank [rad/mm]
     change = -(on_pinion * by_pinion / ratio + on_gear * by_gear)
     angle = fields["ease_off_angle"] + change
     inside = ease_off["inside"].transpose(*GRID).values.astype(bool)
@@ -95,7 +93,7 @@ def deviated_ease_off(
             gear_deviation=(GRID, 1e3 * on_gear),
             ease_off_change=(GRID, 1e3 * change * lever),
             extrapolated=(GRID, (beyond_pinion | beyond_gear).astype(np.int8)),
-        ).assign_attrs(first_contact_rad=ease_off.attrs["first_contact_rad"] + shift, deviation_form=form)
+        ).assign_attrs(first_contact_rad=ease_off.attrs["first_contact_rad"] + shift)
     )
 
 
@@ -106,21 +104,10 @@ def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> 
     return deviation.at(lengthwise, profile), deviation.extrapolated(lengthwise, profile)
 
 
-def _turns(
-    form: Form, pair: GearPair, lever: Array, on_gear: tuple[Array, Array], on_pinion: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Rotation of gear and pinion per deviation of their flank (nt, nh) [rad/mm], at fractions of both flanks."""
-    ratio = pair.assembly.ratio
-    if form == "correct":
-        return 1.0 / lever, ratio / lever
-    distance, pinion_distance = (m.section.points(*p)[1] for m, p in ((pair.gear, on_gear), (pair.pinion, on_pinion)))
-    return lever / distance**2, lever / ratio / pinion_distance**2
-
-
 def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
-    """How much later places (nt, nh) of the gear meet the pinion for its deviation [rad]."""
+    """Change of the roll angle of points (nt, nh) of the gear by the pinion's deviation [rad]."""
     gear = pair.gear.flank(lengthwise[:, 0], profile[0])
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     position, lever, moving = surface.pinion_position, surface.lever_arm, drift(surface)
     value, slope = deviation.interpolant(position[2], np.hypot(position[0], position[1]))
     rate = (slope[0] * moving.axial + slope[1] * moving.radial) / lever - value * moving.lever_arm / lever**2

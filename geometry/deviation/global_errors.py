@@ -1,4 +1,4 @@
-"""Global errors of a flank by the names engineers give them, as a formula and fitted to a measured grid."""
+"""Global errors of a flank by their usual names, as a formula and fitted to a measured grid."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..pair.gear_pair import Member
 from .deviation import Deviation
 
 Array = NDArray[Any]
-HALF = 0.01  # fraction of the flank over which its tangents are taken
+TANGENT_HALF_WIDTH = 0.01  # fraction of the flank over which its tangents are taken
 
 
 @dataclass(frozen=True)
-class FlankErrors:
+class GlobalErrors:
     """A surface of second order over the whole flank, every coefficient in um of metal along the normal.
 
     With t and h from -1 to 1 from toe to heel and from root to tip the deviation is ``level + spiral_angle t +
@@ -28,17 +28,23 @@ class FlankErrors:
     Parameters
     ----------
     spiral_angle
-        Half of what the heel has more than the toe, at mid height.
+        Half the difference between heel and toe, at mid height.
     pressure_angle
-        Half of what the tip has more than the root, at mid face.
+        Half the difference between tip and root, at mid face.
     lengthwise_crowning
-        What toe and heel have less than the middle.
+        Relief of toe and heel against the middle.
     profile_crowning
-        What root and tip have less than the middle.
+        Relief of root and tip against the middle.
     twist
-        What toe-root and heel-tip have more, and toe-tip and heel-root less, than without it.
+        Metal added at toe-root and heel-tip, and removed at toe-tip and heel-root.
     level
-        In the middle; hardly more than a matter of how the tooth was turned for measuring.
+        Value in the middle; it depends on how the tooth was turned for measuring.
+
+    Examples
+    --------
+    >>> errors = GlobalErrors(lengthwise_crowning=10.0)
+    >>> [float(v) for v in errors(np.array([0.0, 0.5, 1.0]), np.full(3, 0.5))]  # toe, middle, heel [um]
+    [-10.0, 0.0, -10.0]
     """
 
     spiral_angle: float = 0.0
@@ -54,13 +60,13 @@ class FlankErrors:
 
 
 def _terms(lengthwise: Array, profile: Array) -> Array:
-    """What multiplies each error (..., 6), in the order of the fields."""
+    """Factors of the errors (..., 6), in the order of the fields."""
     t, h = np.broadcast_arrays(2.0 * lengthwise - 1.0, 2.0 * profile - 1.0)
     return np.stack([t, h, -(t**2), -(h**2), t * h, np.ones_like(t)], axis=-1)
 
 
 @dataclass(frozen=True)
-class FlankErrorFit:
+class GlobalErrorFit:
     """Global errors of a measured flank.
 
     Parameters
@@ -68,43 +74,52 @@ class FlankErrorFit:
     errors
         The errors.
     residual
-        What they leave at the nodes (columns, rows) [um].
+        Rest at the nodes (columns, rows) [um].
     rms_before, rms
-        Root mean square of the deviation, its mean removed, and of what is left [um].
+        Root mean square of the deviation, its mean removed, and of the rest [um].
     """
 
-    errors: FlankErrors
+    errors: GlobalErrors
     residual: Array
     rms_before: float
     rms: float
 
 
-def fit_flank_errors(deviation: Deviation) -> FlankErrorFit:
+def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     """Global errors of a deviation, by least squares on its nodes.
 
     Raises
     ------
     InputError
-        If there are fewer than three rows or columns, which know no crowning.
+        If there are fewer than three rows or columns.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> from easeoff.geometry import deviation_from_formula
+    >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
+    >>> round(fit_global_errors(deviation).errors.spiral_angle, 9)
+    5.0
     """
     if min(deviation.value.shape) < 3:
         columns, rows = deviation.value.shape
-        raise InputError(f"{rows} rows x {columns} columns: global errors take at least 3 of each")
+        raise InputError(f"grid = {rows} rows x {columns} columns: must have at least 3 of each for global errors")
     fractions = deviation.section.fractions(deviation.axial, deviation.radial)
     terms = _terms(*fractions)
     value = 1e3 * deviation.value
     found, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
     residual = value - terms @ found
-    return FlankErrorFit(
-        FlankErrors(*(float(v) for v in found)),
+    return GlobalErrorFit(
+        GlobalErrors(*(float(v) for v in found)),
         residual,
         float(np.std(value)),
         float(np.sqrt(np.mean(residual**2))),
     )
 
 
-def angle_errors(errors: FlankErrors, member: Member) -> tuple[float, float]:
-    """Changes of spiral angle and pressure angle in the middle of the flank [rad] that stand for these errors.
+def angle_errors(errors: GlobalErrors, member: Member) -> tuple[float, float]:
+    """Changes of spiral angle and pressure angle in the middle of the flank [rad] equivalent to global errors.
 
     From the normal of the flank, which leans against the slope of the deviation; rows and columns of a measuring grid
     are not at right angles on the flank, so that either error changes both angles.
@@ -117,10 +132,10 @@ def angle_errors(errors: FlankErrors, member: Member) -> tuple[float, float]:
         The member, seen from the flank with the errors.
     """
     surface, section = member.loaded.designed, member.section
-    t, h = 0.5 + HALF * np.array([0, -1, 1, 0, 0]), 0.5 + HALF * np.array([0, 0, 0, -1, 1])
+    t, h = 0.5 + TANGENT_HALF_WIDTH * np.array([0, -1, 1, 0, 0]), 0.5 + TANGENT_HALF_WIDTH * np.array([0, 0, 0, -1, 1])
     flank = solve_flank(surface, section, *section.points(t, h))
     position, normal = flank.position, flank.normal[:, 0]
-    tangents = np.stack([position[:, 2] - position[:, 1], position[:, 4] - position[:, 3]]) / (2.0 * HALF)
+    tangents = np.stack([position[:, 2] - position[:, 1], position[:, 4] - position[:, 3]]) / (2.0 * TANGENT_HALF_WIDTH)
     slopes = 2e-3 * np.array([errors.spiral_angle, errors.pressure_angle])  # t and h run over twice their fractions
     leaning = normal - np.linalg.solve(np.stack([*tangents, normal]), [*slopes, 0.0])
     angles = [

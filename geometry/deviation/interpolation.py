@@ -1,4 +1,4 @@
-"""Deviations between the nodes of a measuring grid: a spline through the nodes, or smoothed ones, and an average.
+"""Deviations between the nodes of a measuring grid: a spline, a smoothed spline, and a weighted average.
 
 Both are functions of the axial and radial coordinate of a flank point, analytic in the sense that they can be
 differentiated by complex step. No coordinates of the flank itself are interpolated, its deviations alone.
@@ -14,17 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import NdBSpline, make_interp_spline
 
+from ..newton import cramers_rule, determinant
+
 Array = NDArray[Any]
-DEGREE = 3
-# Of the grid's size, over which these cease to change, smoothly:
+SPLINE_DEGREE = 3
+# Lengths over which the parts of the spline fade to constants, as shares of the grid's size:
 TREND_FADING = 0.25  # the surface of second order, beyond the edge of the flank
 REST_FADING = 0.02  # what the nodes have besides, beyond the grid
-SMALLEST = 1e-12  # [mm^2]; added to squared distances, so that a node is no division by zero
-LOCATING_STEPS = 30
+SQUARED_DISTANCE_OFFSET = 1e-12  # [mm^2]; added to squared distances, so that a node is no division by zero
+LOCATING_STEP_LIMIT = 30
 
 
 class Interpolant(Protocol):
-    """A deviation as a function of the place on the flank."""
+    """A deviation as a function of axial and radial coordinate."""
 
     def __call__(self, axial: Array, radial: Array) -> tuple[Array, Array]:
         """Deviation (...) [mm] and its slope by the axial and the radial coordinate (2, ...) [1]."""
@@ -54,11 +56,11 @@ class WeightedAverage:
     def __call__(self, axial: Array, radial: Array) -> tuple[Array, Array]:
         """See ``Interpolant``."""
         shift = np.stack([axial[..., None] - self.axial, radial[..., None] - self.radial])
-        weight = 1.0 / (shift[0] ** 2 + shift[1] ** 2 + SMALLEST)
+        weight = 1.0 / (shift[0] ** 2 + shift[1] ** 2 + SQUARED_DISTANCE_OFFSET)
         total = weight.sum(axis=-1)
         value = (weight * self.value).sum(axis=-1) / total
-        by_place = -2.0 * shift * weight**2
-        return value, (by_place * (self.value - value[..., None])).sum(axis=-1) / total
+        by_point = -2.0 * shift * weight**2
+        return value, (by_point * (self.value - value[..., None])).sum(axis=-1) / total
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,9 +99,9 @@ class GridSpline:
         knots, degrees, coefficients = [], [], nodes
         for axis in (0, 1):
             steps = np.linalg.norm(np.diff(nodes[..., :2], axis=axis), axis=-1).mean(axis=1 - axis)
-            place = np.concatenate([[0.0], np.cumsum(steps)]) / np.sum(steps)
-            degree = min(DEGREE, place.size - 1)
-            one_way = make_interp_spline(place, coefficients, k=degree, axis=axis)
+            point = np.concatenate([[0.0], np.cumsum(steps)]) / np.sum(steps)
+            degree = min(SPLINE_DEGREE, point.size - 1)
+            one_way = make_interp_spline(point, coefficients, k=degree, axis=axis)
             # The spline puts the direction it went through first.
             coefficients = np.moveaxis(one_way.c, 0, axis)
             knots.append(one_way.t)
@@ -112,15 +114,15 @@ class GridSpline:
         corners = self.locate(*self.edge)
         return np.stack([np.minimum(corners.min(axis=1), 0.0), np.maximum(corners.max(axis=1), 1.0)], axis=1)
 
-    def _derivatives(self, place: Array, order: int) -> Array:
+    def _derivatives(self, point: Array, order: int) -> Array:
         """Values and derivatives (order + 1, order + 1, 4, n) of the components by both grid coordinates (2, n).
 
         Beyond the grid, the polynomials of that order from its edge.
         """
-        inside = np.clip(place, 0.0, 1.0)
-        beyond = place - inside
+        inside = np.clip(point, 0.0, 1.0)
+        beyond = point - inside
         degrees = [int(degree) for degree in np.asarray(self._spline.k)]
-        table = np.zeros((order + 1, order + 1, 4, place.shape[1]))
+        table = np.zeros((order + 1, order + 1, 4, point.shape[1]))
         for a in range(min(order, degrees[0]) + 1):
             for b in range(min(order, degrees[1]) + 1):
                 table[a, b] = self._spline(inside.T, nu=(a, b)).T
@@ -138,44 +140,43 @@ class GridSpline:
         target = np.stack([axial, radial])
         corners = self._derivatives(np.array([[0.5, 0.5], [0.5, 0.5]]), 1)[..., 0]
         jacobian = np.stack([corners[1, 0, :2], corners[0, 1, :2]], axis=1)
-        place = 0.5 + np.linalg.solve(jacobian, target - corners[0, 0, :2, None])
-        for _ in range(LOCATING_STEPS):
-            here = self._derivatives(place, 1)
-            step = _solved(here[1, 0, :2], here[0, 1, :2], target - here[0, 0, :2])
-            place = place + step / np.maximum(1.0, np.abs(step) / 0.5)
+        point = 0.5 + np.linalg.solve(jacobian, target - corners[0, 0, :2, None])
+        for _ in range(LOCATING_STEP_LIMIT):
+            here = self._derivatives(point, 1)
+            step = cramers_rule(here[1, 0, :2], here[0, 1, :2], target - here[0, 0, :2])
+            point = point + step / np.maximum(1.0, np.abs(step) / 0.5)
             if np.max(np.abs(np.nan_to_num(step)), initial=0.0) < 1e-12:
                 break
-        return np.asarray(place)
+        return np.asarray(point)
 
     def __call__(self, axial: Array, radial: Array) -> tuple[Array, Array]:
         """See ``Interpolant``."""
         shape = np.shape(axial)
         target = np.stack([np.ravel(axial), np.ravel(radial)])
-        place = self.locate(*target.real)
-        chart = self._derivatives(place, 1)
+        point = self.locate(*target.real)
+        chart = self._derivatives(point, 1)
         along, up = chart[1, 0, :2], chart[0, 1, :2]
         # A last Newton step in the given numbers carries an imaginary part over to the grid coordinates.
-        shift = _solved(along, up, target - chart[0, 0, :2])
+        shift = cramers_rule(along, up, target - chart[0, 0, :2])
         grid = np.array([[0.0, 1.0], [0.0, 1.0]])
-        value = self._settled(place, 2, self._bounds, TREND_FADING) + self._settled(place, 3, grid, REST_FADING)
+        value = self._settled(point, 2, self._bounds, TREND_FADING) + self._settled(point, 3, grid, REST_FADING)
         deviation = value[0, 0] + shift[0] * value[1, 0] + shift[1] * value[0, 1]
         slope = np.stack([value[1, 0], value[0, 1]]) + shift[0] * np.stack([value[2, 0], value[1, 1]])
         slope = slope + shift[1] * np.stack([value[1, 1], value[0, 2]])
         if np.iscomplexobj(target):
-            bend = self._derivatives(place, 2)[:, :, :2]
+            bend = self._derivatives(point, 2)[:, :, :2]
             along = along + shift[0] * bend[2, 0] + shift[1] * bend[1, 1]
             up = up + shift[0] * bend[1, 1] + shift[1] * bend[0, 2]
-        determinant = along[0] * up[1] - along[1] * up[0]
-        by_axial = (slope[0] * up[1] - slope[1] * along[1]) / determinant
-        by_radial = (slope[1] * along[0] - slope[0] * up[0]) / determinant
-        return deviation.reshape(shape), np.stack([by_axial, by_radial]).reshape(2, *shape)
+        by_axial, by_radial = determinant(slope, (along[1], up[1])), -determinant(slope, (along[0], up[0]))
+        gradient = np.stack([by_axial, by_radial]) / determinant(along, up)
+        return deviation.reshape(shape), gradient.reshape(2, *shape)
 
-    def _settled(self, place: Array, component: int, bounds: Array, fading: float) -> Array:
+    def _settled(self, point: Array, component: int, bounds: Array, fading: float) -> Array:
         """A component and its derivatives (3, 3, n) by grid coordinates (2, n), settling beyond bounds (2, 2)."""
-        held, first, second = place.copy(), np.ones_like(place), np.zeros_like(place)
+        held, first, second = point.copy(), np.ones_like(point), np.zeros_like(point)
         for axis, (lower, upper) in enumerate(bounds):
             for bound, sign in ((lower, -1.0), (upper, 1.0)):
-                beyond = np.maximum(sign * (place[axis] - bound), 0.0) / fading
+                beyond = np.maximum(sign * (point[axis] - bound), 0.0) / fading
                 settled, out = np.tanh(beyond), beyond > 0.0
                 held[axis, out] = bound + sign * fading * settled[out]
                 first[axis, out] = 1.0 - settled[out] ** 2
@@ -194,16 +195,8 @@ def smoothed(value: Array) -> Array:
     Waves and scatter go, what a global error is stays: surfaces of third order are kept exactly.
     """
     along, up = (np.linspace(-1.0, 1.0, n) for n in value.shape)
-    orders = [
-        (i, j) for i in range(min(DEGREE, along.size - 1) + 1) for j in range(min(DEGREE - i, up.size - 1) + 1)
-    ]  # fmt: skip
+    largest = [min(SPLINE_DEGREE, n - 1) for n in value.shape]
+    orders = [(i, j) for i in range(largest[0] + 1) for j in range(min(SPLINE_DEGREE - i, largest[1]) + 1)]
     terms = np.stack([np.multiply.outer(along**i, up**j).ravel() for i, j in orders], axis=-1)
     found, *_ = np.linalg.lstsq(terms, value.ravel(), rcond=None)
     return np.asarray((terms @ found).reshape(value.shape))
-
-
-def _solved(first: Array, second: Array, right: Array) -> Array:
-    """Solution (2, n) of first x + second y = right, columns (2, n)."""
-    determinant = first[0] * second[1] - first[1] * second[0]
-    found = np.stack([right[0] * second[1] - right[1] * second[0], first[0] * right[1] - first[1] * right[0]])
-    return np.asarray(found / determinant)

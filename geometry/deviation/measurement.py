@@ -1,4 +1,4 @@
-"""What a coordinate measuring machine finds on a flank: its distance from nominal points along their normals."""
+"""Simulated measurement of a flank: its distances from nominal points along their normals."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..newton import complex_steps, solve
 from .deviation import Deviation
 
 Array = NDArray[Any]
-STEPS = 20
+NEWTON_STEP_LIMIT = 20
 
 
 def distance_along_normals(surface: GeneratingSurface, section: BlankSection, position: Array, normal: Array) -> Array:
-    """Where the normals of nominal points meet a flank.
+    """Distances of a flank from nominal points, along their normals.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
     start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
     near = solve(surface.axial_and_radial, start, target, surface.max_step)
     unknowns = np.concatenate([near.parameters, np.zeros((1, position.shape[1]))])
-    for _ in range(STEPS):
+    for _ in range(NEWTON_STEP_LIMIT):
         found, slopes = complex_steps(lambda p: surface.evaluate(p)[0], unknowns[:2])
         jacobian = np.concatenate([slopes, -normal[None]]).transpose(2, 1, 0)
         error = found - position - unknowns[2] * normal
@@ -61,7 +61,7 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
 
 
 def zeroed(deviation: Deviation, surface: GeneratingSurface) -> Deviation:
-    """The deviation of a tooth turned about its axis until it has none in the middle of the flank.
+    """The deviation with the tooth turned about its axis so that the middle of the flank has none.
 
     That is how bevel gears are measured: the machine turns them to the reference point. A constant would not do: the
     lever arm, and with it what a rotation moves, changes along the flank.
@@ -69,7 +69,7 @@ def zeroed(deviation: Deviation, surface: GeneratingSurface) -> Deviation:
     Parameters
     ----------
     deviation
-        What was measured in any position of the tooth.
+        Deviation measured in any position of the tooth.
     surface
         The designed flank.
     """

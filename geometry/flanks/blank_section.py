@@ -42,6 +42,15 @@ class BlankSection:
     ------
     GeometryError
         If the four lines do not enclose a flank.
+
+    Examples
+    --------
+    >>> section = BlankSection(
+    ...     pitch_angle=0.32, face_angle=0.36, root_angle=0.29, outer_cone_distance=100.0, face_width=30.0
+    ... )
+    >>> axial, radial = section.points(np.array([0.0, 1.0]), np.array([0.5, 0.5]))  # toe and heel at mid height
+    >>> [round(float(v), 1) for v in np.hypot(axial, radial)]
+    [70.0, 100.0]
     """
 
     pitch_angle: float

@@ -21,7 +21,13 @@ Array = NDArray[Any]
 
 
 class NodeStatus(IntEnum):
-    """Why a node of a flank can or cannot be used; stored with CF ``flag_values`` and ``flag_meanings``."""
+    """Status of a flank node: usable, or why not; stored with CF ``flag_values`` and ``flag_meanings``.
+
+    Examples
+    --------
+    >>> NodeStatus(2).name
+    'UNDERCUT'
+    """
 
     INSIDE = 0
     NO_SOLUTION = 1

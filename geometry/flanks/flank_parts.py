@@ -1,4 +1,4 @@
-"""A flank of several sections: each section of the blade cuts a surface of its own, and the deepest cut is what stays.
+"""Flanks cut by several sections of a blade: each cuts a surface of its own, and the deepest cut remains.
 
 At every node each section's surface is solved on its own. Those whose touched point lies within the section's ends are
 candidates. Where sections join without a kink exactly one is; at a kink, where the blade protrudes on both sides, both
@@ -17,18 +17,20 @@ from ..cutting.generating_surface import GeneratingSurface
 
 Array = NDArray[Any]
 
-ON_JOINT = 1e-9  # [mm]
+JOINT_TOLERANCE = 1e-9  # [mm]
 
 
-def deepest(parts: Sequence[GeneratingSurface], places: Sequence[Array], depths: Sequence[Array]) -> NDArray[np.int8]:
-    """Which part of a flank each of n nodes belongs to.
+def deepest(
+    parts: Sequence[GeneratingSurface], coordinates: Sequence[Array], depths: Sequence[Array]
+) -> NDArray[np.int8]:
+    """Index of the flank part that cuts deepest at each of n nodes.
 
     Parameters
     ----------
     parts
         Surfaces of the sections that cut the flank, from the tip of the blade upwards.
-    places
-        Place on the blade for each part (n).
+    coordinates
+        Blade coordinate for each part (n).
     depths
         How much each part has removed, in any unit (n); NaN where it has no point.
 
@@ -40,8 +42,8 @@ def deepest(parts: Sequence[GeneratingSurface], places: Sequence[Array], depths:
     depth = np.stack([np.where(np.isfinite(d), d, -np.inf) for d in depths])
     within = np.stack(
         [
-            (place <= part.section.end + ON_JOINT) & ((index == 0) | (place >= part.section.begin - ON_JOINT))
-            for index, (part, place) in enumerate(zip(parts, places, strict=True))
+            (c <= part.section.end + JOINT_TOLERANCE) & ((index == 0) | (c >= part.section.begin - JOINT_TOLERANCE))
+            for index, (part, c) in enumerate(zip(parts, coordinates, strict=True))
         ]
     )
     within &= np.isfinite(depth)
@@ -50,7 +52,7 @@ def deepest(parts: Sequence[GeneratingSurface], places: Sequence[Array], depths:
 
 
 def pick(values: Sequence[Array], choice: NDArray[np.int8]) -> Array:
-    """Of k arrays (..., n), node by node, the one of the given index (n)."""
+    """Take from k arrays (..., n), node by node, the one with the given index (n)."""
     picked = np.array(values[0])
     for index in range(1, len(values)):
         mask = choice == index
@@ -64,5 +66,5 @@ def on_parts(
     parameters: Array,
     function: Callable[[GeneratingSurface, Array], Array],
 ) -> Array:
-    """A function (..., n) of the surface parameters (2, n), each node on its own part."""
+    """Evaluate a function (..., n) of the surface parameters (2, n), each node on its own part."""
     return pick([function(part, parameters) for part in parts], choice)

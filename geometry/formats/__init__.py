@@ -1,4 +1,4 @@
-"""Geometry that leaves and enters the package: points and grids for measuring machines, surfaces for CAD, meshes."""
+"""Export and import of geometry: measuring points and grids, CAD surfaces, meshes."""
 
 from .measured_grid import flank_deviation, measured_grid, read_measured_grid, write_measured_grid
 from .measuring_points import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points

@@ -12,20 +12,21 @@ import xarray as xr
 
 from ...core.errors import InputError
 
-COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
-DEVIATION = "deviation"
-MEASURED = ("measured_x", "measured_y", "measured_z")
-HEADINGS = (COLUMNS, (*COLUMNS, DEVIATION), (*COLUMNS, *MEASURED))
+NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
+DEVIATION_COLUMN = "deviation"
+MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
+HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
 Points = dict[tuple[str, int, int], list[float]]
 _WHOLE = ("format_version", "number_of_teeth")
 _REAL_ENDINGS = ("_mm", "_rad")
 
 
 def text(dataset: xr.Dataset) -> str:
-    """The file of a dataset of measuring points; numbers with every digit that is needed to read them back exactly."""
+    """Text of a dataset of measuring points, with the digits it takes to read the same numbers again."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
     position, normal = dataset["position"].values, dataset["normal"].values
-    extra = dataset[DEVIATION].values[..., None] if DEVIATION in dataset else np.zeros((*position.shape[:3], 0))
+    measured = DEVIATION_COLUMN in dataset
+    extra = dataset[DEVIATION_COLUMN].values[..., None] if measured else np.zeros((*position.shape[:3], 0))
     lines.append(",".join(HEADINGS[extra.shape[-1]]))
     for f, flank in enumerate(dataset["flank"].values):
         for r, row in enumerate(dataset["row"].values):
@@ -61,22 +62,22 @@ def parsed(content: str, source: str) -> xr.Dataset:
         if stripped.startswith("#"):
             key, colon, value = stripped[1:].partition(":")
             if not colon:
-                raise InputError(f"{where}: {stripped!r}: a comment line has the form '# key: value'")
+                raise InputError(f"{where}: {stripped!r}: a comment must have the form '# key: value'")
             attributes[key.strip()] = _attribute(key.strip(), value.strip(), where)
         elif not heading:
             heading = tuple(name.strip() for name in stripped.split(","))
             if heading not in HEADINGS:
                 raise InputError(
-                    f"{where}: expected the column names {','.join(COLUMNS)}; of a measured grid also {DEVIATION} or "
-                    f"{','.join(MEASURED)}"
+                    f"{where}: expected the column names {','.join(NOMINAL_COLUMNS)}; of a measured grid also "
+                    f"{DEVIATION_COLUMN} or {','.join(MEASURED_COLUMNS)}"
                 )
         else:
-            place, values = _point(stripped, heading, where)
-            if place in points:
+            index, values = _point(stripped, heading, where)
+            if index in points:
                 raise InputError(
-                    f"{where}: a second point of the {place[0]} flank in row {place[1]}, column {place[2]}"
+                    f"{where}: a second point of the {index[0]} flank in row {index[1]}, column {index[2]}"
                 )
-            points[place] = values
+            points[index] = values
     if not points:
         raise InputError(f"{source}: there are no points in it")
     return gridded(points, attributes, source)
@@ -88,7 +89,7 @@ def _attribute(key: str, value: str, where: str) -> Any:
             return int(value)
         return float(value) if key.endswith(_REAL_ENDINGS) else value
     except ValueError as error:
-        raise InputError(f"{where}: {key}: {value!r} is no number") from error
+        raise InputError(f"{where}: {key} = {value!r}: must be a number") from error
 
 
 def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
@@ -101,13 +102,13 @@ def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, 
     except ValueError as error:
         raise InputError(f"{where}: {line!r}: {error}") from error
     if cells[0] not in ("concave", "convex"):
-        raise InputError(f"{where}: flank {cells[0]!r}: allowed are 'concave' and 'convex'")
+        raise InputError(f"{where}: flank = {cells[0]!r}: must be one of concave, convex")
     if min(row, column) < 1:
-        raise InputError(f"{where}: row {row}, column {column}: both are counted from 1")
+        raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     if not np.all(np.isfinite(values)):
-        raise InputError(f"{where}: a value is no finite number")
+        raise InputError(f"{where}: every value must be a finite number")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
-        raise InputError(f"{where}: the normal ({', '.join(cells[6:9])}) is not of length 1")
+        raise InputError(f"{where}: normal = ({', '.join(cells[6:9])}): must be of length 1")
     return (cells[0], row, column), values
 
 
@@ -128,8 +129,8 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     InputError
         If a point of the grid is missing.
     """
-    flanks = sorted({place[0] for place in points})
-    rows, columns = max(place[1] for place in points), max(place[2] for place in points)
+    flanks = sorted({key[0] for key in points})
+    rows, columns = max(key[1] for key in points), max(key[2] for key in points)
     if len(points) != len(flanks) * rows * columns:
         missing = next(
             (f, r, c)
@@ -145,7 +146,7 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, -1)
     grid = ("flank", "row", "column", "xyz")
     more: dict[int, dict[str, Any]] = {
-        1: {DEVIATION: (grid[:3], values[..., -1])},
+        1: {DEVIATION_COLUMN: (grid[:3], values[..., -1])},
         3: {"measured_position": (grid, values[..., 6:])},
     }
     return xr.Dataset(

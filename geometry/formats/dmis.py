@@ -22,13 +22,13 @@ import xarray as xr
 from ...core.errors import InputError
 from . import csv_points as cmm_csv
 
-LABEL = re.compile(r"(CONCAVE|CONVEX)\D+(\d+)\D+(\d+)")
-FEATURE = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
-UNITS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
+LABEL_PATTERN = re.compile(r"(CONCAVE|CONVEX)\D+(\d+)\D+(\d+)")
+FEATURE_PATTERN = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
+UNIT_LENGTHS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
 
 
 def text(dataset: xr.Dataset) -> str:
-    """The file of a measured grid: every nominal point as ``F``, every measured one as ``FA``."""
+    """Text of a measured grid: every nominal point as ``F``, every measured one as ``FA``."""
     title = str(dataset.attrs.get("title", "measured grid")).replace("'", "")
     lines = [f"FILNAM/'{title}',05.2", "UNITS/MM,ANGDEC"]
     position, normal = dataset["position"].values, dataset["normal"].values
@@ -38,8 +38,8 @@ def text(dataset: xr.Dataset) -> str:
             for c, column in enumerate(dataset["column"].values):
                 label = f"{str(flank).upper()}_R{row}_C{column}"
                 direction = normal[f, r, c]
-                for kind, place in (("F", position[f, r, c]), ("FA", measured[f, r, c])):
-                    numbers = ",".join(f"{value:.10f}" for value in (*place, *direction))
+                for kind, point in (("F", position[f, r, c]), ("FA", measured[f, r, c])):
+                    numbers = ",".join(f"{value:.10f}" for value in (*point, *direction))
                     lines += [f"OUTPUT/{kind}({label})", f"{kind}({label})=FEAT/POINT,CART,{numbers}"]
     return "\n".join([*lines, "ENDFIL", ""])
 
@@ -66,21 +66,21 @@ def parsed(content: str, source: str) -> xr.Dataset:
         word, _, rest = line.partition("/")
         if word.strip().upper() == "UNITS":
             unit = rest.split(",")[0].strip().upper()
-            if unit not in UNITS:
-                raise InputError(f"{where}: unit {unit!r}: allowed are {', '.join(UNITS)}")
-            scale = UNITS[unit]
-        found = FEATURE.fullmatch(line)
+            if unit not in UNIT_LENGTHS:
+                raise InputError(f"{where}: UNITS = {unit!r}: must be one of {', '.join(UNIT_LENGTHS)}")
+            scale = UNIT_LENGTHS[unit]
+        found = FEATURE_PATTERN.fullmatch(line)
         if found is None:
             continue
         if scale is None:
-            raise InputError(f"{where}: a point before any UNITS/ statement: say in what unit it is")
+            raise InputError(f"{where}: a point stands before the first UNITS/ statement, so that its unit is unknown")
         kind, label = found[1].upper(), found[2].strip().upper()
         if found[3].upper() != "CART":
             raise InputError(f"{where}: {kind}({label}) in {found[3]} coordinates: only CART is read")
-        place = LABEL.search(label)
-        if place is None:
-            raise InputError(f"{where}: label {label!r}: expected flank, row and column as in CONCAVE_R1_C1")
-        key = (place[1].lower(), int(place[2]), int(place[3]))
+        index = LABEL_PATTERN.search(label)
+        if index is None:
+            raise InputError(f"{where}: label = {label!r}: must tell flank, row and column, as CONCAVE_R1_C1 does")
+        key = (index[1].lower(), int(index[2]), int(index[3]))
         values = _numbers(found[4], scale, where)
         # A program defines a point, and its results put it out again.
         if features[kind].setdefault(key, values) != values:
@@ -113,7 +113,7 @@ def _numbers(cells: str, scale: float, where: str) -> list[float]:
     except ValueError as error:
         raise InputError(f"{where}: {cells!r}: {error}") from error
     if len(values) not in (3, 6):
-        raise InputError(f"{where}: {len(values)} numbers, expected x,y,z,i,j,k")
+        raise InputError(f"{where}: {len(values)} numbers: must be x,y,z,i,j,k")
     return [scale * v for v in values[:3]] + values[3:]
 
 

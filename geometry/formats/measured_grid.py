@@ -1,4 +1,4 @@
-"""Measured grids: nominal points, their normals, and what the flank departs from them, and their files."""
+"""Measured grids: nominal points, their normals and the deviations measured there; their files."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from . import measuring_points as cmm
 FORMAT = "easeoff measured grid"
 DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
 SUFFIXES = (*cmm.SUFFIXES, *DMIS_SUFFIXES)
-# What other programs write and nothing public describes well enough to be read.
-REFUSED = {
+# Formats without a public description that is good enough to read them.
+UNSUPPORTED_FORMATS = {
     ".xml": "GDE (VDI/VDE 2610) and vendors' XML: their schema is not public",
     ".gde": "GDE (VDI/VDE 2610): its schema is not public",
     ".qif": "QIF (ISO 23952): not supported",
     ".spa": "Gleason measuring files: their format is not public",
     ".mes": "Klingelnberg and Zeiss measuring files: their formats are not public",
 }
-RESOLVED = 0.1  # [um]; a grid all of whose deviations are smaller was hardly measured
-LARGEST = 1000.0  # [um]
-NEAR = 0.05  # [mm] between the nominal points of a file and the designed flank
-ASIDE = 0.5  # [mm] between a measured point and the normal of its nominal point
+DEVIATION_RESOLUTION = 0.1  # [um]; a grid all of whose deviations are smaller was hardly measured
+DEVIATION_LIMIT = 1000.0  # [um]
+NOMINAL_DISTANCE_LIMIT = 0.05  # [mm] between the nominal points of a file and the designed flank
+SIDE_DISTANCE_LIMIT = 0.5  # [mm] between a measured point and the normal of its nominal point
 
 
 def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
-    """A measured grid from nominal points and what was measured there.
+    """A measured grid from nominal points and their deviations.
 
     Parameters
     ----------
@@ -51,7 +51,16 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the deviations are of another size, no numbers, or of a size that no measured flank has.
+        If the deviations have another shape, are not finite, or are too small or too large to be measured ones.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> grid = measured_grid(points, np.linspace(-6.0, 6.0, 15).reshape(3, 5))
+    >>> grid["deviation"].attrs["units"]
+    'um'
     """
     sizes = tuple(points.sizes[name] for name in ("flank", "row", "column"))
     values = np.asarray(deviation, dtype=float)
@@ -61,8 +70,8 @@ def measured_grid(points: xr.Dataset, deviation: ArrayLike) -> xr.Dataset:
         rows, columns = sizes[1:]
         turned = values.ndim >= 2 and values.shape[-2:] == (columns, rows)
         raise InputError(
-            f"deviations of shape {values.shape}: the points are {sizes[0]} flanks x {rows} rows x {columns} columns, "
-            "rows from root to tip" + ("; rows and columns seem to be exchanged: transpose them" if turned else "")
+            f"shape of the deviations = {values.shape}: must be that of the points, {sizes[0]} flanks x {rows} rows x "
+            f"{columns} columns" + ("; rows and columns seem to be exchanged: transpose them" if turned else "")
         )
     grid = points.assign(deviation=(("flank", "row", "column"), values))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION, deviation_unit="um")
@@ -84,6 +93,15 @@ def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ------
     InputError
         If the suffix is another one, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_measured_grid(measured_grid(points, np.full((3, 5), 4.0)), f"{folder}/gear.dmi")
     """
     if _suffix(path) in DMIS_SUFFIXES:
         with whole_file(path) as temporary:
@@ -112,6 +130,17 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
     ------
     InputError
         If the file cannot be read, is of a format that is not supported, or its numbers cannot be deviations.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_measured_grid(measured_grid(points, np.full((3, 5), 4.0)), f"{folder}/gear.csv")
+    ...     float(read_measured_grid(f"{folder}/gear.csv")["deviation"].max())
+    4.0
     """
     suffix, source = _suffix(path), Path(path)
     if suffix == ".nc":
@@ -135,7 +164,7 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
         )
     unit = str(grid.attrs.get("deviation_unit", "um"))
     if unit not in ("um", "mm"):
-        raise InputError(f"{source}: deviation_unit = {unit!r}: allowed are um and mm")
+        raise InputError(f"{source}: deviation_unit = {unit!r}: must be one of um, mm")
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
     grid = labelled(grid.assign_attrs(deviation_unit="um"))
     _check_size(grid, str(source))
@@ -158,6 +187,15 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
     ------
     InputError
         If the grid does not hold this flank, its nominal points are no points of it, or rows and columns are exchanged.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.formats import cmm_points
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> grid = measured_grid(cmm_points(gear, rows=3, columns=5), np.full((3, 5), 4.0))
+    >>> round(1e3 * float(flank_deviation(grid, gear).at(np.array([0.5]), np.array([0.5]))[0]), 9)  # [um]
+    4.0
     """
     name, known = side(member.loaded), [str(v) for v in grid["flank"].values]
     if name not in known:
@@ -172,7 +210,7 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
     turned = np.mod(turned - turned[0] + np.pi, 2.0 * np.pi) - np.pi
     off = radial.ravel() * np.abs(turned - np.median(turned))
     beyond = np.max(np.abs(np.stack([lengthwise, profile]) - 0.5)) - 0.5
-    if not np.all(np.isfinite(off)) or beyond > 0.05 or np.max(off) > NEAR:
+    if not np.all(np.isfinite(off)) or beyond > 0.05 or np.max(off) > NOMINAL_DISTANCE_LIMIT:
         raise InputError(
             f"the nominal points of the measured grid are no points of the {name} flank of this case"
             + (f" (up to {np.max(off):.3g} mm off)" if np.all(np.isfinite(off)) else "")
@@ -194,7 +232,7 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
     normal = grid["normal"].transpose("flank", "row", "column", "xyz").values
     along = np.sum(way * normal, axis=-1)
     aside = np.sqrt(np.maximum(np.sum(way**2, axis=-1) - along**2, 0.0))
-    if np.max(aside) > ASIDE:
+    if np.max(aside) > SIDE_DISTANCE_LIMIT:
         raise InputError(
             f"{source}: measured points are up to {np.max(aside):.3g} mm beside the normals of their nominal points: "
             "both must be in one frame, in mm, and in one order"
@@ -204,31 +242,31 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
 
 
 def _check_size(grid: xr.Dataset, source: str) -> None:
-    """Refuse numbers that cannot be measured deviations in um."""
+    """Refuse deviations that are not finite, or too small or too large to be measured ones in um."""
     values = grid["deviation"].values
     if not np.all(np.isfinite(values)):
         flank, row, column = (int(v) for v in np.argwhere(~np.isfinite(values))[0])
         raise InputError(
             f"{source}: the deviation of the {grid['flank'].values[flank]} flank in row {row + 1}, column {column + 1} "
-            "is no finite number: measure the point again, or leave its row or column out"
+            "is not finite: measure the point again, or leave its row or column out"
         )
     largest = float(np.max(np.abs(values)))
-    if 0.0 < largest < RESOLVED:
+    if 0.0 < largest < DEVIATION_RESOLUTION:
         raise InputError(
-            f"{source}: the largest deviation is {largest:g} um, less than can be measured. If the values are in mm, "
-            "say so: '# deviation_unit: mm', or times 1000"
+            f"{source}: largest deviation = {largest:g} um: must be at least {DEVIATION_RESOLUTION:g} um. "
+            "If the values are in mm, add the line '# deviation_unit: mm'"
         )
-    if largest > LARGEST:
+    if largest > DEVIATION_LIMIT:
         raise InputError(
-            f"{source}: the largest deviation is {largest:g} um; up to {LARGEST:g} um are allowed. Are the values in "
-            "um, and of this flank?"
+            f"{source}: largest deviation = {largest:g} um: must be at most {DEVIATION_LIMIT:g} um. "
+            "Are the values in um, and of this flank?"
         )
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        why = f" ({REFUSED[suffix]})" if suffix in REFUSED else ""
+        why = f" ({UNSUPPORTED_FORMATS[suffix]})" if suffix in UNSUPPORTED_FORMATS else ""
         raise InputError(
             f"{path}: measured grids are read and written as {', '.join(SUFFIXES)}{why}. Export the points as text or "
             "DMIS, or fill the deviations into a file of `easeoff export`"

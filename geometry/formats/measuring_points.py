@@ -24,8 +24,9 @@ Array = NDArray[Any]
 
 FORMAT = "easeoff measurement points"
 FORMAT_VERSION = 1
-DEFAULT_SHARE = 0.1  # of the face width at toe and heel, of the mean depth of the flank at root and tip
-ROOT_SHARES = (DEFAULT_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)  # tried in this order where the flank ends early
+DEFAULT_MARGIN_SHARE = 0.1  # of the face width at toe and heel, of the mean depth of the flank at root and tip
+# Tried in this order where the flank ends early.
+ROOT_MARGIN_SHARES = (DEFAULT_MARGIN_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)
 SUFFIXES = (".csv", ".nc")
 
 
@@ -35,6 +36,13 @@ class EdgeMargins:
 
     ``None`` stands for a tenth of the face width (toe, heel) or of the mean depth of the flank (root, tip). At the root
     it is more, in steps of a twentieth of the depth, where the flank ends above its root line (short blade, undercut).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> section = gear_pair(read_case("nasa-12x36")).gear.section
+    >>> EdgeMargins(toe=2.0, heel=2.0, root=1.0, tip=0.5).of(section)["tip"]
+    0.5
     """
 
     toe: float | None = None
@@ -42,7 +50,7 @@ class EdgeMargins:
     root: float | None = None
     tip: float | None = None
 
-    def of(self, section: BlankSection, root_share: float = DEFAULT_SHARE) -> dict[str, float]:
+    def of(self, section: BlankSection, root_share: float = DEFAULT_MARGIN_SHARE) -> dict[str, float]:
         """The four margins on a blank [mm].
 
         Parameters
@@ -55,7 +63,7 @@ class EdgeMargins:
         Raises
         ------
         InputError
-            If a margin is negative or no number.
+            If a margin is negative or not finite.
         """
         corners = section.corners
         depth = float(np.mean(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)))
@@ -63,10 +71,10 @@ class EdgeMargins:
         for name in (field.name for field in fields(self)):
             value = getattr(self, name)
             if value is None:
-                share = root_share if name == "root" else DEFAULT_SHARE
+                share = root_share if name == "root" else DEFAULT_MARGIN_SHARE
                 value = share * (section.face_width if name in ("toe", "heel") else depth)
             if not 0.0 <= value < np.inf:
-                raise InputError(f"margin at the {name} = {value} mm: must be zero or more")
+                raise InputError(f"edge margin {name} = {value} mm: must be zero or more")
             margins[name] = float(value)
         return margins
 
@@ -92,7 +100,7 @@ def cmm_points(
     edge_margins
         Strips left out at the edges.
     tooth_angle
-        Angular thickness of the tooth in the middle of the flank [rad], from ``geometry.tooth_flanks.tooth_angle``; it
+        Angular thickness of the tooth in the middle of the flank [rad], from ``tooth_flanks.tooth_angle``; it
         puts both flanks of one tooth into one frame. Without it the loaded flank comes alone, as it does for a member
         whose other flank is not known.
 
@@ -106,11 +114,18 @@ def cmm_points(
     InputError
         If the grid is too small or the margins leave no flank.
     GeometryError
-        If a point of the grid is no point of the flank.
+        If a point of the grid lies off the flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> dict(points["position"].sizes)
+    {'flank': 1, 'row': 3, 'column': 5, 'xyz': 3}
     """
     for name, number in (("rows", rows), ("columns", columns)):
         if number < 2:
-            raise InputError(f"{name} = {number}: at least 2 are needed")
+            raise InputError(f"{name} = {number}: must be at least 2")
     given = edge_margins or EdgeMargins()
     flanks = {side(member.loaded): PlacedFlank(member.section, member.loaded)}
     attributes: dict[str, Any] = {}
@@ -118,7 +133,7 @@ def cmm_points(
         flanks = placed_flanks(member, tooth_angle)
         attributes["tooth_angle_rad"] = float(tooth_angle)
     names = sorted(flanks)
-    for share in ROOT_SHARES:
+    for share in ROOT_MARGIN_SHARES:
         margins = given.of(member.section, share)
         axial, radial = _grid(member.section, margins, rows, columns)
         found = [flanks[name].at(axial, radial) for name in names]
@@ -195,13 +210,13 @@ def _grid(section: BlankSection, margins: dict[str, float], rows: int, columns: 
 
 
 def _check_measurable(name: str, flank: Flank, columns: int) -> None:
-    """Refuse a grid with points that are none of the flank."""
+    """Refuse a grid with points off the flank."""
     if np.all(flank.inside):
         return
     first = int(np.argmin(flank.inside))
     why = NodeStatus(int(flank.status[first])).name.lower().replace("_", " ")
     raise GeometryError(
-        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points are no points of the {name} flank, "
+        f"{int(np.count_nonzero(~flank.inside))} of {flank.status.size} grid points lie off the {name} flank, "
         f"the first in row {first // columns + 1}, column {first % columns + 1} ({why}): choose larger margins"
     )
 
@@ -220,6 +235,14 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ------
     InputError
         If the suffix is another one, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_cmm_points(points, f"{folder}/gear.csv")
     """
     suffix = _suffix(path)
     with whole_file(path) as temporary:
@@ -241,7 +264,17 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     InputError
-        If there is no such file, or it holds no such points; for a text file with the number of the line.
+        If the file does not exist or does not hold such points; for a text file with the number of the line.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> points = cmm_points(gear_pair(read_case("nasa-12x36")).gear, rows=3, columns=5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_cmm_points(points, f"{folder}/gear.csv")
+    ...     read_cmm_points(f"{folder}/gear.csv").equals(points)
+    True
     """
     source = Path(path)
     text = _suffix(path) == ".csv"
@@ -251,7 +284,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def content(source: Path) -> str:
-    """A text file. Raises InputError if there is none, or it is no text."""
+    """Read a text file. Raises InputError if it does not exist or is not text."""
     require_file(source)
     try:
         return source.read_text(encoding="utf-8-sig")
@@ -260,7 +293,7 @@ def content(source: Path) -> str:
 
 
 def opened(source: Path) -> xr.Dataset:
-    """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
+    """Read a netCDF file into memory. Raises InputError if it does not exist or is not netCDF."""
     require_file(source)
     try:
         with xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
@@ -277,7 +310,7 @@ def _suffix(path: str | os.PathLike[str]) -> str:
 
 
 def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
-    """Refuse a dataset that holds no nominal points, or is not of this kind."""
+    """Refuse a dataset without nominal points, or of another kind."""
     if dataset.attrs.get("format") != kind:
         raise InputError(f"{source} holds no measuring points: its attribute 'format' is not {kind!r}")
     version = str(dataset.attrs.get("format_version", "not given"))

@@ -21,7 +21,7 @@ Array = NDArray[Any]
 
 SUFFIXES = (".step", ".stp")
 SEWING_TOLERANCE = 1e-5  # [mm]; common borders are the same curve, so this only has to exceed rounding
-DEGENERATE = 1e-7  # [mm]; a border shorter than this is a point
+DEGENERATE_LENGTH = 1e-7  # [mm]; a border shorter than this is a point
 
 
 def write_step(
@@ -58,9 +58,20 @@ def write_step(
         If a patch is no grid of points, the suffix is another one, or the file cannot be written.
     MissingPackageError
         If OpenCASCADE is not installed.
+
+    Examples
+    --------
+    The whole tooth of a gear, where OpenCASCADE is installed:
+
+    >>> import tempfile
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry.tooth.tooth_surface import tooth_patches
+    >>> patches = tooth_patches(gear_pair(read_case("nasa-12x36")), "gear", (5, 5))
+    >>> with tempfile.TemporaryDirectory() as folder, contextlib.suppress(MissingPackageError):
+    ...     write_step(patches, f"{folder}/gear.step")
     """
     if Path(path).suffix.lower() not in SUFFIXES:
-        raise InputError(f"{path}: STEP files are called {' or '.join(SUFFIXES)}")
+        raise InputError(f"path = {path}: must end in {' or '.join(SUFFIXES)}")
     angles = rotations(teeth, pitch)
     surfaces = oriented(patches)
     require_opencascade()
@@ -70,7 +81,7 @@ def write_step(
 
 
 def require_opencascade() -> None:
-    """Refuse a STEP file before any work is done for it.
+    """Check that OpenCASCADE is there, before any work is done for a STEP file.
 
     Raises
     ------
@@ -152,7 +163,8 @@ def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
     from OCP.TopoDS import TopoDS_Compound
 
     sewing = BRepBuilderAPI_Sewing(SEWING_TOLERANCE)
-    faces = {patch: BRepBuilderAPI_MakeFace(_surface(points), DEGENERATE).Face() for patch, points in patches.items()}
+    surfaces = {patch: _surface(points) for patch, points in patches.items()}
+    faces = {patch: BRepBuilderAPI_MakeFace(s, DEGENERATE_LENGTH).Face() for patch, s in surfaces.items()}
     for face in faces.values():
         sewing.Add(face)
     sewing.Perform()
@@ -162,7 +174,7 @@ def _step(patches: Mapping[str, Array], angles: Array, name: str) -> bytes:
     for angle in angles:
         turn = gp_Trsf()
         turn.SetRotation(gp_Ax1(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0.0, 0.0, 1.0)), float(angle))
-        # A turn by zero is a place of its own for OpenCASCADE, under which the faces are not found again.
+        # A turn by zero is a location of its own for OpenCASCADE, under which the faces are not found again.
         builder.Add(shape, tooth.Moved(TopLoc_Location(turn)) if angle != 0.0 else tooth)
 
     stream = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Where the two members stand to each other: axes, offset, misalignment and sense of rotation.
+"""Position of the two members: axes, offset, misalignment and sense of rotation.
 
 Global frame: the gear axis is z, from the crossing point to the heel; x points from the gear axis to the mesh, so that
 the nominal pinion axis is (sin Sigma, 0, cos Sigma); y is along the offset.
@@ -33,6 +33,14 @@ class Misalignment:
         G: gear away from the crossing point along its axis, out of mesh [mm].
     shaft_angle
         Increase of the shaft angle [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> moved = pair.misaligned(Misalignment(offset=0.1, shaft_angle=0.001))
+    >>> moved.assembly.misalignment.offset
+    0.1
     """
 
     offset: float = 0.0
@@ -62,6 +70,13 @@ class Assembly:
         Distance between the axes [mm]; positive: pinion below centre for a left-hand pinion, in the usual hypoid sense.
     misalignment
         Assembly errors.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> assembly = Assembly(11, 44, pinion_hand="left", shaft_angle=pi / 2, hypoid_offset=20.0)
+    >>> assembly.ratio, assembly.gear_hand
+    (4.0, 'right')
     """
 
     pinion_teeth: int

@@ -20,7 +20,7 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
 from ..flanks.flank_parts import deepest, pick
-from ..newton import NewtonResult, complex_steps, solve
+from ..newton import NewtonResult, complex_steps, cramers_rule, solve
 from .assembly import Assembly
 from .conjugate_motion import ConjugateMotion
 
@@ -133,7 +133,7 @@ SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 o
 
 
 def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array]:
-    """Second and third derivative of the gap by the pinion rotation, at a fixed place on the gear."""
+    """Second and third derivative of the gap by the pinion rotation, at a fixed point of the gear."""
     arguments = np.concatenate([parameters, rotation[None]])
     curvature, first, second = gap_curvature(motion, arguments)
     along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
@@ -142,7 +142,7 @@ def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> 
 
 
 def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
-    """Second derivative of the gap by the pinion rotation at a fixed place on the gear, at any rotation.
+    """Second derivative of the gap by the pinion rotation at a fixed point of the gear, at any rotation.
 
     Parameters
     ----------
@@ -154,23 +154,21 @@ def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Arr
     Returns
     -------
     tuple
-        The derivative (n), and how both pinion parameters follow the rotation while the place stays fixed (n).
+        The derivative (n), and how both pinion parameters follow the rotation while that point stays fixed (n).
     """
 
-    def approach_and_place(p: Array) -> Array:
+    def approach_and_point(p: Array) -> Array:
         position, normal = motion.action_point(p[:2], p[2])
         relative = position - motion.assembly.gear_origin.reshape(3, 1)
         radial = np.sqrt(relative[0] ** 2 + relative[1] ** 2)
         return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
 
-    _, d = complex_steps(approach_and_place, arguments)
-    determinant = d[0][1] * d[1][2] - d[1][1] * d[0][2]
-    first = -(d[2][1] * d[1][2] - d[1][1] * d[2][2]) / determinant
-    second = -(d[0][1] * d[2][2] - d[2][1] * d[0][2]) / determinant
+    _, d = complex_steps(approach_and_point, arguments)
+    first, second = -cramers_rule(d[0][1:], d[1][1:], d[2][1:])
     return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second)), first, second
 
 
-def compute(
+def exact_ease_off(
     gear: Flank,
     pinion_surface: GeneratingSurface,
     pinion_section: BlankSection,
@@ -206,7 +204,7 @@ def compute(
     for part in pinion_surface.flank_parts:
         on_part = replace(motion, surface=part)
         start, side = _seeds(on_part, pinion_section, target)
-        found = solve(partial(_place, on_part), start, target, part.max_step)
+        found = solve(partial(_axial_and_radial, on_part), start, target, part.max_step)
         surfaces.append(_classified(on_part, pinion_section, gear, found, side, usable))
     result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
     result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
@@ -239,7 +237,7 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) 
     """
     target, usable = _targets(gear)
     with np.errstate(all="ignore"):
-        found = solve(partial(_place, motion), start, target, motion.surface.max_step)
+        found = solve(partial(_axial_and_radial, motion), start, target, motion.surface.max_step)
         point, _ = motion.conjugate_gear(found.parameters)
         valid_side = motion.surface.orientation(found.parameters) * side > 0.0
     known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
@@ -274,7 +272,7 @@ def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     return EaseOff(motion=motion, pinion_section=section, angle=pick(angles, choice), part=choice, **picked)
 
 
-def _place(motion: ConjugateMotion, parameters: Array) -> Array:
+def _axial_and_radial(motion: ConjugateMotion, parameters: Array) -> Array:
     """Axial and radial coordinate (2, n) [mm] of conjugate gear points."""
     point, _ = motion.conjugate_gear(parameters)
     return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
@@ -284,7 +282,7 @@ def _seeds(motion: ConjugateMotion, section: BlankSection, target: Array) -> tup
     """First guess of the pinion parameters (2, n) for each target, and the orientation of the valid side."""
     lattice, orientation = seed_lattice(motion.surface, section)
     with np.errstate(all="ignore"):
-        return nearest_seeds(_place(motion, lattice), lattice, target), orientation
+        return nearest_seeds(_axial_and_radial(motion, lattice), lattice, target), orientation
 
 
 def _classified(

@@ -15,7 +15,7 @@ from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
 from .assembly import Assembly, Misalignment
 from .datasets import ease_off_dataset, flank_dataset, flanks_dataset, teeth_dataset
-from .ease_off import EaseOff, compute
+from .ease_off import EaseOff, exact_ease_off
 from .tooth_body import ToothBody, middle_angle, opposite_surface, tooth_body
 
 Array = NDArray[Any]
@@ -39,6 +39,13 @@ class Member:
         What generates the other flank; ``None`` if not known: the other blade in the same machine is assumed then.
     mean_thickness
         Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> gear = gear_pair(read_case("nasa-12x36")).gear
+    >>> gear.teeth, gear.flank(np.array([0.0, 1.0]), np.array([0.5])).position.shape
+    (36, (3, 2))
     """
 
     teeth: int
@@ -77,6 +84,13 @@ class GearPair:
         The members, seen from the flanks in contact.
     assembly
         Axes and misalignment.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> pair.assembly.ratio
+    3.0
     """
 
     pinion: Member
@@ -139,7 +153,7 @@ def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Pai
     """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     return PairGeometry(
         flanks_dataset(t, h, pair.pinion.flank(t, h), gear),
         ease_off_dataset(t, h, surface),
@@ -163,7 +177,7 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
     """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    return ease_off_dataset(t, h, compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
+    return ease_off_dataset(t, h, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
 
 
 def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surface: EaseOff) -> xr.Dataset:

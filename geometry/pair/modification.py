@@ -1,4 +1,4 @@
-"""A low-order surface added to the ease-off, and how its terms are called."""
+"""A low-order surface added to the ease-off, and the names of its terms."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .datasets import first_contact
 
 Array = NDArray[Any]
 
-ORDERS = (2, 3, 4)
-#: What the terms up to second order are called; the same as those of ``EaseOffTarget``.
-NAMED = {
+TERM_ORDERS = (2, 3, 4)
+#: Powers of the terms up to second order by their names, which are those of ``EaseOffTarget``.
+NAMED_TERM_POWERS = {
     "spiral_angle_error": (1, 0),
     "pressure_angle_error": (0, 1),
     "lengthwise_crowning": (2, 0),
@@ -39,10 +39,10 @@ def terms(order: int) -> tuple[str, ...]:
     >>> terms(3)[5:]
     ('lengthwise_3', 'lengthwise_2_profile_1', 'lengthwise_1_profile_2', 'profile_3')
     """
-    if order not in ORDERS:
-        raise InputError(f"order = {order}: allowed are {', '.join(map(str, ORDERS))}")
+    if order not in TERM_ORDERS:
+        raise InputError(f"order = {order}: must be one of {', '.join(map(str, TERM_ORDERS))}")
     higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
-    return (*NAMED, *higher)
+    return (*NAMED_TERM_POWERS, *higher)
 
 
 def _name(a: int, b: int) -> str:
@@ -50,13 +50,13 @@ def _name(a: int, b: int) -> str:
 
 
 #: Powers (a, b) of every term by its name.
-POWERS: Mapping[str, tuple[int, int]] = NAMED | {
-    _name(total - b, b): (total - b, b) for total in range(3, max(ORDERS) + 1) for b in range(total + 1)
+TERM_POWERS: Mapping[str, tuple[int, int]] = NAMED_TERM_POWERS | {
+    _name(total - b, b): (total - b, b) for total in range(3, max(TERM_ORDERS) + 1) for b in range(total + 1)
 }
 
 
 def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
-    """Each term by itself, a coefficient of one.
+    """Values of every term with the coefficient one.
 
     Parameters
     ----------
@@ -72,7 +72,8 @@ def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
         so that it is positive where ``EaseOffTarget.bias`` is.
     """
     t, h = 2.0 * np.asarray(lengthwise) - 1.0, 2.0 * np.asarray(profile) - 1.0
-    columns = [(-1.0 if name == "bias" else 1.0) * t ** POWERS[name][0] * h ** POWERS[name][1] for name in names]
+    powers = [(-1.0 if name == "bias" else 1.0, *TERM_POWERS[name]) for name in names]
+    columns = [sign * t**a * h**b for sign, a, b in powers]
     return np.stack(columns, axis=-1)
 
 
@@ -104,8 +105,8 @@ class Modification:
 
     def __post_init__(self) -> None:
         for name, value in self.coefficients.items():
-            if name not in POWERS:
-                raise InputError(f"modification term {name!r}: allowed are {', '.join(POWERS)}")
+            if name not in TERM_POWERS:
+                raise InputError(f"modification term = {name!r}: must be one of {', '.join(TERM_POWERS)}")
             if not np.isfinite(value):
                 raise InputError(f"modification term {name} = {value}: must be a finite number of um")
 
@@ -121,15 +122,25 @@ def modified_ease_off(ease_off: xr.Dataset, modification: Modification) -> xr.Da
     Parameters
     ----------
     ease_off
-        What ``geometry.ease_off`` returned.
+        From ``ease_off`` or ``pair_geometry``.
     modification
-        What is added along the normal; it acts on the angle through the lever arm.
+        Addition along the normal; it acts on the angle through the lever arm.
 
     Returns
     -------
     xr.Dataset
         The same with other ``ease_off`` and ``ease_off_angle``. The surface of roll angle and the contact lines stay:
-        what a few micrometres change of them is of second order.
+        a few micrometres change them in the second order only.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import ease_off
+    >>> designed = ease_off(gear_pair(read_case("fm-11x41")), (7, 5))
+    >>> crowned = modified_ease_off(designed, Modification({"lengthwise_crowning": 10.0}))
+    >>> added = (crowned["ease_off"] - designed["ease_off"]).sel(profile=0.5)  # [um], but for the zero at first contact
+    >>> [round(float(v), 1) for v in added - added.sel(lengthwise=0.5)]
+    [10.0, 4.4, 1.1, 0.0, 1.1, 4.4, 10.0]
     """
     added = 1e-3 * modification(*np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij"))
     grid = ("lengthwise", "profile")

@@ -1,4 +1,4 @@
-"""How both flanks move past the contact line: sliding, and how fast the line crosses either flank.
+"""Sliding of the flanks, and speed of the contact line across either flank.
 
 All velocities are by the pinion rotation [mm/rad], at points in conjugate contact. Times the pinion's angular velocity
 they are velocities in space.
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank_parts import on_parts
-from ..newton import complex_steps
+from ..newton import complex_steps, cramers_rule
 from ..vectors import column, cross, dot
 from .conjugate_motion import ConjugateMotion
 from .ease_off import SKEW_STEP, EaseOff, gap_curvature
@@ -54,17 +54,17 @@ def rolling(ease_off: EaseOff) -> Rolling:
     Parameters
     ----------
     ease_off
-        From ``ease_off_surface.compute``.
+        From ``ease_off.exact_ease_off``.
     """
 
     def on_part(surface: GeneratingSurface, parameters: Array) -> Array:
         motion = replace(ease_off.motion, surface=surface)
 
-        def places(p: Array) -> Array:
+        def points_and_rotation(p: Array) -> Array:
             gear, rotation = motion.conjugate_gear(p)
             return np.concatenate([surface.evaluate(p)[0], gear, rotation[None]])
 
-        value, slopes = complex_steps(places, parameters)
+        value, slopes = complex_steps(points_and_rotation, parameters)
         space, _ = motion.action_point(parameters, value[6])
         speeds = [_across(slopes[:, k : k + 3], slopes[:, 6]) for k in (0, 3)]
         return np.stack([np.linalg.norm(relative_velocity(motion, space), axis=0), *speeds])
@@ -83,7 +83,7 @@ def _across(tangents: Array, slopes: Array) -> Array:
 
 @dataclass(frozen=True)
 class Drift:
-    """How what the pinion shows to a fixed place of the gear changes by the pinion rotation, at the nodes (n).
+    """Rates, by the pinion rotation, of the pinion point opposite a fixed point of the gear, at the nodes (n).
 
     Parameters
     ----------
@@ -103,12 +103,12 @@ class Drift:
 
 
 def drift(ease_off: EaseOff) -> Drift:
-    """Rates of what the pinion shows to the nodes of the gear flank, by central differences as the separation skew.
+    """Drift of the pinion points opposite the nodes of the gear flank, by central differences as the separation skew.
 
     Parameters
     ----------
     ease_off
-        From ``ease_off_surface.compute``.
+        From ``ease_off.exact_ease_off``.
     """
 
     def on_part(surface: GeneratingSurface, arguments: Array) -> Array:
@@ -136,19 +136,17 @@ def drift(ease_off: EaseOff) -> Drift:
 
 
 def _opposite(motion: ConjugateMotion, arguments: Array, near: Array) -> Array:
-    """Pinion parameters and rotations (3, n) that face the same places of the gear as ``arguments`` do.
+    """Pinion parameters and rotations (3, n) that face the same points of the gear as ``arguments`` do.
 
     One step of Newton's method from ``near``, which is off by the second order of ``SKEW_STEP``: that leaves an error
     of 1e-5 in second derivatives.
     """
 
-    def place(a: Array) -> Array:
+    def axial_and_radial(a: Array) -> Array:
         position, _ = motion.action_point(a[:2], a[2])
         relative = position - motion.assembly.gear_origin.reshape(3, 1)
         return np.stack([relative[2], np.sqrt(relative[0] ** 2 + relative[1] ** 2)])
 
-    there, d = complex_steps(place, near)
-    miss = place(arguments) - there
-    determinant = d[0][0] * d[1][1] - d[1][0] * d[0][1]
-    step = np.stack([miss[0] * d[1][1] - miss[1] * d[1][0], miss[1] * d[0][0] - miss[0] * d[0][1]]) / determinant
-    return np.concatenate([near[:2] + step, near[2:]])
+    there, d = complex_steps(axial_and_radial, near)
+    miss = axial_and_radial(arguments) - there
+    return np.concatenate([near[:2] + cramers_rule(d[0], d[1], miss), near[2:]])

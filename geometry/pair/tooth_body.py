@@ -23,9 +23,9 @@ from ..vectors import dot, rotate
 Array = NDArray[Any]
 
 Z_AXIS = np.array([0.0, 0.0, 1.0])
-NODES = (13, 9)  # where both flanks of a tooth are compared, lengthwise and profile
-NARROWEST_EDGE = 0.1  # of the root thickness
-ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those nodes
+COMPARISON_NODES = (13, 9)  # where both flanks of a tooth are compared, lengthwise and profile
+EDGE_THICKNESS_LIMIT = 0.1  # of the root thickness
+LEGENDRE_ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those nodes
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
 
 
 def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
-    """How the middles of two flanks stand to each other where their machines cut them.
+    """Angle between the middles of two flanks as their machines cut them.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def tooth_body(
     GeometryError
         If the two flanks leave no tooth between them.
     """
-    t, h = np.meshgrid(np.linspace(0, 1, NODES[0]), np.linspace(0, 1, NODES[1]), indexing="ij")
+    t, h = np.meshgrid(np.linspace(0, 1, COMPARISON_NODES[0]), np.linspace(0, 1, COMPARISON_NODES[1]), indexing="ij")
     axial, radial = section.points(t.ravel(), h.ravel())
     flanks = [solve_flank(surface, section, axial, radial) for surface in (loaded, opposite)]
     usable = np.all([np.all(np.isfinite(f.position), axis=0) for f in flanks], axis=0)
@@ -198,11 +198,11 @@ def tooth_body(
     angle = np.where(usable, turn * (_azimuth(back) - _azimuth(front)), np.nan)
     angle = angle - _middle(angle) + mean_angle
     nodes = np.stack([t.ravel(), h.ravel()])[:, usable]
-    series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, ORDERS)
+    series = legendre.legvander2d(2 * nodes[0] - 1, 2 * nodes[1] - 1, LEGENDRE_ORDERS)
 
     def fit(values: Array) -> Array:
         found = np.linalg.lstsq(series, values[usable], rcond=None)[0]
-        return np.asarray(found).reshape(ORDERS[0] + 1, ORDERS[1] + 1)
+        return np.asarray(found).reshape(LEGENDRE_ORDERS[0] + 1, LEGENDRE_ORDERS[1] + 1)
 
     # Normals of both flanks turned to azimuth zero, where they vary slowly.
     normal = rotate(Z_AXIS, -_azimuth(front), front.normal) - rotate(Z_AXIS, -_azimuth(back), back.normal)
@@ -273,7 +273,7 @@ def _plate(
     fitted, bulge = np.reshape(found[:4], (2, 2)), np.maximum(found[4:], 0.0)
     # A tooth that ends in a point keeps a plate with a narrow edge.
     for corners in (plate, fitted):
-        corners[:, 1] = np.maximum(corners[:, 1], NARROWEST_EDGE * corners[:, 0])
+        corners[:, 1] = np.maximum(corners[:, 1], EDGE_THICKNESS_LIMIT * corners[:, 0])
     return np.asarray(heights), plate, fitted, np.asarray(bulge)
 
 
@@ -286,4 +286,4 @@ def _azimuth(flank: Flank) -> Array:
 
 def _middle(values: Array) -> float:
     """The value at the middle node."""
-    return float(values.reshape(NODES)[NODES[0] // 2, NODES[1] // 2])
+    return float(values.reshape(COMPARISON_NODES)[COMPARISON_NODES[0] // 2, COMPARISON_NODES[1] // 2])

@@ -12,9 +12,9 @@ from ..flanks.blank_section import BlankSection
 
 Array = NDArray[Any]
 
-COLUMN_SPREAD = 0.25  # how much wider the columns under the tooth become, over the depth
-DEPTH_PER_HEIGHT = 1.2  # of the tooth, that the body is deep if nothing is said
-DEEPEST = 0.65  # of the way from the root to the member's axis
+COLUMN_SPREAD = 0.25  # widening of the columns under the tooth, over the depth
+DEPTH_PER_HEIGHT = 1.2  # default depth of the body over the height of the tooth
+DEPTH_SHARE_LIMIT = 0.65  # of the way from the root to the member's axis
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class LatticeSections:
 
 
 def usual_depth(blank: BlankSection) -> float:
-    """Depth of the body that is taken if none is given [mm]: 1.2 times the tooth's height at mid face.
+    """Default depth of the body [mm]: 1.2 times the tooth's height at mid face.
 
     That is about 2.5 normal modules, the rim of the finite elements that the root springs were compared with.
     """
@@ -63,7 +63,7 @@ def body_nodes(sections: LatticeSections, top: Array, corner: int, through: Arra
     floor = top[1].min(axis=1)
     here, below = (sections.radial(up)[1] for up in (floor, floor - 1.0))
     falling = np.maximum(here - below, 1e-9)  # of the radius per mm of depth
-    bottom = floor - np.minimum(depth, DEEPEST * here / falling)
+    bottom = floor - np.minimum(depth, DEPTH_SHARE_LIMIT * here / falling)
     angle = top[0] / sections.radial(top[1])[1]
     last = top.shape[2] - 1 - corner
     spread = COLUMN_SPREAD * (floor - bottom) / here

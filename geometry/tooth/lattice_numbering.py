@@ -1,4 +1,4 @@
-"""What a lattice of bricks in a tooth and its body is, and how its nodes are numbered."""
+"""The lattice of bricks in a tooth and its body, and the numbering of its nodes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class LatticeSize:
 
     def __post_init__(self) -> None:
         if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1 or self.overhang < 0:
-            raise InputError(f"{self}: every number of bricks must be at least 1")
+            raise InputError(f"{self}: every number of bricks must be at least 1, overhang at least 0")
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""
@@ -83,8 +83,8 @@ class ToothLattice:
     slot
         Nodes (2, 2 l + 1, 2 s + 1) of the slots' floors on the loaded and the opposite side, towards the tooth.
     through, upward
-        Places (2 t + 1) through the tooth from the loaded side, and (2 u + 1) from the middle of the fillet to the tip,
-        from 0 to 1.
+        Fractions (2 t + 1) through the tooth from the loaded side, and (2 u + 1) from the middle of the fillet to the
+        tip.
     body_bricks
         How many of the bricks are the body's; they come first.
     """
@@ -114,12 +114,12 @@ def numbered(
     size: LatticeSize,
     body: tuple[int, int],
     normal: Array,
-    places: tuple[Array, Array, Array],
+    fractions: tuple[Array, Array, Array],
     profile: Array,
 ) -> ToothLattice:
     """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
     columns, rows = body
-    t, through, up = places
+    t, through, up = fractions
     in_body = np.arange(columns * rows).reshape(columns, rows)
     first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
     above = columns * rows + np.arange(2 * size.upward * (2 * size.through + 1)).reshape(2 * size.upward, -1)

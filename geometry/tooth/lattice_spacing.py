@@ -1,4 +1,4 @@
-"""Where the bricks of a tooth's lattice end: along the face, up the flank and through the tooth."""
+"""Spacing of the bricks of a tooth's lattice: along the face, up the flank and through the tooth."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .lattice_numbering import LatticeSize
 
 Array = NDArray[Any]
 
-EDGE = 0.12  # of the bricks through the tooth, the thickness of those at its sides, for the sake of the root stress
+EDGE_THICKNESS_RATIO = 0.12  # of the outer bricks through the tooth to the inner ones, for the root stress
 
 
 def graded(count: int, ratio: float, steady: int = 3) -> Array:
-    """Places (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
+    """Fractions (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
     sizes = ratio ** np.minimum(np.arange(count), steady)
     ends = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
     return with_middles(ends)
@@ -24,15 +24,15 @@ def graded(count: int, ratio: float, steady: int = 3) -> Array:
 
 def with_middles(ends: Array) -> Array:
     """The ends (n + 1) of intervals and their middles between (2 n + 1)."""
-    places = np.empty(2 * ends.size - 1)
-    places[::2] = ends
-    places[1::2] = 0.5 * (ends[1:] + ends[:-1])
-    return places
+    fractions = np.empty(2 * ends.size - 1)
+    fractions[::2] = ends
+    fractions[1::2] = 0.5 * (ends[1:] + ends[:-1])
+    return fractions
 
 
 @dataclass(frozen=True)
-class LatticePlaces:
-    """Where the bricks of the tooth end, and their middles, from 0 to 1: an odd number of increasing places each.
+class LatticeSpacing:
+    """Ends and middles of the bricks of a tooth, from 0 to 1: an odd number of increasing fractions each.
 
     Parameters
     ----------
@@ -49,27 +49,27 @@ class LatticePlaces:
     through: Array
 
     @classmethod
-    def of_size(cls, size: LatticeSize) -> LatticePlaces:
+    def of_size(cls, size: LatticeSize) -> LatticeSpacing:
         """Even along the face, smaller bricks near the fillet, thin ones at both sides."""
         return cls(graded(size.lengthwise, 1.0), graded(size.upward, 1.5), _both_ends(size.through))
 
-    def thinner_edges(self, ratio: float) -> LatticePlaces:
+    def thinner_edges(self, ratio: float) -> LatticeSpacing:
         """The same number of bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
         heel = _thinner_end(self.lengthwise, ratio)
         both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
-        return LatticePlaces(both, _thinner_end(self.upward, ratio), self.through)
+        return LatticeSpacing(both, _thinner_end(self.upward, ratio), self.through)
 
 
-def _thinner_end(places: Array, ratio: float) -> Array:
-    sizes = np.diff(places[::2])
+def _thinner_end(fractions: Array, ratio: float) -> Array:
+    sizes = np.diff(fractions[::2])
     sizes[-2:] *= np.array([np.sqrt(ratio), ratio])[-sizes.size :]
     return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
 
 
 def _both_ends(count: int) -> Array:
-    """Places (2 count + 1) from side to side, with thinner bricks at both."""
+    """Fractions (2 count + 1) from side to side, with thinner bricks at both."""
     if count < 3:
         return graded(count, 1.0)
     sizes = np.minimum(np.arange(count), np.arange(count)[::-1])
-    ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, EDGE, 1.0))])
+    ends = np.concatenate([[0.0], np.cumsum(np.where(sizes == 0, EDGE_THICKNESS_RATIO, 1.0))])
     return with_middles(ends / ends[-1])

@@ -26,7 +26,7 @@ MemberName = Literal["pinion", "gear"]
 
 
 def side(surface: GeneratingSurface) -> Side:
-    """Which flank a blade cuts: the outside blade the concave one, the inside blade the convex one."""
+    """Side of the flank that a blade cuts: the outside blade the concave one, the inside blade the convex one."""
     return "concave" if surface.blade.side == "outside" else "convex"
 
 
@@ -41,7 +41,7 @@ class PlacedFlank:
     surface
         What generates the flank.
     rotation
-        Angle about z from where the machine cuts it to its place [rad].
+        Angle about z from where the machine cuts it to its tooth [rad].
     """
 
     section: BlankSection
@@ -49,7 +49,7 @@ class PlacedFlank:
     rotation: float = 0.0
 
     def at(self, axial: Array, radial: Array) -> Flank:
-        """The flank at axial and radial coordinates (n) [mm], in its place in the member's frame."""
+        """The flank at axial and radial coordinates (n) [mm], turned to its tooth, in the member's frame."""
         found = solve_flank(self.surface, self.section, axial, radial)
         if self.rotation == 0.0:
             return found
@@ -88,12 +88,12 @@ def named_member(pair: GearPair, name: str) -> Member:
         If it is called anything else.
     """
     if name not in ("pinion", "gear"):
-        raise InputError(f"member = {name!r}: allowed are 'pinion' and 'gear'")
+        raise InputError(f"member = {name!r}: must be one of pinion, gear")
     return pair.pinion if name == "pinion" else pair.gear
 
 
 def tooth_angle(pair: GearPair, name: str) -> float:
-    """Angular thickness of a member's tooth in the middle of the flank [rad], see ``pair.tooth_angles``.
+    """Angular thickness of a member's tooth in the middle of the flank [rad], see ``gear_pair.tooth_angles``.
 
     Raises
     ------

@@ -30,7 +30,7 @@ from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
 from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, body_nodes, overhang, usual_depth
 from .lattice_numbering import LatticeSize, ToothLattice, numbered
-from .lattice_spacing import LatticePlaces, graded
+from .lattice_spacing import LatticeSpacing, graded
 from .tooth_flanks import named_member
 from .tooth_surface import ToothSide, tooth_surface
 
@@ -46,11 +46,10 @@ __all__ = [
 Array = NDArray[Any]
 
 SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the lattice's nodes are taken
-CORNER = (
-    0.6  # place of the lattice's corner in the fillet, 0 at the root land: the surface is at about 45 degrees there
-)
-DEEPER = 1.7  # every brick of the body than the one above
-OVERHANG = 0.75  # of the body's depth, that it runs on beyond toe and heel
+# Share of the fillet, from the root land, at which the lattice has its corner: at about 45 degrees to the flank.
+CORNER_SHARE = 0.6
+DEPTH_GROWTH = 1.7  # every brick of the body than the one above
+OVERHANG_PER_DEPTH = 0.75  # of the body's depth, that it runs on beyond toe and heel
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
 
 
@@ -59,7 +58,7 @@ def tooth_lattice(
     member: str,
     size: LatticeSize | None = None,
     rim_depth: float | None = None,
-    places: LatticePlaces | None = None,
+    spacing: LatticeSpacing | None = None,
 ) -> ToothLattice:
     """Lattice of one member's tooth.
 
@@ -74,7 +73,7 @@ def tooth_lattice(
     rim_depth
         Depth of the elastic body below the root [mm]; ``None`` for ``usual_depth``. Never more than 65 % of the way to
         the member's axis.
-    places
+    spacing
         Where the bricks of the tooth end; overrides their numbers in ``size``.
 
     Raises
@@ -89,9 +88,9 @@ def tooth_lattice(
     depth = usual_depth(blank) if rim_depth is None else float(rim_depth)
     if not (np.isfinite(depth) and depth > 0.0):
         raise InputError(f"rim_depth = {rim_depth!r}: must be a positive length in mm")
-    if places is None:
-        places = LatticePlaces.of_size(size)
-    t, up, through = places.lengthwise, places.upward, places.through
+    if spacing is None:
+        spacing = LatticeSpacing.of_size(size)
+    t, up, through = spacing.lengthwise, spacing.upward, spacing.through
     size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
         tooth = tooth_surface(pair, member, (t, SURFACE_NODES[1]), SURFACE_NODES[0])
@@ -114,10 +113,10 @@ def tooth_lattice(
         raise GeometryError(f"the sides of the {member}'s tooth cross each other between fillet and tip; {SHELL_HINT}")
 
     top = np.concatenate([floors[0], inside[:, :, 0, 1:-1], floors[1][:, :, ::-1]], axis=2)
-    body = body_nodes(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, DEEPER)[::-1])
+    body = body_nodes(sections, top, floors[0].shape[2] - 1, through, depth, graded(size.deep, DEPTH_GROWTH)[::-1])
     plane = np.concatenate([body.reshape(2, t.size, -1), inside[:, :, 1:].reshape(2, t.size, -1)], axis=2)
     nodes = np.moveaxis(sections.points(plane), 0, -1)
-    away = OVERHANG * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
+    away = OVERHANG_PER_DEPTH * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
     ends = [overhang(sections, body, end, away) for end in (0, -1)]
 
     normal = _flank_normals(sections, tooth.loaded, up)
@@ -134,19 +133,19 @@ def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Ar
 
 def _upward(side: ToothSide, fillet: Array, flank: Array) -> tuple[Array, int]:
     """Values up the whole side and the index of the lattice's corner."""
-    corner = round(CORNER * (side.fillet.shape[2] - 1))
+    corner = round(CORNER_SHARE * (side.fillet.shape[2] - 1))
     return np.concatenate([fillet[:, :, :-1], flank], axis=2), corner
 
 
-def _along(values: Array, curve: Array, places: Array) -> Array:
-    """Values (k, nt, m) known along curves (2, nt, m), at places (n) counted evenly in the curves' length."""
-    result = np.empty((values.shape[0], values.shape[1], places.size))
+def _along(values: Array, curve: Array, fractions: Array) -> Array:
+    """Values (k, nt, m) known along curves (2, nt, m), at fractions (n) of the curves' length."""
+    result = np.empty((values.shape[0], values.shape[1], fractions.size))
     for index in range(values.shape[1]):
         steps = np.hypot(*np.diff(curve[:, index], axis=1))
         moved = np.concatenate([[True], steps > 1e-9])  # a fillet without width is one node many times over
         length = np.concatenate([[0.0], np.cumsum(steps)])[moved]
         known = PchipInterpolator(length, values[:, index][:, moved], axis=1)
-        result[:, index] = known(places * length[-1])
+        result[:, index] = known(fractions * length[-1])
     return result
 
 

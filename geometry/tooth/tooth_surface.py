@@ -28,7 +28,7 @@ Array = NDArray[Any]
 FILLET_NODES = 9
 ROOT_LAND_NODES = 5
 TOP_LAND_NODES = 5
-SMALL_STEP = np.array([0.05, 0.05])  # of both parameters, in Newton steps along the fillet
+FILLET_STEP_LIMIT = np.array([0.05, 0.05])  # of both parameters, in Newton steps along the fillet
 
 
 @dataclass(frozen=True)
@@ -116,37 +116,39 @@ def tooth_side(
     )
 
 
-def _fillet(surface: GeneratingSurface, section: BlankSection, lengthwise: Array, places: Array) -> tuple[Array, Array]:
-    """Points and normals (3, nt, nf) cut by the edge radius at given places within it, at given fractions."""
+def _fillet(
+    surface: GeneratingSurface, section: BlankSection, lengthwise: Array, coordinates: Array
+) -> tuple[Array, Array]:
+    """Points and normals (3, nt, nf) that the edge radius cuts, at blade coordinates within it."""
     lowest = surface.flank_parts[0]
     axial, radial = section.points(lengthwise, np.zeros_like(lengthwise))
-    # On the joint, where both surfaces touch; then downwards, as the place changes ever faster towards the root land.
+    # On the joint, where both surfaces touch; then downwards: the coordinate changes ever faster towards the root land.
     parameters = solve_flank(lowest, section, axial, radial).parameters
-    parameters = _at_place(lowest, section, lengthwise, 0.0, parameters)
+    parameters = _at_coordinate(lowest, section, lengthwise, 0.0, parameters)
     points: list[Array] = []
     normals: list[Array] = []
-    for place in places[::-1]:
-        parameters = _at_place(surface.on("edge"), section, lengthwise, place, parameters)
+    for coordinate in coordinates[::-1]:
+        parameters = _at_coordinate(surface.on("edge"), section, lengthwise, coordinate, parameters)
         position, normal, _ = surface.on("edge").evaluate(parameters)
         points.insert(0, position)
         normals.insert(0, normal)
     return np.stack(points, axis=2), np.stack(normals, axis=2)
 
 
-def _at_place(
-    surface: GeneratingSurface, section: BlankSection, lengthwise: Array, place: float, start: Array
+def _at_coordinate(
+    surface: GeneratingSurface, section: BlankSection, lengthwise: Array, coordinate: float, start: Array
 ) -> Array:
-    """Parameters (2, nt) of the points that one place of the blade cuts, at given lengthwise fractions."""
+    """Parameters (2, nt) of the points that one blade coordinate cuts, at given lengthwise fractions."""
 
-    def fraction_and_place(parameters: Array) -> Array:
-        position, _, where = surface.evaluate(parameters)
+    def fraction_and_coordinate(parameters: Array) -> Array:
+        position, _, found = surface.evaluate(parameters)
         fraction, _ = section.fractions(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
-        return np.stack([fraction, where])
+        return np.stack([fraction, found])
 
-    target = np.stack([lengthwise, np.full_like(lengthwise, place)])
+    target = np.stack([lengthwise, np.full_like(lengthwise, coordinate)])
     if not surface.settings.generated:
         start = np.stack([start[0], target[1]])
-    found = solve(fraction_and_place, start, target, SMALL_STEP, iterations=60)
+    found = solve(fraction_and_coordinate, start, target, FILLET_STEP_LIMIT, iterations=60)
     if not np.all(found.converged):
         raise GeometryError(
             f"the end of the blade cuts no fillet on {100 * np.mean(~found.converged):.0f} % of the {side(surface)} "
@@ -182,7 +184,7 @@ class ToothSurface:
 def tooth_surface(
     pair: GearPair, member: str, nodes: tuple[int | Array, int] = (31, 21), fillet_nodes: int = FILLET_NODES
 ) -> ToothSurface:
-    """The real tooth of one member, with the thickness of its teeth as in ``pair.bodies``.
+    """The real tooth of one member, with the thickness of its teeth as in ``gear_pair.bodies``.
 
     Parameters
     ----------
@@ -205,7 +207,7 @@ def tooth_surface(
     which = named_member(pair, member)
     t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
     if min(t.size, nodes[1]) < 5:
-        raise InputError(f"nodes = {nodes}: at least 5 are needed in each direction")
+        raise InputError(f"nodes = {nodes}: must be at least 5 in each direction")
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
         tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()
@@ -249,7 +251,7 @@ def _between(front: Array, back: Array, turn: float) -> Array:
 
 
 def _land(start: Array, end: Array, swing: Array, share: Array) -> Array:
-    """Points (3, nt, nw) from ``start`` to the place of ``end`` turned to ``swing`` [rad] away, evenly in all."""
+    """Points (3, nt, nw) from ``start`` to the point ``end`` turned to ``swing`` [rad] away, evenly in all."""
     azimuth = _azimuth(start)[:, None] + swing[:, None] * share
     radius, axial = (
         (1.0 - share) * a[:, None] + share * b[:, None]

@@ -7,10 +7,10 @@ from dataclasses import asdict
 
 from tabulate import tabulate
 
-from ...geometry.cutting.named_settings import BLADE, MACHINE, get_setting
+from ...geometry.cutting.named_settings import BLADE_STEPS, MACHINE_STEPS, get_setting
 from ...geometry.deviation.corrective_settings import corrective_settings
 from ...geometry.deviation.deviation import Deviation
-from ...geometry.deviation.global_errors import angle_errors, fit_flank_errors
+from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
 from ...geometry.deviation.measurement import zeroed
 from ...geometry.pair.gear_pair import Member
 from ...geometry.tooth.tooth_flanks import side
@@ -29,7 +29,7 @@ def correction_text(name: str, member: Member, deviation: Deviation) -> str:
         What was measured.
     """
     turned = zeroed(deviation, member.loaded)
-    found, correction = fit_flank_errors(turned), corrective_settings(member, turned)
+    found, correction = fit_global_errors(turned), corrective_settings(member, turned)
     angles = dict(zip(("spiral_angle", "pressure_angle"), angle_errors(found.errors, member), strict=True))
     errors = [
         (key, f"{value:+.1f}", f"{60.0 * math.degrees(angles[key]):+.2f}" if key in angles else "")
@@ -37,7 +37,8 @@ def correction_text(name: str, member: Member, deviation: Deviation) -> str:
     ]
     changes = []
     for key, change in correction.changes.items():
-        angle = (key in BLADE or key in MACHINE) and (key.endswith("angle") or key in ("cutter_tilt", "cutter_swivel"))
+        plain = key in BLADE_STEPS or key in MACHINE_STEPS
+        angle = plain and (key.endswith("angle") or key in ("cutter_tilt", "cutter_swivel"))
         unit = 180.0 / math.pi if angle else 1.0
         start = get_setting(member.loaded, key)
         changes.append((key, f"{unit * start:.6f}", f"{unit * change:+.6f}", f"{unit * (start + change):.6f}"))

@@ -1,1 +1,1 @@
-"""Blanks of bevel and hypoid gears, clause by clause of ISO 23509:2016; ``geometry.blank`` puts them together."""
+"""Blanks of bevel and hypoid gears, clause by clause of ISO 23509:2016; ``design.blank`` joins them."""

@@ -1,4 +1,4 @@
-"""The basic data of a blank: what a designer chooses before any dimension follows (ISO 23509:2016, tables 2 and 3)."""
+"""The basic data of a blank, from which its dimensions follow (ISO 23509:2016, tables 2 and 3)."""
 
 from __future__ import annotations
 
@@ -90,6 +90,14 @@ class BlankDesign:
     Notes
     -----
     Source: ISO 23509:2016, tables 2 and 3; symbols of the standard in brackets.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> from easeoff.cases.conversion import blank_design
+    >>> design = read_design("fm-11x41")
+    >>> blank_design(design.blank_design, (11, 41), design.pair).hypoid_offset
+    20.0
     """
 
     method: int
@@ -145,11 +153,11 @@ class BlankDesign:
 
     def _check_choices(self) -> None:
         if self.method not in (0, 1, 2, 3):
-            raise InputError(f"method = {self.method!r}: allowed are 0, 1, 2 and 3")
+            raise InputError(f"method = {self.method!r}: must be one of 0, 1, 2, 3")
         if self.process not in PROCESSES:
-            raise InputError(f"process = {self.process!r}: allowed are {', '.join(PROCESSES)}")
+            raise InputError(f"process = {self.process!r}: must be one of {', '.join(PROCESSES)}")
         if self.depth_taper is not None and self.depth_taper not in DEPTH_TAPERS:
-            raise InputError(f"depth_taper = {self.depth_taper!r}: allowed are {', '.join(DEPTH_TAPERS)}")
+            raise InputError(f"depth_taper = {self.depth_taper!r}: must be one of {', '.join(DEPTH_TAPERS)}")
         teeth: Sequence[object] = self.number_of_teeth
         whole = [n for n in teeth if isinstance(n, int) and n > 0]
         if len(teeth) != 2 or len(whole) != 2 or whole[0] > whole[1]:

@@ -147,6 +147,15 @@ class BlankDimensions:
         Auxiliary values of method 1 (lambda', b_reri1).
     profile_shift_coefficient, theoretical_thickness_modification_coefficient
         x_hm1, x_smn, also when data type II was given.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> from easeoff.cases.conversion import designed_blanks
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> round(blanks.mean_normal_module, 3), round(blanks.gear.pitch_angle, 4)
+    (3.847, 1.2685)
     """
 
     pinion: MemberBlank

@@ -11,7 +11,7 @@ from .blank_dimensions import MemberBlank
 
 @dataclass(frozen=True, kw_only=True)
 class MemberFrame:
-    """What one member's dimensions follow from: lengths in mm, angles in rad.
+    """Data that one member's dimensions follow from: lengths in mm, angles in rad.
 
     The spiral angles are those at the heel, at the mean point and at the toe; the profile shift coefficient counts
     positive where it makes this member's tooth thicker.

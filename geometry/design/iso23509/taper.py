@@ -1,4 +1,4 @@
-"""How the tooth depth changes along the face: addendum and dedendum angle of the gear (ISO 23509:2016, annex C.5).
+"""Taper of the tooth depth along the face: addendum and dedendum angle of the gear (ISO 23509:2016, annex C.5).
 
 The sum of the dedendum angles of both members is the amount by which the roots of pinion and gear open towards the
 heel. Standard taper makes the depth proportional to the cone distance; constant slot width (duplex) tilts the root

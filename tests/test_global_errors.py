@@ -16,10 +16,10 @@ from easeoff.core.errors import InputError
 from easeoff.geometry import Member
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
 from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
-from easeoff.geometry.design.synthesis import FREE
-from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE, corrective_settings
+from easeoff.geometry.design.synthesis import FREE_SETTINGS
+from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE_SETTINGS, corrective_settings
 from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
-from easeoff.geometry.deviation.global_errors import FlankErrors, angle_errors, fit_flank_errors
+from easeoff.geometry.deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
 from easeoff.geometry.deviation.measurement import distance_along_normals, zeroed
 from easeoff.geometry.formats import cmm_points
 from easeoff.geometry.tooth.tooth_flanks import named_member
@@ -46,7 +46,7 @@ def changed(surface: GeneratingSurface, changes: dict[str, float]) -> Generating
 
 
 def test_the_names_are_found_again() -> None:
-    found = fit_flank_errors(deviation_from_formula(member("fm-11x41", "gear").section, GEAR_ERRORS, (9, 5)))
+    found = fit_global_errors(deviation_from_formula(member("fm-11x41", "gear").section, GEAR_ERRORS, (9, 5)))
     np.testing.assert_allclose(astuple(found.errors), astuple(GEAR_ERRORS), rtol=0, atol=1e-10)
     assert found.rms < 1e-10 < found.rms_before
 
@@ -64,7 +64,7 @@ def test_the_names_are_found_again() -> None:
 )
 def test_the_signs_are_those_of_the_page(name: str, corners: tuple[int, ...]) -> None:
     t, h = np.array([0.0, 0.0, 1.0, 1.0, 0.5]), np.array([0.0, 1.0, 0.0, 1.0, 0.5])
-    np.testing.assert_array_equal(FlankErrors(**{name: 1.0})(t, h), corners)
+    np.testing.assert_array_equal(GlobalErrors(**{name: 1.0})(t, h), corners)
 
 
 def test_a_grid_with_a_local_dent_leaves_it_as_residual() -> None:
@@ -72,11 +72,11 @@ def test_a_grid_with_a_local_dent_leaves_it_as_residual() -> None:
     deviation = deviation_from_formula(section, GEAR_ERRORS, (9, 5))
     dent = deviation.value.copy()
     dent[4, 2] -= 0.02
-    found = fit_flank_errors(replace(deviation, value=dent))
+    found = fit_global_errors(replace(deviation, value=dent))
     assert int(np.argmin(found.residual)) == np.ravel_multi_index((4, 2), dent.shape)
     assert found.residual[4, 2] < -14.0
     with pytest.raises(InputError, match="at least 3 of each"):
-        fit_flank_errors(deviation_from_formula(section, GEAR_ERRORS, (9, 2)))
+        fit_global_errors(deviation_from_formula(section, GEAR_ERRORS, (9, 2)))
 
 
 def angles_at_the_middle(designed: Member, surface: GeneratingSurface) -> tuple[float, float]:
@@ -98,7 +98,7 @@ def test_angles_are_those_of_the_normal(flank: str, name: str, change: dict[str,
     """Concave and convex flanks, left and right hand: where more metal at the heel means another sign."""
     designed = getattr(gear_pair(easeoff.read_case("fm-11x41"), flank), name)  # type: ignore[arg-type]
     real = changed(designed.loaded, change)
-    found = fit_flank_errors(measured(designed, real))
+    found = fit_global_errors(measured(designed, real))
     angles = angle_errors(found.errors, designed)
     wanted = np.subtract(angles_at_the_middle(designed, real), angles_at_the_middle(designed, designed.loaded))
     assert np.max(np.abs(wanted)) > 5e-4
@@ -135,7 +135,7 @@ def test_corrective_settings_leave_less_than_five_percent(case: str, name: str) 
 def test_the_loop_closes_for_random_errors_of_all_settings(case: str, flank: Any, name: str) -> None:
     """A tenth of a millimetre off at first, a few hundredths of that after one pass, next to nothing after another."""
     designed = named_member(gear_pair(easeoff.read_case(case), flank), name)
-    free = FREE if designed.loaded.settings.generated else FREE_FORMATE
+    free = FREE_SETTINGS if designed.loaded.settings.generated else FREE_FORMATE_SETTINGS
     normal = np.random.default_rng(4).normal(size=len(free))
     wrong = {setting: 0.6 * scale_of(setting) * float(by) for setting, by in zip(free, normal, strict=True)}
     surface, left = designed.loaded, []
@@ -154,5 +154,5 @@ def test_corrections_with_one_setting_find_that_setting() -> None:
     deviation = measured(designed, changed(designed.loaded, {"point_radius": 0.1}))
     correction = corrective_settings(designed, deviation, free=["point_radius"])
     assert correction.changes["point_radius"] == pytest.approx(-0.1, rel=2e-2)
-    with pytest.raises(InputError, match="free setting 'tilt'"):
+    with pytest.raises(InputError, match="free setting = 'tilt': must be one of"):
         corrective_settings(designed, deviation, free=["tilt"])
