@@ -1,6 +1,6 @@
 """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
 
-An analysis in three lines:
+An analysis in two lines:
 
 >>> import easeoff
 >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])

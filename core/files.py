@@ -121,6 +121,22 @@ def require_file(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{path}: there is no such file")
 
 
+@contextlib.contextmanager
+def netcdf_reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Context in which a netCDF file is opened: whatever goes wrong is one message.
+
+    Raises
+    ------
+    InputError
+        If there is no file, or it is not a netCDF file.
+    """
+    require_file(path)
+    try:
+        yield
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path} is not a netCDF file: {error}") from error
+
+
 def _check_access(folder: Path, target: Path) -> None:
     """Check that a folder can be made and written to, and that a name in it can exist."""
     # Only making folders tells whether they can be made; they are removed again until there is something to write.

@@ -44,14 +44,8 @@ def export_points(
 
     Parameters
     ----------
-    case
-        A checked case.
-    path
-        The file.
-    member
-        ``pinion`` or ``gear``.
-    flank
-        Flank to write.
+    case, path, member, flank
+        As in ``export``.
     rows, columns
         Points from root to tip and from toe to heel.
     margins
@@ -98,14 +92,8 @@ def export_surfaces(
 
     Parameters
     ----------
-    case
-        A checked case.
-    path
-        The file; its suffix decides between STEP and meshes.
-    member
-        ``pinion`` or ``gear``.
-    flank
-        Flank to write; ``both`` also writes the other surfaces of the tooth.
+    case, path, member, flank
+        As in ``export``; ``both`` flanks also write the other surfaces of the tooth.
     teeth
         Number of teeth; ``None`` for all.
     nodes

@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..core.errors import InputError
-from ..core.files import require_file, whole_file
+from ..core.files import netcdf_reading, whole_file
 
 GROUPS = ("flanks", "ease_off", "teeth", "unloaded", "loaded")
 
@@ -80,12 +80,8 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     'urad'
     """
     source = Path(path)
-    require_file(source)
-    try:
-        with xr.open_datatree(source, engine="netcdf4") as opened:
-            tree = opened.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{source} is not a netCDF file: {error}") from error
+    with netcdf_reading(source), xr.open_datatree(source, engine="netcdf4") as opened:
+        tree = opened.load()
     missing = [name for name in GROUPS if name not in tree.children]
     if "easeoff_version" not in tree.attrs or missing:
         raise InputError(

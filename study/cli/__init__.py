@@ -21,7 +21,7 @@ from .wear_command import wear
 
 
 class _Mistake(click.ClickException):
-    """What the user can put right."""
+    """Mistake of the user, with its exit code."""
 
     exit_code = EXIT_MISTAKE
 

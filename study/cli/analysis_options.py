@@ -8,7 +8,7 @@ import click
 
 from .options import MISALIGNMENT, deviation_option, flank_option, misalignment, torques
 
-# Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
+# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ...cases import Case
     from ..analysis import Analysis

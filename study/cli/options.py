@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-# Everything heavy is imported where it is needed: `easeoff --help` stays quick.
+# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ...geometry.pair.assembly import Misalignment
 
@@ -34,6 +34,19 @@ def flank_option(command: Command) -> Command:
 def output_option(text: str) -> Callable[[Command], Command]:
     """Option ``--output`` of a command: a file, described by a text."""
     return click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help=text)
+
+
+def folder_option(default: str) -> Callable[[Command], Command]:
+    """Option ``--output`` of a command that writes a folder."""
+    return click.option(
+        "-o",
+        "--output",
+        type=click.Path(path_type=Path),
+        metavar="FOLDER",
+        default=default,
+        show_default=True,
+        help="Folder to write.",
+    )
 
 
 def deviation_option(text: str, *, required: bool = False) -> Callable[[Command], Command]:

@@ -10,7 +10,7 @@ import click
 
 from .analysis_options import analysed, analysis_options
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import output_option, problem_files, solvers
+from .options import folder_option, output_option, problem_files, solvers
 
 
 @click.command()
@@ -41,15 +41,7 @@ def problems(case: str, output: Path, **options: Any) -> None:
 
 
 @click.command()
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default="library",
-    show_default=True,
-    help="Folder to write.",
-)
+@folder_option("library")
 @click.option("--parts", metavar="A,B,...", show_default="all", help="Parts to make, of small, medium and large.")
 def library(output: Path, parts: str | None) -> None:
     """Make the library of contact problems, a file a part.
@@ -77,15 +69,7 @@ def library(output: Path, parts: str | None) -> None:
 
 @click.command()
 @click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    default="comparison",
-    show_default=True,
-    help="Folder to write.",
-)
+@folder_option("comparison")
 @click.option(
     "--solvers",
     callback=solvers,

@@ -10,22 +10,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, PercentFormatter
 from numpy.typing import NDArray
 
-from ..plot.page import (
-    BODY_SIZE,
-    FOOTER,
-    GREY,
-    HEADER,
-    HEADING_SIZE,
-    INK,
-    SMALL_SIZE,
-    plain_axes,
-    save,
-    sheet,
-)
+from ..plot.page import BODY_SIZE, GREY, INK, SMALL_SIZE, plain_axes, save, titled_sheet
 from .attempt import SETTINGS
 from .comparison_statistics import (
     METHOD_COLUMNS,
@@ -69,7 +57,12 @@ def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
     """Share of problems that each method solves within a factor of the fastest, a panel for each settings."""
     panels = _panels(problems)
     note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts only"
-    figure = _page("Performance profile", "share of problems solved within a factor of the fastest", note, len(panels))
+    figure = titled_sheet(
+        "Performance profile",
+        "share of problems solved within a factor of the fastest",
+        note,
+        PANEL_HEIGHT * len(panels),
+    )
     grid = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
         # Not a pivot table: that would have a row for every number in every file.
@@ -95,7 +88,9 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     """Run time against the number of segments with fitted powers, a panel for each settings."""
     panels = _panels(problems)
     note = "points: certified problems; lines: their median at each size; n^...: power fitted to the larger sizes"
-    figure = _page("Run time", "wall time of the whole call against the number of segments n", note, len(panels))
+    figure = titled_sheet(
+        "Run time", "wall time of the whole call against the number of segments n", note, PANEL_HEIGHT * len(panels)
+    )
     grid = figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
         for method in named:
@@ -128,20 +123,6 @@ def _panels(problems: Any) -> list[tuple[str, list[Method]]]:
     named = methods(problems)
     used = [name for name in SETTINGS if any(settings == name for _, settings, _ in named)]
     return [(name, [m for m in named if m[1] == name or m[0] == "native"]) for name in used]
-
-
-def _page(heading: str, subject: str, note: str, panels: int) -> Figure:
-    body = PANEL_HEIGHT * panels
-    height = body + HEADER + FOOTER
-    figure = sheet(height)
-    engine = figure.get_layout_engine()
-    assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0.01, FOOTER / height, 0.98, body / height), h_pad=0.05, w_pad=0.05)
-    top, left = 1.0 - 0.13 / height, 0.02
-    figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
-    figure.text(left, top - 0.25 / height, subject, fontsize=BODY_SIZE, color=GREY, va="top")
-    figure.text(left, 0.10 / height, note, fontsize=SMALL_SIZE, color=GREY, va="bottom")
-    return figure
 
 
 def _finish(axes: Axes, settings: str, right: str, label: str) -> None:

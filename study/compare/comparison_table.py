@@ -14,7 +14,7 @@ import xarray as xr
 from ...contact.problem.certificate import Certificate
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import require_file, whole_file
+from ...core.files import netcdf_reading, whole_file
 from .attempt import Attempt
 
 FORMAT = "easeoff comparison of solvers"
@@ -158,12 +158,8 @@ def read_table(path: Path) -> xr.Dataset:
     ...     float(read_table(written[0]).attrs["tolerance"])
     1e-05
     """
-    require_file(path)
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
-            dataset = opened.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{path} is not a netCDF file: {error}") from error
+    with netcdf_reading(path), xr.open_dataset(path, engine="netcdf4") as opened:
+        dataset = opened.load()
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{path} holds no comparison of solvers: make one with 'easeoff compare'")
     return dataset

@@ -30,7 +30,7 @@ class PosedProblem:
     problem
         The problem itself.
     digest
-        Digest of its data, see `problem_digest`.
+        Digest of its data, see ``problem_digest``.
     reference
         Solution of the native solver.
     before

@@ -43,7 +43,7 @@ class ContactQpbenchmark(qpbenchmark.TestSet):
 
     @property
     def description(self) -> str:
-        """What the problems are."""
+        """Description of the problems."""
         return "Load distribution over the contact lines of gear teeth: dense, one equality, lower bounds."
 
     @property

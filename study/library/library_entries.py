@@ -37,7 +37,7 @@ TORQUES = {
     "fh-design-a": (5.0, 100.0, 1000.0),
     "fh-design-b": (5.0, 100.0, 1000.0),
 }
-#: Assembly errors E and P [mm] of `fm-11x41`, and their opposites.
+#: Assembly errors E and P [mm] of ``fm-11x41``, and their opposites.
 MISALIGNMENTS = ((-0.15, 0.12), (0.15, -0.12))
 SEGMENTS_PER_LINE = (21, 51, 131, 333, 667, 1667)
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")

@@ -53,6 +53,12 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     whole = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
     print_ = textwrap.wrap(whole, SMALL_PRINT_LENGTH)
     footer = FOOTER + SMALL_PRINT_HEIGHT * (len(print_) - 1)
+    title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
+    return titled_sheet(heading, title, "\n".join(print_), body_height, footer)
+
+
+def titled_sheet(heading: str, title: str, print_: str, body_height: float, footer: float = FOOTER) -> Figure:
+    """Sheet with heading, title and small print around a body of a height [in], above a footer of a height [in]."""
     height = body_height + HEADER + footer
     figure = sheet(height)
     engine = figure.get_layout_engine()
@@ -60,9 +66,8 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     engine.set(rect=(0.01, footer / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
     top, left = 1.0 - 0.13 / height, 0.02
     figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
-    title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
     figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top", parse_math=False)
-    figure.text(left, 0.10 / height, "\n".join(print_), fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
+    figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
     return figure
 
 
