@@ -272,8 +272,8 @@ def test_command_writes_the_points_of_a_case(tmp_path: Path, pair: GearPair) -> 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["x.csv", "--teeth", "2"], "--teeth: for surfaces, not for a .csv file"),
-        (["x.stl", "--rows", "5"], "--rows: for measuring points, not for a .stl file"),
+        (["x.csv", "--teeth", "2"], "--teeth: must go with surfaces, not with a .csv file"),
+        (["x.stl", "--rows", "5"], "--rows: must go with measuring points, not with a .stl file"),
         (["x.xyz"], ".csv, .nc for measuring points, .step, .stp, .stl, .vtk, .vtu for surfaces"),
         (["x.csv", "--margins", "top=1"], "must be one of toe, heel, root, tip"),
         (["x.csv", "--margins", "toe"], "toe=3,root=1.2"),
@@ -302,4 +302,4 @@ def test_flank_a_case_does_not_describe_is_refused(tmp_path: Path) -> None:
     options = ["-o", str(tmp_path / "x.csv"), "--member", "gear", "--flank", "concave"]
     done = CliRunner().invoke(main, ["export", str(tmp_path / "one.toml"), *options])
     assert done.exit_code == 2
-    assert "describes only the convex flank of the gear" in done.output
+    assert "flank = 'concave': must be convex, the only flank of the gear" in done.output

@@ -85,7 +85,7 @@ def test_report_warns_of_what_is_doubtful() -> None:
     for name in NAMES:
         assert made(name)[1].warnings == ()
     straying = design_case(parse_design(changed(r"^follow_root = true$", "")))[1].warnings
-    assert any("off its root cone" in warning and "follow_root" in warning for warning in straying)
+    assert any("mm from its root cone" in warning and "follow_root" in warning for warning in straying)
     poor = changed(r'^hand_of_spiral = "left"$', 'hand_of_spiral = "left"\nfree_settings = ["point_radius"]')
     warnings = design_case(parse_design(poor))[1].warnings
     assert any("free other settings" in warning for warning in warnings)
