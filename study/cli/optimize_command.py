@@ -89,8 +89,9 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     if fitted_case is not None:
         check_writable(fitted_case, case)
     checked = read_case(case)
+    bar: Any
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
-        tree = optimized(checked, progress=lambda: _step(bar), **options)
+        tree = optimized(checked, progress=bar.update, **options)
     write_result(tree, output)
     click.echo(optimization_report(tree))
     click.echo(f"\nwrote {output}")
@@ -104,7 +105,3 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     if failures:
         click.echo("\n".join(failures), err=True)
         sys.exit(EXIT_UNCERTIFIED)
-
-
-def _step(bar: Any) -> None:
-    bar.update(1)

@@ -181,16 +181,8 @@ def roughnesses(
     if text is None or "/" not in text:
         values = numbers(ctx, param, text)
         return None if values is None else list(values)
-    found: list[float | tuple[float, float]] = []
-    for part in text.split(","):
-        try:
-            pair = tuple(float(number) for number in part.split("/"))
-        except ValueError:
-            pair = ()
-        if len(pair) not in (1, 2):
-            raise click.BadParameter(f"{part!r}: must be a roughness in um, or PINION/GEAR, such as 0.8/0.5")
-        found.append(pair[0] if len(pair) == 1 else (pair[0], pair[1]))
-    return found
+    members = [_by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
+    return [found[0] if len(found) == 1 else (found[0], found[1]) for found in members]
 
 
 def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
@@ -212,17 +204,23 @@ def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[
 
 def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
     """Wear coefficients of pinion and gear [mm^2/N]."""
-    try:
-        found = [float(part) for part in text.split("/")]
-    except ValueError:
-        found = []
-    if len(found) not in (1, 2):
-        raise click.BadParameter(f"{text!r}: must be a coefficient in mm^2/N, or PINION/GEAR, such as 1e-12/2e-12")
+    found = _by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
     if not any(found):
         raise click.BadParameter(
             f"{text!r}: nothing wears; must be greater than zero in mm^2/N, or PINION/GEAR, one of which may be 0"
         )
     return found[0], found[-1]
+
+
+def _by_member(text: str, quantity: str, example: str) -> list[float]:
+    """A number for both members, or one each, from PINION/GEAR."""
+    try:
+        found = [float(part) for part in text.split("/")]
+    except ValueError:
+        found = []
+    if len(found) not in (1, 2):
+        raise click.BadParameter(f"{text!r}: must be {quantity}, or PINION/GEAR, such as {example}")
+    return found
 
 
 def _keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:

@@ -54,8 +54,9 @@ def library(output: Path, parts: str | None) -> None:
 
     chosen = None if parts is None else [part.strip() for part in parts.split(",")]
     total = sum(chosen is None or entry.part in chosen for entry in entries())
+    bar: Any
     with tqdm(total=total, desc="library", unit="problem", disable=None, leave=False) as bar:
-        written = write_library(output, chosen, progress=lambda: _step(bar))
+        written = write_library(output, chosen, progress=bar.update)
     for one in written:
         click.echo(
             f"wrote {one.path}: {one.problems} contact problems, worst certificate {one.worst_certificate:.1e}, "
@@ -124,7 +125,3 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
 
         for path in write_test_set([item for file in problems for item in read_problems(file)], output / "test_set"):
             click.echo(f"wrote {path}")
-
-
-def _step(bar: Any) -> None:
-    bar.update(1)

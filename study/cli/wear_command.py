@@ -68,8 +68,11 @@ def wear(
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
+    bar: Any
     with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
-        history = worn(case, law, torque=torque, progress=lambda done: _moved(bar, done), **with_defaults(options))
+        history = worn(
+            case, law, torque=torque, progress=lambda done: bar.update(done - bar.n), **with_defaults(options)
+        )
     with whole_file(output) as temporary:
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
     last = history.isel(step=-1)
@@ -89,7 +92,3 @@ def wear(
             err=True,
         )
         sys.exit(EXIT_UNCERTIFIED)
-
-
-def _moved(bar: Any, done: float) -> None:
-    bar.update(done - bar.n)

@@ -114,7 +114,7 @@ def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
     --------
     >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
     >>> proved_answer("two", problem).touching
-    1
+    2
     """
     solution = solve(problem, "native")
     if not solution.certified:
