@@ -1,28 +1,53 @@
 """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
 
-The names a script needs are here and loaded on first use; the stages are the sub-packages ``geometry``, ``contact``
-and ``friction``.
+An analysis in two lines:
+
+>>> import easeoff
+>>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+>>> int(tree["loaded"]["status"].max())  # zero: every load distribution is certified
+0
+
+The functions here read a case, analyse or optimise it, and write and read the result, an ``xarray.DataTree``. The
+sub-packages hold the steps and can be used alone: ``geometry`` (flanks and ease-off), ``contact`` (unloaded and loaded
+contact, the contact problem and its solvers), ``friction`` (friction coefficient and efficiency), ``cases`` (case
+files), ``study`` (pictures, reports, wear, comparison of solvers) and ``verification`` (independent checks). All are
+imported on first use.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .core.checkout import fence
 
 if TYPE_CHECKING:
+    from . import cases, contact, friction, geometry, study, verification
     from .cases import Case, read_case
     from .study.analysis import analyze
     from .study.optimization import optimize
     from .study.result import read_result, write_result
 
-__all__ = ["Case", "analyze", "optimize", "read_case", "read_result", "write_result"]
+__all__ = [
+    "Case",
+    "analyze",
+    "cases",
+    "contact",
+    "friction",
+    "geometry",
+    "optimize",
+    "read_case",
+    "read_result",
+    "study",
+    "verification",
+    "write_result",
+]
 
-_HOMES = {
+_MODULES = {
     "Case": ".cases",
+    "analyze": ".study.analysis",
     "optimize": ".study.optimization",
     "read_case": ".cases",
-    "analyze": ".study.analysis",
     "read_result": ".study.result",
     "write_result": ".study.result",
 }
@@ -30,13 +55,13 @@ _HOMES = {
 fence()
 
 
+def __dir__() -> list[str]:
+    return [*__all__, *(name for name in globals() if name.startswith("__"))]
+
+
 def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        from importlib import import_module
-
-        return getattr(import_module(_HOMES[name], __name__), name)
-    if name in ("cases", "contact", "friction", "geometry", "study"):
-        from importlib import import_module
-
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name], __name__), name)
+    if name in __all__:
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

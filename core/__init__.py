@@ -1,1 +1,1 @@
-"""What every stage shares: the exceptions and the table of variable attributes."""
+"""Base of all stages: exceptions, argument checks, files, checkpoints and attributes of variables."""

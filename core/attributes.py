@@ -1,4 +1,4 @@
-"""Units and long names of every variable that leaves the package, in one table, and how they are attached."""
+"""Attributes of variables: units and long names of everything that leaves the package, in one table."""
 
 from __future__ import annotations
 
@@ -261,17 +261,22 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
     """Attach ``units`` and ``long_name`` to every variable and coordinate of a dataset.
 
-    Attributes a variable already has are kept.
+    Attributes that a variable already has are kept.
 
     Raises
     ------
     EaseoffError
-        If a variable is not in the table: every variable that leaves the package is described.
+        If a variable is not in the table.
+
+    Examples
+    --------
+    >>> labelled(xr.Dataset({"force": ("segment", [1.0])}))["force"].attrs["units"]
+    'N'
     """
     result = dataset.copy()
     for name in result.variables:
         if str(name) not in VARIABLES:
-            raise EaseoffError(f"variable {name!r} has no entry in the table of attributes")
+            raise EaseoffError(f"variable = {name!r}: must have a row in the table of attributes")
         units, long_name = VARIABLES[str(name)]
         attributes: dict[str, Any] = {"long_name": long_name}
         if units:
@@ -281,7 +286,7 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def flag_attributes(meanings: Mapping[int, str]) -> dict[str, Any]:
-    """CF attributes of an integer status variable."""
+    """CF attributes ``flag_values`` and ``flag_meanings`` of an integer status variable."""
     return {
         "flag_values": np.array(list(meanings), dtype=np.int8),
         "flag_meanings": " ".join(name.lower() for name in meanings.values()),

@@ -1,4 +1,4 @@
-"""Files that are complete or not there at all."""
+"""Files: written whole or not at all, and paths checked before any work is done."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .errors import InputError
 
-#: What a suffix stands for, in messages.
+#: Format of a suffix, in messages.
 FORMATS = {".nc": "netCDF"}
 
 
@@ -25,7 +25,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Yields
     ------
     Path
-        Where to write. If writing fails, nothing is left behind and a file that was there before stays as it was.
+        Path to write to. If writing fails, nothing is left behind and an earlier file stays as it was.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     check_writable(target)
-    # Cut, because a name that is as long as one may be leaves no room for more.
+    # Cut, because a name of the greatest length leaves no room for more.
     temporary = target.with_name(f".{target.name[:50]}.{os.getpid()}.tmp")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -53,16 +53,16 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str], suffix: str | None = None) -> None:
-    """Refuse an output path before any work is done for it; nothing is left behind.
+    """Check that a file can be written; nothing is left behind.
 
     Parameters
     ----------
     path
         The file to be written.
     *sources
-        What it is made from: files that shall not be overwritten, or names that are no files.
+        Its sources: files that must not be overwritten, or names that are no files.
     suffix
-        What the name must end in, because what is written has one format alone; any if left out.
+        Required suffix of the name; any if left out.
 
     Raises
     ------
@@ -79,21 +79,21 @@ def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str
         if os.path.isfile(target) and os.path.isfile(source) and os.path.samefile(target, source):
             raise InputError(f"{target} is the file that is read: writing would destroy it; give another name")
     if suffix is not None and target.suffix.lower() != suffix:
-        raise InputError(f"{target}: one format is written, {FORMATS[suffix]}: give a name that ends in {suffix}")
+        raise InputError(f"{target}: must be a name that ends in {suffix}; the file is written as {FORMATS[suffix]}")
     _check_access(target.parent, target)
     if os.path.exists(target) and not os.access(target, os.W_OK):
         raise InputError(f"{target} cannot be written: no permission")
 
 
 def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
-    """Refuse a folder for output before any work is done for it; nothing is left behind.
+    """Check that a folder can be written to; nothing is left behind.
 
     Parameters
     ----------
     path
         The folder; it need not exist.
     purpose
-        What it is for, as messages say it.
+        Its contents, as messages name them.
 
     Raises
     ------
@@ -107,12 +107,12 @@ def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
 
 
 def require_file(path: str | os.PathLike[str]) -> None:
-    """Refuse a path where there is no file to read.
+    """Check that there is a file to read.
 
     Raises
     ------
     InputError
-        If there is nothing, or a folder.
+        If there is no file, or a folder.
     """
     # The functions of os.path take a name that is too long for one that does not exist; those of pathlib raise.
     if os.path.isdir(path):
@@ -121,9 +121,25 @@ def require_file(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{path}: there is no such file")
 
 
+@contextlib.contextmanager
+def netcdf_reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Context in which a netCDF file is opened: whatever goes wrong is one message.
+
+    Raises
+    ------
+    InputError
+        If there is no file, or it is not a netCDF file.
+    """
+    require_file(path)
+    try:
+        yield
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path} is not a netCDF file: {error}") from error
+
+
 def _check_access(folder: Path, target: Path) -> None:
-    """Refuse a folder that cannot be made or written to, and a name in it that cannot be."""
-    # Whether folders can be made is known by making them; until there is something to write they go again.
+    """Check that a folder can be made and written to, and that a name in it can exist."""
+    # Only making folders tells whether they can be made; they are removed again until there is something to write.
     missing = [parent for parent in (folder, *folder.parents) if not os.path.exists(parent)]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""How computations end, as it is stored in results."""
+"""Stored status: how a computation ended, as an integer in results."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from .attributes import flag_attributes
 
 
 class StoredStatus(IntEnum):
-    """A status whose number is stored in results; a subclass says what the numbers mean."""
+    """Status stored in results as an integer; a subclass names the integers."""
 
     @classmethod
     def flag_attributes(cls) -> dict[str, Any]:
-        """Return the attributes `flag_values` and `flag_meanings` of a stored status variable (CF conventions)."""
+        """CF attributes ``flag_values`` and ``flag_meanings`` of a variable with this status."""
         return flag_attributes({int(status): status.name for status in cls})

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from easeoff.core.files import whole_file
 from easeoff.study.plot.contact_pattern import (
-    Pattern,
+    ContactPattern,
     contact_pattern,
     draw_path,
     draw_pattern,
@@ -44,7 +44,7 @@ from easeoff.study.plot.page import (
 )
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import pressure_map
-from easeoff.study.plot.tooth_passage import Passage, passage
+from easeoff.study.plot.tooth_passage import ToothPassage, tooth_passage
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
 from easeoff.study.plot.transmission_error_chart import two_cycles
 
@@ -92,13 +92,15 @@ def quiet_edges(axes: Axes, above_another: bool) -> None:
     axes.tick_params(axis="y", length=0, pad=18)
 
 
-def error_of_a_pair(tree: xr.DataTree) -> Passage:
+def error_of_a_pair(tree: xr.DataTree) -> ToothPassage:
     """Unloaded transmission error [urad] of one tooth pair over its passage."""
     unloaded = tree["unloaded"].to_dataset()
-    return passage(unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values)
+    return tooth_passage(
+        unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values
+    )
 
 
-def transfer(course: Passage) -> tuple[float, float]:
+def transfer(course: ToothPassage) -> tuple[float, float]:
     """When the followed pair hands over to the next one [cycles of the result's own axis], and the error [urad]."""
     known = np.isfinite(course.values)
     error = PchipInterpolator(course.steps[known], course.values[known], extrapolate=False)
@@ -149,13 +151,13 @@ def unloaded_error(tree: xr.DataTree, theirs: float) -> Figure:
     return figure
 
 
-def mark_lines(axes: Axes, view: ToothView, pattern: Pattern, names: tuple[str, str], *, inside: bool) -> None:
+def mark_lines(axes: Axes, view: ToothView, pattern: ContactPattern, names: tuple[str, str], *, inside: bool) -> None:
     """Draw the contact lines at the first and last moment of the carrying; their names within or beside the pattern."""
-    centre = view.place(np.mean(pattern.ranges[0].path, axis=1))
+    centre = view.in_plane(np.mean(pattern.ranges[0].path, axis=1))
     for line, name in zip((pattern.ranges[0].lines[0], pattern.ranges[-1].lines[-1]), names, strict=True):
         if not name:
             continue
-        drawn = view.place(line)
+        drawn = view.in_plane(line)
         axes.plot(*drawn, color=INK, linewidth=2.2, zorder=6.2, solid_capstyle="round")
         within = 0.65 * drawn[:, drawn.shape[1] // 2] + 0.35 * centre
         beside = drawn[:, np.argmin(drawn[0])]
@@ -164,7 +166,7 @@ def mark_lines(axes: Axes, view: ToothView, pattern: Pattern, names: tuple[str, 
                       va="center", path_effects=halo(), zorder=9)  # fmt: skip
 
 
-def thinned(pattern: Pattern, every: int) -> Pattern:
+def thinned(pattern: ContactPattern, every: int) -> ContactPattern:
     """A pattern with some of its lines only, for small pictures; outline and path stay."""
     return replace(pattern, lines=pattern.lines[::every], carrying=pattern.carrying[::every])
 
@@ -182,17 +184,17 @@ def pattern_of_the_pair(tree: xr.DataTree) -> Figure:
     draw_pattern(axes, view, pattern, path=False)
     finite = np.isfinite(whole.lines[:, 0, 0])
     for side in (0, -1):
-        axes.plot(*view.place(whole.lines[finite][:, :, side].T), color=GREEN, linewidth=1.1, zorder=4.5)
-    axes.plot(*view.place(whole.path.T), color=VERMILION, linewidth=1.1, zorder=4.5)
+        axes.plot(*view.in_plane(whole.lines[finite][:, :, side].T), color=GREEN, linewidth=1.1, zorder=4.5)
+    axes.plot(*view.in_plane(whole.path.T), color=VERMILION, linewidth=1.1, zorder=4.5)
     draw_path(axes, view, pattern)
     mark_lines(axes, view, pattern, ("$M_1$", "$M_2$"), inside=False)
     # Named by the side of the picture they lie on.
     middle = pattern.ranges[0].lines[pattern.ranges[0].lines.shape[0] // 2]
-    ends = view.place(middle[:, [0, -1]])
+    ends = view.in_plane(middle[:, [0, -1]])
     for end, name, away in zip(ends[:, np.argsort(ends[0])].T, ("LPP", "RPP"), (9, -9), strict=True):
         axes.annotate(name, end, (0, away), textcoords="offset points", fontsize=BODY_SIZE, color=GREEN, ha="center",
                       va="center", weight="bold", path_effects=halo(), zorder=9)  # fmt: skip
-    path = view.place(pattern.ranges[0].path)
+    path = view.in_plane(pattern.ranges[0].path)
     axes.annotate("CPP", path[:, path.shape[1] // 2], (0, 8), textcoords="offset points", fontsize=BODY_SIZE,
                   color=VERMILION, ha="center", weight="bold", path_effects=halo(3.5), zorder=9)  # fmt: skip
     entries = [
@@ -210,8 +212,8 @@ def pattern_of_the_pair(tree: xr.DataTree) -> Figure:
     for panel, (_, name, _), lines in zip(panels, PAIRS, moments, strict=True):
         draw_flank(panel, view, labels=(False, False))
         for span in pattern.ranges:
-            panel.fill(*view.place(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
-            panel.plot(*view.place(span.outline), color=BLUE, linewidth=1.0, zorder=4)
+            panel.fill(*view.in_plane(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
+            panel.plot(*view.in_plane(span.outline), color=BLUE, linewidth=1.0, zorder=4)
         panel.tick_params(bottom=False)
         mark_lines(panel, view, pattern, lines, inside=True)
         title(panel, f"pair {name}")

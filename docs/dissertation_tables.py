@@ -15,7 +15,7 @@ import easeoff
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.geometry import Misalignment
-from easeoff.study.plot.contact_pattern import Pattern, contact_pattern
+from easeoff.study.plot.contact_pattern import ContactPattern, contact_pattern
 from easeoff.study.plot.page import torque_name
 from easeoff.study.plot.pressure_map import pressure_map
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
@@ -106,13 +106,13 @@ def place(lengthwise: float) -> str:
     return "toe" if lengthwise < TOE else "heel" if lengthwise > HEEL else "middle"
 
 
-def seen(tree: xr.DataTree) -> tuple[ToothView, Pattern]:
+def seen(tree: xr.DataTree) -> tuple[ToothView, ContactPattern]:
     """The gear flank of a result and the unloaded pattern on it."""
     view = tooth_view(tree)
     return view, contact_pattern(tree["unloaded"].to_dataset(), view.fields)
 
 
-def centre(pattern: Pattern) -> tuple[float, float]:
+def centre(pattern: ContactPattern) -> tuple[float, float]:
     """Centre of the area of a pattern, lengthwise and profile fraction."""
     area, moment = 0.0, np.zeros(2)
     for span in pattern.ranges:

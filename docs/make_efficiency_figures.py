@@ -23,7 +23,7 @@ from efficiency_tables import (
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from easeoff.study.plot.friction_maps import NAMES, SHADES, draw_values
+from easeoff.study.plot.friction_maps import COLOUR_MAPS, QUANTITY_NAMES, draw_values
 from easeoff.study.plot.page import INK, SMALL_SIZE, WIDTH, plain_axes, plain_bar, torque_colours
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import pressure_map
@@ -84,8 +84,8 @@ def flank_maps(names: tuple[str, ...], direction: Direction = "across") -> Figur
             view, found, _ = maps(letter, direction)
             draw_flank(axes, view, labels=(False, False))
             axes.tick_params(bottom=False, left=False, labelleft=False)
-            draw_values(axes, view, found[name], SHADES[name], LEVELS[name])
-            title(axes, LETTERS[letter], NAMES[name])
+            draw_values(axes, view, found[name], COLOUR_MAPS[name], LEVELS[name])
+            title(axes, LETTERS[letter], QUANTITY_NAMES[name])
     return figure
 
 

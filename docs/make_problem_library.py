@@ -14,7 +14,16 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import easeoff.study.library.reference_answers as answers_module
-from easeoff.study.library import KINDS, PARTS, Answer, Entry, entries, generate, proved_answer, reference_answers
+from easeoff.study.library import (
+    KINDS,
+    PARTS,
+    Entry,
+    ReferenceAnswer,
+    entries,
+    generate,
+    proved_answer,
+    reference_answers,
+)
 from easeoff.study.library.problem_changes import CHANGES
 from easeoff.study.library.reference_answers import TABLE, write_answers
 
@@ -75,7 +84,7 @@ def problem_table() -> str:
     )
 
 
-def _problem(entry: Entry, answer: Answer) -> list[str]:
+def _problem(entry: Entry, answer: ReferenceAnswer) -> list[str]:
     touching = str(answer.touching) if answer.touching >= 0 else "open"
     return [
         f"`{entry.name}`",
@@ -91,7 +100,7 @@ def _range(numbers: Iterable[int]) -> str:
     return str(every[0]) if len(every) == 1 else f"{every[0]} to {every[-1]}"
 
 
-def _conditions(found: Iterable[Answer]) -> str:
+def _conditions(found: Iterable[ReferenceAnswer]) -> str:
     every = sorted(answer.condition_number for answer in found)
     return f"{_condition(every[0])} to {_condition(every[-1])}"
 

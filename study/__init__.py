@@ -1,1 +1,1 @@
-"""What users do with an analysis: run it, show it, draw it, exchange it."""
+"""Studies of a pair: analysis, design, optimisation, wear, reports, pictures, comparison of solvers, command line."""

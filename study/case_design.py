@@ -1,4 +1,4 @@
-"""From a design to a whole case: blanks, Formate or generated gear, a pinion fitted to the ease-off of both sides."""
+"""Case design: blanks, gear and a pinion fitted to the wanted ease-off of both sides, as a case."""
 
 from __future__ import annotations
 
@@ -24,57 +24,57 @@ from ..geometry.pair.ease_off import exact_ease_off
 from ..geometry.pair.gear_pair import FlankName, bodies, grid
 
 Array = NDArray[Any]
-NODES = (15, 11)
-NARROW = 0.2  # top land over module below which a tooth counts as narrow
-UNDERCUT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
-COARSE_FIT = 0.1  # of the target's range, above which the fit is said to miss it
+EASE_OFF_NODES = (15, 11)
+TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
+UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
+RESIDUAL_LIMIT = 0.1  # over the target's range; a larger residual misses the target
 
 
 @dataclass(frozen=True)
 class SideReport:
-    """What the fit of one pinion flank came to.
+    """Fit of one pinion flank to the wanted ease-off.
 
     Parameters
     ----------
     moved
         Start and end of every free setting [mm, rad or per rad].
-    left
+    residual
         Ease-off less target at the nodes of the fit (n), up to a rotation of the gear [mm].
     wanted_range
         Range of the target over the gear flank [mm].
-    greatest_ease_off
-        Greatest ease-off over the common flank [mm].
+    largest_ease_off
+        Largest ease-off over the common flank [mm].
     common_flank
         Share of the gear flank that the pinion meets.
     uncut
         Share of the pinion's flank that is undercut or out of the cutter's reach.
     root_gap
-        How far above the root cone the pinion's blade tip stays at toe, middle and heel (3) [mm]; negative where it
-        cuts deeper.
+        Height of the pinion's blade tip above the root cone at toe, middle and heel (3) [mm]; negative where it cuts
+        deeper.
     """
 
     moved: Mapping[str, tuple[float, float]]
-    left: Array
+    residual: Array
     wanted_range: float
-    greatest_ease_off: float
+    largest_ease_off: float
     common_flank: float
     uncut: float
     root_gap: Array
 
     @property
-    def greatest_left(self) -> float:
-        """Greatest part of the ease-off the settings could not give [mm]."""
-        return float(np.abs(self.left).max())
+    def largest_residual(self) -> float:
+        """Largest residual [mm]."""
+        return float(np.abs(self.residual).max())
 
     @property
-    def rms_left(self) -> float:
-        """Root mean square of it [mm]."""
-        return float(np.sqrt(np.mean(self.left**2)))
+    def rms_residual(self) -> float:
+        """Root mean square of the residual [mm]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
 
 
 @dataclass(frozen=True)
 class DesignReport:
-    """What a designer wants to know of a design beyond its case file.
+    """Report of a design: blanks, fits and warnings.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class DesignReport:
     sides
         The fits of drive and coast side.
     warnings
-        What is doubtful, in sentences.
+        Doubtful points, a sentence each.
     """
 
     blank: BlankDimensions
@@ -92,12 +92,12 @@ class DesignReport:
 
 
 def design_case(design: Design) -> tuple[Case, DesignReport]:
-    """Make a whole case from a design.
+    """Design a pair: a case with all four flanks.
 
     Parameters
     ----------
     design
-        A checked design, see ``cases.read_design``.
+        A design, see ``easeoff.cases.read_design``.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         case = _case(design, designed)
     except ValidationError as error:
         raise GeometryError(
-            "this design leads to values that a case file does not allow; change its basic data or its target:\n"
+            "the design gives values that a case file does not allow; change its basic data or its target:\n"
             + mistakes(Case, error)
         ) from error
     return case, _report(design, designed)
@@ -176,18 +176,18 @@ def _case(design: Design, designed: PairDesign) -> Case:
 def _report(design: Design, designed: PairDesign) -> DesignReport:
     sides = {side: _side(design, designed, side) for side in SIDES}
     warnings = [
-        f"{side}: the settings leave {1e3 * item.greatest_left:.1f} um of the wanted ease-off; free other settings of "
-        "the pinion with free_settings, or ask for another form"
+        f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; free other settings of "
+        "the pinion with free_settings, or change the target"
         for side, item in sides.items()
-        if item.greatest_left > max(1e-3, COARSE_FIT * item.wanted_range)
+        if item.largest_residual > max(1e-3, RESIDUAL_LIMIT * item.wanted_range)
     ]
     warnings += [
         f"{side}: {100 * item.uncut:.0f} % of the pinion's flank, at its root, is undercut or out of the cutter's reach"
         for side, item in sides.items()
-        if item.uncut > UNDERCUT
+        if item.uncut > UNDERCUT_LIMIT
     ]
     warnings += [
-        f"{side}: the tips of the pinion's blades run up to {np.abs(item.root_gap).max():.2f} mm off its root cone; "
+        f"{side}: the pinion's blade tips deviate up to {np.abs(item.root_gap).max():.2f} mm from its root cone; "
         "follow_root = true in [pinion] lets the fit tilt the cutter"
         for side, item in sides.items()
         if np.abs(item.root_gap).max() > designed.blank.clearance
@@ -197,16 +197,16 @@ def _report(design: Design, designed: PairDesign) -> DesignReport:
 
 def _side(design: Design, designed: PairDesign, side: Literal["drive", "coast"]) -> SideReport:
     pair, fit = designed.pair(side), designed.pinion[side]
-    t, h = grid(NODES)
+    t, h = grid(EASE_OFF_NODES)
     found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     inside = found.status == NodeStatus.INSIDE
     gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
     wanted = ease_off_target(getattr(design.target, side))(*np.meshgrid(t, h, indexing="ij"))
     return SideReport(
         moved=fit.moved,
-        left=fit.residual,
+        residual=fit.residual,
         wanted_range=float(np.ptp(wanted)),
-        greatest_ease_off=float(gap.max()),
+        largest_ease_off=float(gap.max()),
         common_flank=float(inside.mean()),
         uncut=float(np.mean(np.isin(pair.pinion.flank(t, h).status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION)))),
         root_gap=fit.root_gap,
@@ -214,7 +214,7 @@ def _side(design: Design, designed: PairDesign, side: Literal["drive", "coast"])
 
 
 def _narrow(designed: PairDesign) -> list[str]:
-    """Members whose teeth have a narrow top land, or that have no teeth at all between these flanks."""
+    """Warnings of narrow top lands, or of members that have no tooth between their flanks."""
     try:
         both = bodies(designed.pair())
     except GeometryError as error:
@@ -222,6 +222,6 @@ def _narrow(designed: PairDesign) -> list[str]:
     found = []
     for name, body in zip(("pinion", "gear"), both, strict=True):
         for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
-            if thickness < NARROW * designed.blank.mean_normal_module:
+            if thickness < TOP_LAND_LIMIT * designed.blank.mean_normal_module:
                 found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")
     return found

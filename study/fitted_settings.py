@@ -1,4 +1,4 @@
-"""Machine settings that cut a modification of the ease-off: the pinion fitted to the present one with the addition."""
+"""Fitted settings: machine settings of the pinion that realise a modification of the ease-off."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class _Wanted:
-    """The ease-off of a pair, and a modification."""
+    """Ease-off of a pair with a modification, as a target of the fit."""
 
     pair: GearPair
     modification: Modification
 
     def __call__(self, lengthwise: Array, profile: Array) -> Array:
-        """Wanted ease-off (n) [mm] at fractions (n)."""
+        """Wanted ease-off (n) [mm] at lengthwise and profile fractions (n)."""
         gear = self.pair.gear
         flank = solve_flank(gear.loaded, gear.section, *gear.section.points(lengthwise, profile))
         now = exact_ease_off(flank, self.pair.pinion.loaded, self.pair.pinion.section, self.pair.assembly)
@@ -38,7 +38,7 @@ class _Wanted:
 
 
 def recorded_modification(tree: xr.DataTree) -> Modification:
-    """The modification of a result of ``optimize``."""
+    """Modification of a result of ``optimize``."""
     terms = tree["modification"].to_dataset()["coefficient"]
     return Modification({str(k): float(v) for k, v in zip(terms["term"].values, terms.values, strict=True)})
 
@@ -46,30 +46,38 @@ def recorded_modification(tree: xr.DataTree) -> Modification:
 def fit_modification(
     case: Case, modification: Modification, *, flank: FlankName = "drive", free: Sequence[str] | None = None
 ) -> tuple[Case, Synthesis]:
-    """Fit the pinion's settings to the present ease-off with a modification.
+    """Fit the pinion's settings to the ease-off of a case with a modification.
 
     Parameters
     ----------
     case
         A checked case.
     modification
-        What shall be added to the ease-off.
+        Addition to the ease-off.
     flank
-        ``drive``: the pinion's concave flank is cut anew; ``coast``: the convex one.
+        ``drive`` fits the pinion's concave flank, ``coast`` its convex one.
     free
-        Settings that may move; ``geometry.design.synthesis.FREE_SETTINGS`` if left out.
+        Settings that may move; those of ``fit_pinion`` if left out.
 
     Returns
     -------
     Case
-        The case with the fitted flank of the pinion. A target that it records for this side is dropped.
+        The case with the fitted flank of the pinion. A target recorded for this side is dropped.
     Synthesis
-        Which settings moved, and what is left.
+        The moved settings and the residual.
 
     Raises
     ------
     InputError, GeometryError
-        As ``geometry.fit_pinion``.
+        As ``easeoff.geometry.fit_pinion``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> from easeoff.geometry import Modification
+    >>> fitted, fit = fit_modification(read_case("nasa-12x36"), Modification({"lengthwise_crowning": 5.0}))
+    >>> fit.rms < 1e-3
+    True
     """
     pair = gear_pair(case, flank)
     found = fit_pinion(pair, _Wanted(pair, modification), free=free)

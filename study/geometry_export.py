@@ -1,4 +1,4 @@
-"""The geometry of a case as a file: points for measuring machines, surfaces for CAD, meshes."""
+"""Geometry export: measuring points, CAD surfaces and meshes of a case's teeth as files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SURFACE_NODES = (61, 31)  # splines through them are within 0.02 um of the flank
 
 
 def pair_of(case: Case) -> GearPair:
-    """The pair of a case, from whichever side it describes, the drive side first."""
+    """Pair of a case, seen from the drive side, or from the coast side if only that is described."""
     described = case.pinion.concave is not None and case.gear.convex is not None
     return gear_pair(case, "drive" if described else "coast")
 
@@ -40,14 +40,28 @@ def export_points(
     columns: int = 9,
     margins: EdgeMargins | None = None,
 ) -> str:
-    """Write the measuring points of a member; returns what was written.
+    """Write the measuring points of a member.
+
+    Parameters
+    ----------
+    case, path, member, flank
+        As in ``export``.
+    rows, columns
+        Points from root to tip and from toe to heel.
+    margins
+        Margins at the edges of the flank; a tenth of face width and depth if left out.
+
+    Returns
+    -------
+    str
+        Description of what was written.
 
     Raises
     ------
     InputError
-        If the grid or a margin cannot be used, the case does not know the flank, or the file cannot be written.
+        If the grid or a margin cannot be used, the case does not describe the flank, or the file cannot be written.
     GeometryError
-        If a point of the grid is no point of the flank.
+        If a point of the grid is not on the flank.
     """
     pair = pair_of(case)
     points = cmm_points(
@@ -56,7 +70,9 @@ def export_points(
     known = [str(name) for name in points["flank"].values]
     if flank != "both":
         if flank not in known:
-            raise InputError(f"flank = {flank!r}: the case describes only the {known[0]} flank of the {member}")
+            raise InputError(
+                f"flank = {flank!r}: must be {known[0]}, the only flank of the {member} that the case describes"
+            )
         points = points.sel(flank=[flank])
         known = [flank]
     write_cmm_points(points, path)
@@ -72,7 +88,21 @@ def export_surfaces(
     teeth: int | None = 1,
     nodes: tuple[int, int] = SURFACE_NODES,
 ) -> str:
-    """Write the surface of one or more teeth, with ``teeth = None`` of all of them; returns what was written.
+    """Write the surface of one or more teeth of a member.
+
+    Parameters
+    ----------
+    case, path, member, flank
+        As in ``export``; ``both`` flanks also write the other surfaces of the tooth.
+    teeth
+        Number of teeth; ``None`` for all.
+    nodes
+        Nodes of a flank, lengthwise and along the profile.
+
+    Returns
+    -------
+    str
+        Description of what was written.
 
     Raises
     ------
@@ -90,7 +120,7 @@ def export_surfaces(
     number = named_member(pair, member).teeth
     wanted = number if teeth is None else teeth
     if not 1 <= wanted <= number:
-        raise InputError(f"teeth = {wanted}: the {member} has {number}")
+        raise InputError(f"teeth = {wanted}: must lie between 1 and {number}, the teeth of the {member}")
     patches = tooth_patches(pair, member, nodes)
     if flank != "both":
         patches = {name: points for name, points in patches.items() if name.startswith(flank)}
@@ -103,7 +133,7 @@ def export_surfaces(
 
 
 def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, options: dict[str, Any]) -> str:
-    """Write the file whose kind its suffix tells; returns what was written.
+    """Write measuring points, CAD surfaces or a mesh of a member, as the suffix of the file says.
 
     Parameters
     ----------
@@ -114,27 +144,42 @@ def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, optio
     member
         ``pinion`` or ``gear``.
     flank
-        Which flanks.
+        Flank to write.
     options
-        What was asked for: ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces.
+        ``rows``, ``columns`` and ``margins`` of points, ``teeth`` and ``nodes`` of surfaces.
+
+    Returns
+    -------
+    str
+        Description of what was written.
 
     Raises
     ------
     InputError
-        If no format has this suffix, or an option belongs to another one; and as the two functions above.
+        If no format has the suffix, an option is for another format, or as ``export_points`` and ``export_surfaces``.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.cases import read_case
+    >>> with TemporaryDirectory() as folder:
+    ...     export(read_case("nasa-12x36"), Path(folder) / "gear.csv", "gear", "convex", {"rows": 3})
+    '3 x 9 points of the gear, convex flank'
     """
     suffix = path.suffix.lower()
     surfaces = (*STEP_SUFFIXES, *MESH_SUFFIXES)
     if suffix not in (*POINT_SUFFIXES, *surfaces):
         raise InputError(
-            f"{path}: the suffix decides what is written: {', '.join(POINT_SUFFIXES)} for measuring points, "
+            f"{path}: suffix = {suffix!r}: must be {', '.join(POINT_SUFFIXES)} for measuring points, "
             f"{', '.join(surfaces)} for surfaces"
         )
     points = suffix in POINT_SUFFIXES
     foreign = set(options) & ({"teeth", "nodes"} if points else {"rows", "columns", "margins"})
     if foreign:
         kind = "surfaces" if points else "measuring points"
-        raise InputError(f"{', '.join(f'--{name}' for name in sorted(foreign))}: for {kind}, not for a {suffix} file")
+        raise InputError(
+            f"{', '.join(f'--{name}' for name in sorted(foreign))}: must go with {kind}, not with a {suffix} file"
+        )
     check_writable(path)
     write = export_points if points else export_surfaces
     return write(case, path, member, flank, **options)

@@ -1,4 +1,4 @@
-"""Results on disk: one netCDF-4 file with a group a stage, complete or not there at all."""
+"""Result of an analysis as a netCDF-4 file, a group a stage."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from pathlib import Path
 import xarray as xr
 
 from ..core.errors import InputError
-from ..core.files import require_file, whole_file
+from ..core.files import netcdf_reading, whole_file
 
 GROUPS = ("flanks", "ease_off", "teeth", "unloaded", "loaded")
 
 
 def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
-    """Write an analysis to a netCDF-4 file.
+    """Write a result to a netCDF-4 file.
 
     Parameters
     ----------
     tree
-        What ``analyze`` returned.
+        Result of ``analyze`` or ``optimize``.
     path
         The file, replaced if it exists; missing folders are made.
 
@@ -27,6 +27,16 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     ------
     InputError
         If the file cannot be written; nothing is left behind then.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     easeoff.write_result(tree, f"{folder}/nasa.nc")
+    ...     easeoff.read_result(f"{folder}/nasa.nc").identical(tree)
+    True
     """
     encoding = {
         node.path: {
@@ -42,25 +52,36 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
 
 
 def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Read an analysis; the file is closed again.
+    """Read a result from a netCDF-4 file, which is closed again.
 
     Parameters
     ----------
     path
-        A file written by ``write_result``.
+        A file written by ``write_result`` or ``easeoff run``.
+
+    Returns
+    -------
+    xr.DataTree
+        Groups and variables as described in the page ``docs/results.md``.
 
     Raises
     ------
     InputError
         If there is no such file, or it is no result of this package.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     easeoff.write_result(easeoff.analyze("nasa-12x36", torques=[100.0]), f"{folder}/nasa.nc")
+    ...     tree = easeoff.read_result(f"{folder}/nasa.nc")
+    >>> tree["loaded/peak_to_peak"].attrs["units"]
+    'urad'
     """
     source = Path(path)
-    require_file(source)
-    try:
-        with xr.open_datatree(source, engine="netcdf4") as opened:
-            tree = opened.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{source} is not a netCDF file that can be read: {error}") from error
+    with netcdf_reading(source), xr.open_datatree(source, engine="netcdf4") as opened:
+        tree = opened.load()
     missing = [name for name in GROUPS if name not in tree.children]
     if "easeoff_version" not in tree.attrs or missing:
         raise InputError(

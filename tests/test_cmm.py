@@ -272,17 +272,17 @@ def test_command_writes_the_points_of_a_case(tmp_path: Path, pair: GearPair) -> 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["x.csv", "--teeth", "2"], "--teeth: for surfaces, not for a .csv file"),
-        (["x.stl", "--rows", "5"], "--rows: for measuring points, not for a .stl file"),
+        (["x.csv", "--teeth", "2"], "--teeth: must go with surfaces, not with a .csv file"),
+        (["x.stl", "--rows", "5"], "--rows: must go with measuring points, not with a .stl file"),
         (["x.xyz"], ".csv, .nc for measuring points, .step, .stp, .stl, .vtk, .vtu for surfaces"),
-        (["x.csv", "--margins", "top=1"], "known are toe, heel, root, tip"),
+        (["x.csv", "--margins", "top=1"], "must be one of toe, heel, root, tip"),
         (["x.csv", "--margins", "toe"], "toe=3,root=1.2"),
         (["x.csv", "--margins", "toe=30"], "leave nothing of the flank"),
         (["x.stl", "--nodes", "61"], "61x31"),
         (["x.stl", "--nodes", "3x3"], "between 5 and 1001"),
         (["x.stl", "--teeth", "few"], "a number of teeth, or all"),
-        (["x.stl", "--teeth", "13"], "teeth = 13: the pinion has 12"),
-        (["x.stl", "--teeth", "0"], "teeth = 0: the pinion has 12"),
+        (["x.stl", "--teeth", "13"], "teeth = 13: must lie between 1 and 12"),
+        (["x.stl", "--teeth", "0"], "teeth = 0: must lie between 1 and 12"),
     ],
 )
 def test_mistakes_give_one_message_and_no_file(arguments: list[str], words: str, tmp_path: Path) -> None:
@@ -302,4 +302,4 @@ def test_flank_a_case_does_not_describe_is_refused(tmp_path: Path) -> None:
     options = ["-o", str(tmp_path / "x.csv"), "--member", "gear", "--flank", "concave"]
     done = CliRunner().invoke(main, ["export", str(tmp_path / "one.toml"), *options])
     assert done.exit_code == 2
-    assert "describes only the convex flank of the gear" in done.output
+    assert "flank = 'concave': must be convex, the only flank of the gear" in done.output

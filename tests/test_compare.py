@@ -30,7 +30,7 @@ from easeoff.study.compare import compare, read_table, worker, write_comparison,
 from easeoff.study.compare.attempt import attempt, load_adapter
 from easeoff.study.compare.comparison import CHECKPOINT
 from easeoff.study.compare.comparison_figures import draw_growth, draw_profiles
-from easeoff.study.compare.comparison_report import report
+from easeoff.study.compare.comparison_report import comparison_report
 from easeoff.study.compare.comparison_statistics import by_problem, growth, performance_profile, shifted_geometric_mean
 from easeoff.study.compare.comparison_table import RESIDUALS
 from easeoff.verification.problem_classes import problems
@@ -356,7 +356,7 @@ def test_report_counts_claims_against_certificates(dataset: xr.Dataset, written:
 
 
 def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> None:
-    text = report(lies)
+    text = comparison_report(lies)
     success, times = cells(text, "Who was right"), cells(text, "Run time")
     assert counts(success[("fake_solvers:lie", "default", "cold")]) == (2, 2, 2, 2, 2, 0, 0)
     for settings in ("unpolished", "raw"):
@@ -397,7 +397,7 @@ def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) ->
     # Lemke's method needs no package of its own, and no settings.
     assert rows(table, "lemke")["certified"].all()
     assert set(rows(table, "lemke")["settings"]) == {"default", "unpolished", "raw"}
-    text = report(table)
+    text = comparison_report(table)
     by_kind = cells(text.replace("Certified, by kind of problem:", "## kinds"), "kinds")
     wanted = {"easy": "1 of 1", "hard": "2 of 2"}
     assert {kind: by_kind[("lemke", "raw", "cold")][kind] for kind in wanted} == wanted
@@ -408,13 +408,13 @@ def test_report_says_which_problems_failed(dataset: xr.Dataset, written: list[Pa
     failures = cells((folder / "report.md").read_text(encoding="utf-8"), "Failures")
     assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "two.nc 0, two.nc 1"
     named = dataset.assign(problem_name=dataset["problem"].astype(str).astype(object) + " of many")
-    failures = cells(report(named), "Failures")
+    failures = cells(comparison_report(named), "Failures")
     assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "0 of many, 1 of many"
 
 
 def test_without_kinds_the_report_has_no_table_of_kinds(lies: xr.Dataset) -> None:
     assert set(lies["kind"].values) == {""}
-    assert "by kind" not in report(lies)
+    assert "by kind" not in comparison_report(lies)
 
 
 def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: list[Path], folder: Path) -> None:
@@ -437,7 +437,7 @@ def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: lis
 
 def test_report_of_failures_that_are_none(dataset: xr.Dataset) -> None:
     decent = dataset.isel(attempt=np.isin(dataset["solver"].values, ["native"]))
-    assert "every attempt is certified" in report(decent)
+    assert "every attempt is certified" in comparison_report(decent)
 
 
 def test_profile_counts_the_problems_of_files_of_different_length(dataset: xr.Dataset) -> None:
@@ -527,13 +527,13 @@ def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_
     ("arguments", "words"),
     [
         (["{file}", "--solvers", "magic"], ["magic", "native", "clarabel"]),
-        (["{file}", "--solvers", ","], ["no solvers"]),
+        (["{file}", "--solvers", ","], ["solvers = []", "native"]),
         (["{file}", "--solvers", "nowhere_at_all:solve"], ["nowhere_at_all", "no module"]),
         (["{file}", "--solvers", "fake_solvers:sleep"], ["fake_solvers:sleep", "cannot be loaded", "sleep"]),
         (["{file}", "--solvers", "fake_solvers:"], ["fake_solvers:"]),
         (["{file}", "--repetitions", "0"], ["repetitions = 0", "1"]),
-        (["{file}", "--time-limit", "-1"], ["time limit = -1"]),
-        (["{file}", "--time-limit", "nan"], ["time limit = nan"]),
+        (["{file}", "--time-limit", "-1"], ["time_limit = -1"]),
+        (["{file}", "--time-limit", "nan"], ["time_limit = nan"]),
         (["{file}", "--tolerance", "2"], ["tolerance = 2"]),
         (["{tmp}/none.nc"], ["none.nc", "no such file"]),
         (["{tmp}/text.nc"], ["text.nc", "not a netCDF file"]),
@@ -615,5 +615,5 @@ def test_test_set_holds_the_scaled_problems(file: Path, tmp_path: Path, monkeypa
         assert problem.ub is None
         for part in ("P", "q", "A", "b", "lb"):
             np.testing.assert_array_equal(getattr(problem, part), getattr(scaled, part))
-    with pytest.raises(InputError, match="no contact problems"):
+    with pytest.raises(InputError, match="must hold at least one contact problem"):
         write_test_set([], tmp_path)

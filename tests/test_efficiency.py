@@ -27,7 +27,7 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
 from easeoff.study.cli import main
-from easeoff.study.report.result_summary import summary, uncertified
+from easeoff.study.report.result_summary import result_summary, uncertified
 
 DOCS = Path(__file__).parents[1] / "docs"
 POSITIONS = 6
@@ -700,13 +700,13 @@ def test_mistakes_on_the_command_line(tmp_path: Path, options: list[str], messag
 def test_report_with_feedback_says_so(tree: xr.DataTree, fed_back: xr.Dataset) -> None:
     whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": fed_back})
     whole.attrs = tree.attrs
-    assert "fed back to the forces: oil 75w90" in summary(whole)
+    assert "fed back to the forces: oil 75w90" in result_summary(whole)
 
 
 def test_a_long_report_names_the_extremes(tree: xr.DataTree, result: xr.Dataset) -> None:
     whole = xr.DataTree.from_dict({**tree.to_dict(), "/friction": result})
     whole.attrs = tree.attrs
-    text = summary(whole)
+    text = result_summary(whole)
     assert result["efficiency"].size == 54
     assert "... and 14 more" in text
     for word, value in (("least", result["efficiency"].min()), ("greatest", result["efficiency"].max())):

@@ -375,13 +375,14 @@ def test_rows_of_another_version_or_broken_ones_are_computed_again(
     path, store = tmp_path / "x.nc", tmp_path / "x.nc.rows"
     run_study(path, design=SMALL)
     assert len(calls) == 8
-    entries = [json.loads(line) for line in store.read_text().splitlines() if line]
-    entries[0]["row"] = {}
-    entries[1]["row"]["status"] = None
-    entries[2]["row"]["status"] = 77
-    entries[3]["row"] = 5
-    entries[4]["row"]["film_friction"] = "x"
-    store.write_text("\n".join(["3", "[1]", "null", *map(json.dumps, entries)]))
+    header, *lines = store.read_text().splitlines()
+    entries = [json.loads(line) for line in lines]
+    entries[0]["record"] = {}
+    entries[1]["record"]["status"] = None
+    entries[2]["record"]["status"] = 77
+    entries[3]["record"] = 5
+    entries[4]["record"]["film_friction"] = "x"
+    store.write_text("\n".join([header, "3", "[1]", "null", *map(json.dumps, entries)]))
     assert (run_study(path, design=SMALL)["status"] == Status.CERTIFIED).all()
     assert len(calls) == 13
     run_study(path, design=SMALL)

@@ -36,7 +36,7 @@ from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.lattice_spacing import graded
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
-from easeoff.study.report.result_summary import summary
+from easeoff.study.report.result_summary import result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)
@@ -319,7 +319,7 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     history = stress["root_stress_history"].max(["mesh_position", "pair"])
     np.testing.assert_array_equal(stress["max_root_stress"], history)
     np.testing.assert_allclose(stress["root_stress"].max("lengthwise"), history, rtol=0.05)
-    shown = summary(tree).splitlines()
+    shown = result_summary(tree).splitlines()
     expected = ["300", *(f"{value:.0f}" for value in stress["max_root_stress"].values[0])]
     assert shown[-1].split() == expected
 

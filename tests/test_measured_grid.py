@@ -267,7 +267,7 @@ def test_the_command_line_takes_measured_grids(tmp_path: Path) -> None:
         tree["loaded"]["transmission_error"].values, by_python["loaded"]["transmission_error"].values
     )
     for text, message in (
-        ("gear.csv", "give pinion=FILE or gear=FILE"),
+        ("gear.csv", "must be pinion=FILE or gear=FILE"),
         ("gear=nowhere", "there is no such file"),
         (f"pinion={tmp_path / 'gear.csv'}", "no points of the concave flank"),
     ):

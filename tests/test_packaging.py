@@ -36,9 +36,13 @@ def test_examples_in_docstrings_work() -> None:
     assert tried > 3
 
 
-def test_public_names_are_there() -> None:
+def test_public_names_are_there_and_shown() -> None:
     for name in easeoff.__all__:
         assert getattr(easeoff, name) is not None
+    shown = [name for name in dir(easeoff) if not name.startswith("_")]
+    assert shown == sorted(easeoff.__all__)
+    assert {"analyze", "contact", "friction", "geometry", "read_case", "verification"} <= set(shown)
+    assert doctest.testmod(easeoff).failed == 0
 
 
 @pytest.mark.parametrize("pip", [True, False])

@@ -17,8 +17,8 @@ from easeoff.cases.reading import shipped_cases
 from easeoff.geometry import Modification
 from easeoff.study.cli import main
 from easeoff.study.plot.page import small_print
-from easeoff.study.report.plausibility import LEAST_COMMON, MOST_EASE_OFF, MOST_PRESSURE, plausibility
-from easeoff.study.report.result_summary import summary
+from easeoff.study.report.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT, plausibility
+from easeoff.study.report.result_summary import result_summary
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
 
@@ -44,13 +44,13 @@ def wide(by: float) -> xr.DataTree:
 
     def change(ease_off: xr.Dataset) -> xr.Dataset:
         gap = ease_off["ease_off"].where(ease_off["inside"] == 1)
-        return ease_off.assign(ease_off=ease_off["ease_off"] * float(by * MOST_EASE_OFF / gap.max()))
+        return ease_off.assign(ease_off=ease_off["ease_off"] * float(by * EASE_OFF_LIMIT / gap.max()))
 
     return changed("ease_off", change)
 
 
 def pressed(by: float) -> xr.DataTree:
-    return changed("loaded", lambda loaded: loaded.assign(max_pressure=("torque", [by * MOST_PRESSURE])))
+    return changed("loaded", lambda loaded: loaded.assign(max_pressure=("torque", [by * PRESSURE_LIMIT])))
 
 
 def shared(by: float) -> xr.DataTree:
@@ -58,7 +58,7 @@ def shared(by: float) -> xr.DataTree:
 
     def change(ease_off: xr.Dataset) -> xr.Dataset:
         inside = np.zeros(ease_off["inside"].size, dtype=np.int8)
-        inside[: round(by * LEAST_COMMON * inside.size)] = 1
+        inside[: round(by * COMMON_FLANK_LIMIT * inside.size)] = 1
         return ease_off.assign(inside=(ease_off["inside"].dims, inside.reshape(ease_off["inside"].shape)))
 
     return changed("ease_off", change)
@@ -83,7 +83,7 @@ def test_each_limit_has_its_note(
 ) -> None:
     (note,) = plausibility(made(beyond))
     assert words in note
-    assert note in summary(made(beyond))
+    assert note in result_summary(made(beyond))
     assert plausibility(made(within)) == []
 
 
@@ -100,7 +100,7 @@ def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path:
 
 
 def test_departures_from_the_design_are_in_report_and_small_print() -> None:
-    nothing = summary(plain()) + " ".join(small_print(plain().attrs))
+    nothing = result_summary(plain()) + " ".join(small_print(plain().attrs))
     assert "deviating" not in nothing
     assert "modified" not in nothing
     deviations = {m: f"fm-11x41-worn-{m}" for m in ("pinion", "gear")}
@@ -108,14 +108,14 @@ def test_departures_from_the_design_are_in_report_and_small_print() -> None:
     tree = easeoff.analyze(coarse("fm-11x41"), deviations=deviations, modification=modified)  # type: ignore[arg-type]
     pinion = f"pinion up to {tree.attrs['largest_deviation_pinion_um']:.3g} um, gear up to"
     for words in (pinion, "ease-off updated", "lengthwise crowning +5 um, bias -2 um"):
-        assert words in summary(tree)
+        assert words in result_summary(tree)
         assert words.replace(" um", " µm").replace(" -", " −") in " ".join(small_print(tree.attrs))
 
 
 def test_show_says_that_a_closest_approach_was_searched_for() -> None:
-    note = "flanks bend over so short a way that their closest approach was searched for"
-    assert note not in summary(plain())
-    found = summary(changed("loaded", lambda loaded: loaded.assign_attrs(searched_segments=3)))
+    note = "curvature of the flanks changes so quickly that the closest approach was searched for"
+    assert note not in result_summary(plain())
+    found = result_summary(changed("loaded", lambda loaded: loaded.assign_attrs(searched_segments=3)))
     assert note in found
     segments = int(np.isfinite(plain()["loaded"].to_dataset()["length"].values[0]).sum())
     assert f"at 3 of {segments} segments" in found

@@ -25,9 +25,9 @@ from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
 from easeoff.study.plot import FRICTION_PICTURES, PICTURES, write_pictures
 from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
-from easeoff.study.plot.contours import (
+from easeoff.study.plot.contour_labels import (
     drop_short,
-    label_places,
+    label_points,
     outlined,
     points_per_unit,
     triangulated,
@@ -40,7 +40,7 @@ from easeoff.study.plot.friction_maps import GRID, loaded_map, roughness_name, v
 from easeoff.study.plot.load_share_chart import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.page import evenly_chosen, small_print
 from easeoff.study.plot.pressure_map import Line, loaded_part, pressure_map, surface
-from easeoff.study.plot.tooth_passage import envelope, pairs_in_view, passage
+from easeoff.study.plot.tooth_passage import envelope, pairs_in_view, tooth_passage
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
 from easeoff.study.plot.transmission_error_chart import two_cycles, unloaded_curves
@@ -235,7 +235,7 @@ def test_flank_is_drawn_true_to_scale(tree: xr.DataTree, view: ToothView) -> Non
     position = flanks["position"].sel(member="gear").values
     section = np.stack([position[..., 2], np.hypot(position[..., 0], position[..., 1])])
     grid = np.stack(np.meshgrid(flanks["lengthwise"], flanks["profile"], indexing="ij"))
-    drawn = view.place(grid)
+    drawn = view.in_plane(grid)
     for axis in (1, 2):
         np.testing.assert_allclose(
             np.linalg.norm(np.diff(drawn, axis=axis), axis=0),
@@ -256,7 +256,7 @@ def test_common_flank_holds_the_usable_nodes_and_no_others(tree: xr.DataTree, vi
     grid = np.stack(np.meshgrid(ease_off["lengthwise"], ease_off["profile"], indexing="ij"))
     distance = boundary_distance(view.fields, grid)
     clear = np.abs(distance) > 0.02  # farther from the boundary than the fine grid resolves
-    enclosed = view.outline(view.common).contains_points(view.place(grid).reshape(2, -1).T, radius=1e-6)
+    enclosed = view.outline(view.common).contains_points(view.in_plane(grid).reshape(2, -1).T, radius=1e-6)
     np.testing.assert_array_equal(enclosed.reshape(distance.shape)[clear], distance[clear] > 0.0)
 
 
@@ -289,7 +289,7 @@ def test_passage_joins_the_pairs_without_a_break() -> None:
     """A parabola of the pinion's rotation, cut into cycles, comes back as one parabola."""
     per_cycle, pairs = 8, np.array([-1, 0, 1])
     rotation = np.arange(per_cycle)[None, :] - per_cycle * pairs[:, None]
-    course = passage(pairs, 0.1 * (rotation - 4.0) ** 2)
+    course = tooth_passage(pairs, 0.1 * (rotation - 4.0) ** 2)
     np.testing.assert_allclose(course.values, 0.1 * (course.steps - 4.0) ** 2)
     times = np.linspace(0.0, 2.0, 2 * per_cycle + 1)
     lowest = envelope(course, times)
@@ -299,7 +299,7 @@ def test_passage_joins_the_pairs_without_a_break() -> None:
 
 
 def test_values_beside_missing_ones_are_kept_and_nothing_is_made_up() -> None:
-    course = passage(np.array([0]), np.array([[1.0, np.nan, 3.0, 4.0]]))
+    course = tooth_passage(np.array([0]), np.array([[1.0, np.nan, 3.0, 4.0]]))
     np.testing.assert_array_equal(course.at(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 2.5, 3.0, 3.5])), [
         np.nan, 1.0, np.nan, np.nan, 3.0, 3.5, 4.0, np.nan,
     ])  # fmt: skip
@@ -393,11 +393,11 @@ def test_surface_is_nowhere_below_a_segment(tree: xr.DataTree, view: ToothView) 
         at_torque = loaded.isel(torque=index)
         shape = pressure_map(at_torque)
         assert shape.peak == pytest.approx(float(loaded["max_pressure"][index]))
-        drawn = view.place(shape.points)
+        drawn = view.in_plane(shape.points)
         mesh = Triangulation(drawn[0], drawn[1], shape.triangles)
         pressure = at_torque["pressure"].values
         carries = pressure > 1e-3 * shape.peak
-        places = view.place(np.stack([at_torque["lengthwise"].values, at_torque["profile"].values])[:, carries])
+        places = view.in_plane(np.stack([at_torque["lengthwise"].values, at_torque["profile"].values])[:, carries])
         at_segments = LinearTriInterpolator(mesh, shape.pressure)(places[0], places[1]).filled(np.nan)
         found = np.isfinite(at_segments)  # rounding may put a place on the rim just outside
         assert np.mean(found) > 0.95
@@ -408,20 +408,20 @@ def test_nothing_is_coloured_where_nothing_is_loaded(tree: xr.DataTree, view: To
     """Middles of unloaded segments lie outside the surface, but for those on the way to the next mesh position."""
     at_torque = tree["loaded"].to_dataset().isel(torque=0)
     shape = pressure_map(at_torque)
-    drawn = view.place(shape.points)
+    drawn = view.in_plane(shape.points)
     mesh = Triangulation(drawn[0], drawn[1], shape.triangles)
     free = at_torque["pressure"].values == 0.0
-    places = view.place(np.stack([at_torque["lengthwise"].values, at_torque["profile"].values])[:, free])
+    places = view.in_plane(np.stack([at_torque["lengthwise"].values, at_torque["profile"].values])[:, free])
     values = LinearTriInterpolator(mesh, shape.pressure)(places[0], places[1]).filled(0.0)
     assert np.max(values) < 0.05 * shape.peak
 
 
 def test_triangles_do_not_overlap(tree: xr.DataTree, view: ToothView) -> None:
     """No place on the flank lies in two triangles: there is one pressure everywhere."""
-    at = view.place(np.random.default_rng(1).random((2, 1000)))
+    at = view.in_plane(np.random.default_rng(1).random((2, 1000)))
     for index in range(tree["loaded"].sizes["torque"]):
         shape = pressure_map(tree["loaded"].to_dataset().isel(torque=index))
-        a, b, c = np.moveaxis(view.place(shape.points)[:, shape.triangles], -1, 0)[..., None]  # (2, m, 1) each
+        a, b, c = np.moveaxis(view.in_plane(shape.points)[:, shape.triangles], -1, 0)[..., None]  # (2, m, 1) each
 
         def turn(p: Array, q: Array) -> Array:
             """Which side of a side the places lie on, as a signed area (m, places)."""
@@ -507,7 +507,7 @@ def test_contour_lines_get_one_number_each_apart_and_inside() -> None:
     x, y = np.meshgrid(np.linspace(0, 40, 81), np.linspace(0, 10, 41))
     lines = axes.contour(x, y, y + 0.02 * x, levels=np.arange(1.0, 10.0))
     outline = Outline([[2, 1], [38, 1], [38, 6], [2, 6], [2, 1]])
-    places = np.array(label_places(axes, lines, outlined(outline), 7.0))
+    places = np.array(label_points(axes, lines, outlined(outline), 7.0))
     assert 4 <= len(places) <= 9
     assert np.all(outline.contains_points(places))
     levels = places[:, 1] + 0.02 * places[:, 0]
@@ -523,10 +523,10 @@ def test_crowded_contour_lines_get_no_numbers() -> None:
     x, y = np.meshgrid(np.linspace(0, 40, 81), np.linspace(0, 10, 401))
     outline = Outline([[0, 0], [40, 0], [40, 10], [0, 10], [0, 0]])
     crowded = axes.contour(x, y, y, levels=np.arange(0.5, 10.0, 0.1))  # 3 points apart
-    assert label_places(axes, crowded, outlined(outline), 7.0) == []
-    assert len(label_places(axes, axes.contour(x, y, y, levels=[5.0]), outlined(outline), 7.0)) == 1
+    assert label_points(axes, crowded, outlined(outline), 7.0) == []
+    assert len(label_points(axes, axes.contour(x, y, y, levels=[5.0]), outlined(outline), 7.0)) == 1
     narrow = Outline([[0, 4.9], [40, 4.9], [40, 5.1], [0, 5.1], [0, 4.9]])
-    assert label_places(axes, axes.contour(x, y, y, levels=[5.0]), outlined(narrow), 7.0) == []
+    assert label_points(axes, axes.contour(x, y, y, levels=[5.0]), outlined(narrow), 7.0) == []
 
 
 def test_lines_are_drawn_away_from_border_and_jumps() -> None:

@@ -127,14 +127,14 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--torque", "heavy"], "give a torque in N m"),
+        (["--torque", "heavy"], "must be a torque in N m"),
         (["--torque", "100=0.5,200=0.4"], "the shares add up to 0.9, not 1"),
-        (["--torque", "100=0.5,100=0.5"], "a second share of 100 N m"),
-        (["--coefficient", "1/2/3"], "give a coefficient in mm^2/N"),
+        (["--torque", "100=0.5,100=0.5"], "100 comes twice"),
+        (["--coefficient", "1/2/3"], "must be a coefficient in mm^2/N"),
         (["--coefficient", "1.0"], "1e-12 for a well lubricated gear"),
         (["--revolutions", "0"], "revolutions = 0.0: must be greater than zero"),
         (["-o", "worn.csv"], "ends in .nc"),
-        (["--deviation", "axle=worn.nc"], "give pinion=FILE or gear=FILE"),
+        (["--deviation", "axle=worn.nc"], "must be pinion=FILE or gear=FILE"),
         (["--deviation", "pinion=worn.nc"], "there is no such file"),
         (["--flank", "left"], "'left' is not one of 'drive', 'coast'"),
     ],
@@ -164,7 +164,7 @@ def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
     arguments = ["wear", "fm-11x41", "--torque", "200", "--revolutions", "1e8", "--largest-step", "1", "-o", str(out)]
     ended = CliRunner().invoke(main, arguments)
     assert ended.exit_code == 1
-    for part in ("contact lost: at 3.0 % of the points", "stopped before its time", "% of the revolutions"):
+    for part in ("contact lost: at 3.0 % of the points", "ended early", "% of the revolutions"):
         assert part in ended.output
     assert "easure" not in ended.output
     with xr.open_dataset(out, engine="netcdf4") as stored:

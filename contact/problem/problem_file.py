@@ -35,7 +35,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
-from ...core.files import require_file, whole_file
+from ...core.files import netcdf_reading, whole_file
 from .contact_problem import ContactProblem
 from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES
@@ -193,11 +193,8 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
 @contextlib.contextmanager
 def _opened(path: str | os.PathLike[str]) -> Any:
     """Open a file of contact problems, or say why it is none."""
-    require_file(path)
-    try:
+    with netcdf_reading(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False)
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{path} is not a netCDF file: {error}") from error
     with dataset:
         if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
             raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")

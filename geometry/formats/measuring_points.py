@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...core.attributes import labelled
 from ...core.errors import GeometryError, InputError
-from ...core.files import require_file, whole_file
+from ...core.files import netcdf_reading, require_file, whole_file
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus
 from ..pair.gear_pair import Member
@@ -293,13 +293,9 @@ def content(source: Path) -> str:
 
 
 def opened(source: Path) -> xr.Dataset:
-    """Read a netCDF file into memory. Raises InputError if it does not exist or is not netCDF."""
-    require_file(source)
-    try:
-        with xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
-            return file.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{source} is not a netCDF file that can be read: {error}") from error
+    """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
+    with netcdf_reading(source), xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
+        return file.load()
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:

@@ -1,6 +1,6 @@
-"""The command line, one module a command.
+"""Command line ``easeoff``: a module a group of commands.
 
-Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
+Each command imports what it needs when it runs, so that ``easeoff --help`` stays quick.
 """
 
 from __future__ import annotations
@@ -10,30 +10,24 @@ from typing import Any
 import click
 
 from ...core.errors import EaseoffError
-from .cases_command import cases
-from .compare_command import compare
-from .convert_command import convert
-from .correct_command import correct
-from .design_command import design
+from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
-from .export_command import export
-from .library_command import library
+from .geometry_commands import correct, export
 from .optimize_command import optimize
-from .plot_command import plot
-from .problems_command import problems
+from .result_commands import plot, show
 from .run_command import run
-from .show_command import show
+from .solver_commands import compare, library, problems
 from .wear_command import wear
 
 
 class _Mistake(click.ClickException):
-    """What the user can put right."""
+    """Mistake of the user, with its exit code."""
 
     exit_code = EXIT_MISTAKE
 
 
 class _Group(click.Group):
-    """Turns the package's own exceptions into one message and exit code 2."""
+    """Group of commands that turns the package's exceptions into one message and exit code 2."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
@@ -45,7 +39,11 @@ class _Group(click.Group):
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="easeoff")
 def main() -> None:
-    """Contact of spiral bevel and hypoid gears: from machine settings to certified loaded contact."""
+    """Contact of spiral bevel and hypoid gears, from machine settings to certified loaded contact.
+
+    'easeoff COMMAND --help' describes a command. CASE, in all of them, is the name of a shipped case or the path of a
+    case file.
+    """
 
 
 for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct, wear):

@@ -1,4 +1,4 @@
-"""What the commands that analyse a case have in common: their options, and the analysis with a progress bar."""
+"""Options of the commands that analyse a case, and the analysis with a progress bar."""
 
 from __future__ import annotations
 
@@ -6,64 +6,56 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import deviations, misalignment, torques
+from .options import MISALIGNMENT, deviation_option, flank_option, misalignment, torques
 
-# Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
+# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ...cases import Case
     from ..analysis import Analysis
 
 _PAIR = (
     click.argument("case"),
-    click.option(
-        "--flank",
-        type=click.Choice(["drive", "coast"]),
-        default="drive",
-        show_default=True,
-        help="Which flanks mesh: drive is pinion concave with gear convex.",
-    ),
+    flank_option,
     click.option(
         "--misalignment",
         callback=misalignment,
-        metavar="E=..,P=..,G=..,Sigma=..",
-        help="Assembly errors in mm (Sigma in degrees); the case's own if left out.",
+        metavar=MISALIGNMENT,
+        show_default="from the case",
+        help="Assembly errors in mm, Sigma in degrees.",
     ),
-    click.option(
-        "--deviation",
-        "deviations",
-        multiple=True,
-        callback=deviations,
-        metavar="MEMBER=FILE",
-        help="Departure of a member's flank from the designed one: a measured grid, a file or a shipped one, or a "
-        "file of easeoff wear; may be given for both.",
+    deviation_option(
+        "Deviation of a member's flank from the designed one: a measured grid (a file, or the name of a shipped one) "
+        "or a file of 'easeoff wear'. May be given for both members."
     ),
     click.option(
         "--interpolation",
         type=click.Choice(["spline", "smooth", "weighted_average"]),
-        help="Between the nodes of measured grids; smooth evens out their scatter.  [default: spline]",
+        show_default="spline",
+        help="Interpolation between the nodes of measured grids; smooth evens out their scatter.",
     ),
-    click.option("--solver", default="auto", show_default=True, help="Contact solver."),
+    click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver."),
 )
 _ANALYSIS = (
     click.option(
         "--edge-contact/--lines-only",
         "edge_contact",
         default=None,
-        help="Whether tooth edges may touch beside the contact lines; if left out as the case says, or with fe and "
-        "solid_shell.",
+        show_default="from the case; edges with the models fe and solid_shell",
+        help="Contact of tooth edges beside the contact lines, or of the lines only.",
     ),
     click.option(
         "--torque",
         "torques",
         callback=torques,
         metavar="T1,T2,...",
-        help="Torques at the pinion in N m; the case's own if left out.",
+        show_default="from the case",
+        help="Torques at the pinion in N m.",
     ),
     click.option(
         "--deviated",
         type=click.Choice(["ease_off", "surface"]),
-        help="Update the ease-off for the deviations, or compute with the deviating flanks themselves.  "
-        "[default: ease_off]",
+        show_default="ease_off",
+        help="How deviations are taken in: the ease-off is updated, or the deviating surfaces are computed.",
     ),
 )
 
@@ -71,7 +63,7 @@ DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 
 def pair_options(command: Any) -> Any:
-    """Add the argument CASE and what says in which state its pair is to a command."""
+    """Add the argument CASE and the options of its pair to a command: flank, misalignment, deviations, solver."""
     for option in reversed(_PAIR):
         command = option(command)
     return command
@@ -85,27 +77,27 @@ def analysis_options(command: Any) -> Any:
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
-    """The options with what stands for those that say how deviations are taken, where they are left out.
+    """Options with the defaults of ``--interpolation`` and ``--deviated`` filled in.
 
     Raises
     ------
     click.UsageError
-        If one of them is given and no deviation is.
+        If one of the two is given without ``--deviation``.
     """
     own = {name: value for name, value in DEVIATING.items() if name in options}
     for name in own:
         if options[name] is not None and not options["deviations"]:
-            raise click.UsageError(f"--{name} goes with --deviation: without one there is nothing that it changes")
+            raise click.UsageError(f"--{name} = {options[name]}: must go with --deviation")
     return options | {name: value for name, value in own.items() if options[name] is None}
 
 
 def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:
-    """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal.
+    """Analyse a case with a progress bar, shown only on a terminal.
 
     Parameters
     ----------
     case
-        A checked case, or the name or path of one.
+        A checked case, or its name or path.
     torques
         Torques at the pinion [N m]; the case's own if ``None``.
     **options

@@ -1,6 +1,6 @@
-"""Exit codes of the command line; 0 is a good end."""
+"""Exit codes of the command line; 0 is success."""
 
-#: An analysis has results that are not certified, or wear stopped before its time.
+#: The result holds uncertified values, or the wear ended early.
 EXIT_UNCERTIFIED = 1
-#: A mistake in what was asked for; one message says which.
+#: The user's mistake; one message says which.
 EXIT_MISTAKE = 2

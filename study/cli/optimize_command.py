@@ -1,4 +1,4 @@
-"""The command that finds the best low-order modification of the ease-off."""
+"""Command that optimises the ease-off of a case."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import misalignment, torques
+from .options import MISALIGNMENT, flank_option, misalignment, output_option, torques
 
 
 def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
@@ -18,62 +18,70 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 
 @click.command()
 @click.argument("case")
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
-@click.option(
-    "--flank",
-    type=click.Choice(["drive", "coast"]),
-    default="drive",
-    show_default=True,
-    help="Which flanks mesh: drive is pinion concave with gear convex.",
-)
+@output_option("netCDF file to write.")
+@flank_option
 @click.option(
     "--torque",
     "torques",
     callback=torques,
     metavar="T1,T2,...",
-    help="Torques at the pinion in N m, all of which count; the case's own if left out.",
+    show_default="from the case",
+    help="Torques at the pinion in N m, all of equal weight.",
 )
 @click.option(
     "--misalignment",
     "misalignments",
     callback=_misalignments,
     multiple=True,
-    metavar="E=..,P=..,G=..,Sigma=..",
-    help="A further assembly that counts as much as the case's own, in mm (Sigma in degrees); may be repeated.",
+    metavar=MISALIGNMENT,
+    help="Further assembly in mm, Sigma in degrees, of the same weight as the case's own. May be repeated.",
 )
 @click.option(
     "--objective",
     type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
     default="peak_load",
     show_default=True,
-    help="What shall become small.",
+    help="Quantity to minimise.",
 )
-@click.option("--order", type=click.IntRange(2, 4), default=3, show_default=True, help="Total order of the terms.")
 @click.option(
-    "--transmission-error", type=float, metavar="URAD", help="Limit of its peak to peak under load; none if left out."
+    "--order", type=click.IntRange(2, 4), metavar="N", default=3, show_default=True, help="Greatest order of the terms."
+)
+@click.option(
+    "--transmission-error",
+    type=float,
+    metavar="URAD",
+    show_default="no limit",
+    help="Limit of the loaded transmission error, peak to peak, in urad.",
 )
 @click.option(
     "--end-load",
     type=float,
     metavar="N/MM",
-    help="Limit of the line load on the flank's edges, inf for none; what they carry before if left out.",
+    show_default="that of the present ease-off",
+    help="Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
 )
-@click.option("--largest", type=float, default=50.0, show_default=True, metavar="UM", help="Limit of the modification.")
-@click.option("--solver", default="auto", show_default=True, help="Contact solver.")
+@click.option(
+    "--largest", type=float, metavar="UM", default=50.0, show_default=True, help="Limit of the modification in um."
+)
+@click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver.")
 @click.option(
     "--fitted-case",
     type=click.Path(path_type=Path),
+    metavar="FILE",
     help="Case file to write, with pinion settings fitted to the modified ease-off.",
 )
 def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) -> None:
-    """Find the low-order modification of CASE's ease-off that is best under load."""
+    """Optimise the ease-off of CASE under load.
+
+    The result is a modification of low order: the addition to the ease-off.
+    """
     from tqdm import tqdm
 
     from ...cases import read_case, write_case
     from ...core.files import check_writable
     from ..fitted_settings import fit_modification, recorded_modification
     from ..optimization import optimize as optimized
-    from ..report.optimization_report import optimization_text
+    from ..report.optimization_report import optimization_report
     from ..report.result_summary import uncertified
     from ..result import write_result
 
@@ -81,10 +89,11 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     if fitted_case is not None:
         check_writable(fitted_case, case)
     checked = read_case(case)
+    bar: Any
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
-        tree = optimized(checked, progress=lambda: _step(bar), **options)
+        tree = optimized(checked, progress=bar.update, **options)
     write_result(tree, output)
-    click.echo(optimization_text(tree))
+    click.echo(optimization_report(tree))
     click.echo(f"\nwrote {output}")
     if fitted_case is not None:
         fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
@@ -96,7 +105,3 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     if failures:
         click.echo("\n".join(failures), err=True)
         sys.exit(EXIT_UNCERTIFIED)
-
-
-def _step(bar: Any) -> None:
-    bar.update(1)

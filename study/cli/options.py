@@ -1,19 +1,65 @@
-"""Reading the options of the command line: from text to numbers, with one clear message for a mistake."""
+"""Options that several commands share, and the reading of option texts: numbers, lists and KEY=NUMBER pairs."""
 
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-# Everything heavy is imported where it is needed: `easeoff --help` stays quick.
+# Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from ...geometry.pair.assembly import Misalignment
 
+Command = TypeVar("Command", bound=Callable[..., Any])
+
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
+MISALIGNMENT = "E=..,P=..,G=..,Sigma=.."
+EDGES = ("toe", "heel", "root", "tip")
+
+
+def flank_option(command: Command) -> Command:
+    """Option ``--flank`` of a command: drive or coast."""
+    return click.option(
+        "--flank",
+        type=click.Choice(["drive", "coast"]),
+        default="drive",
+        show_default=True,
+        help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
+    )(command)
+
+
+def output_option(text: str) -> Callable[[Command], Command]:
+    """Option ``--output`` of a command: a file, described by a text."""
+    return click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help=text)
+
+
+def folder_option(default: str) -> Callable[[Command], Command]:
+    """Option ``--output`` of a command that writes a folder."""
+    return click.option(
+        "-o",
+        "--output",
+        type=click.Path(path_type=Path),
+        metavar="FOLDER",
+        default=default,
+        show_default=True,
+        help="Folder to write.",
+    )
+
+
+def deviation_option(text: str, *, required: bool = False) -> Callable[[Command], Command]:
+    """Option ``--deviation`` of a command: files by member, described by a text."""
+    return click.option(
+        "--deviation",
+        "deviations",
+        multiple=True,
+        required=required,
+        callback=deviations,
+        metavar="MEMBER=FILE",
+        help=text,
+    )
 
 
 def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
@@ -23,98 +69,75 @@ def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
     try:
         values = tuple(float(part) for part in text.split(","))
     except ValueError as error:
-        raise click.BadParameter(f"{text!r}: give numbers in N m separated by commas, such as 50,250,500") from error
+        raise click.BadParameter(f"{text!r}: must be numbers in N m separated by commas, such as 50,250,500") from error
     for value in values:
         if not 0.0 < value < 1e7:
-            raise click.BadParameter(f"{value:g}: every torque must be greater than 0 and below 1e7 N m")
+            raise click.BadParameter(f"{value:g}: must be greater than 0 and below 1e7 N m")
         if values.count(value) > 1:
             raise click.BadParameter(f"{text!r}: {value:g} comes twice")
     return values
 
 
 def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | None:
-    """Assembly errors in mm and rad."""
+    """Assembly errors [mm, rad], from mm and degrees."""
     if text is None:
         return None
     import math
 
     from ...geometry.pair.assembly import Misalignment
 
-    values, given = dict.fromkeys(MISALIGNMENT_KEYS, 0.0), set()
-    for part in text.split(","):
-        key, _, number = part.partition("=")
-        try:
-            value = float(number)
-        except ValueError as error:
-            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as E=0.15,P=-0.12") from error
-        if key not in values:
-            raise click.BadParameter(f"{key!r}: known are {', '.join(MISALIGNMENT_KEYS)} (mm, Sigma in degrees)")
+    values = _keyed_numbers(text, MISALIGNMENT_KEYS, "E=0.15,P=-0.12")
+    for key, value in values.items():
         if not abs(value) < 10.0:
-            raise click.BadParameter(f"{part!r}: must lie between -10 and 10 (mm, Sigma in degrees)")
-        if key in given:
-            raise click.BadParameter(f"{text!r}: {key} comes twice")
-        given.add(key)
-        values[key] = value
-    return Misalignment(values["E"], values["P"], values["G"], math.radians(values["Sigma"]))
+            raise click.BadParameter(f"{key}={value:g}: must lie between -10 and 10 (mm, Sigma in degrees)")
+    offset, pinion_axial, gear_axial, shaft_angle = (values.get(key, 0.0) for key in MISALIGNMENT_KEYS)
+    return Misalignment(offset, pinion_axial, gear_axial, math.radians(shaft_angle))
 
 
 def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
-    """Files of measured grids by member."""
+    """Files of deviations by member."""
     values: dict[str, str] = {}
     for text in texts:
         member, equals, file = text.partition("=")
         if not equals or not file or member not in ("pinion", "gear"):
-            raise click.BadParameter(f"{text!r}: give pinion=FILE or gear=FILE")
+            raise click.BadParameter(f"{text!r}: must be pinion=FILE or gear=FILE")
         if member in values:
-            raise click.BadParameter(f"{text!r}: a second one for the {member}")
+            raise click.BadParameter(f"{text!r}: {member} comes twice")
         values[member] = file
     return values
 
 
 def nodes(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[int, int] | None:
-    """Nodes lengthwise and along the profile."""
+    """Numbers of nodes, lengthwise and along the profile."""
     if text is None:
         return None
     first, _, second = text.lower().partition("x")
     try:
         nodes = int(first), int(second)
     except ValueError as error:
-        raise click.BadParameter(f"{text!r}: give LENGTHWISExPROFILE, such as 61x31") from error
+        raise click.BadParameter(f"{text!r}: must be LENGTHWISExPROFILE, such as 61x31") from error
     if min(nodes) < 5 or max(nodes) > 1001:
         raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
     return nodes
 
 
 def teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int | str | None:
-    """A number of teeth, or ``all``."""
+    """Number of teeth, or ``all``."""
     if text is None or text == "all":
         return text
     try:
         return int(text)
     except ValueError as error:
-        raise click.BadParameter(f"{text!r}: give a number of teeth, or all") from error
+        raise click.BadParameter(f"{text!r}: must be a number of teeth, or all") from error
 
 
 def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
-    """Strips left out at the edges of a measuring grid [mm], by edge."""
-    if text is None:
-        return None
-    values: dict[str, float] = {}
-    for part in text.split(","):
-        key, _, number = part.partition("=")
-        if key not in ("toe", "heel", "root", "tip"):
-            raise click.BadParameter(f"{key!r}: known are toe, heel, root, tip (mm)")
-        if key in values:
-            raise click.BadParameter(f"{text!r}: {key} comes twice")
-        try:
-            values[key] = float(number)
-        except ValueError as error:
-            raise click.BadParameter(f"{part!r}: give KEY=NUMBER, such as toe=3,root=1.2") from error
-    return values
+    """Margins of a measuring grid [mm], by edge of the flank."""
+    return None if text is None else _keyed_numbers(text, EDGES, "toe=3,root=1.2")
 
 
 def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
-    """Names separated by commas, each once."""
+    """Names of solvers, each once."""
     if text is None:
         return None
     names = [name.strip() for name in text.split(",")]
@@ -134,7 +157,7 @@ def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Pat
 
 
 def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:
-    """Numbers separated by commas, or FROM:TO:COUNT evenly spread."""
+    """Numbers separated by commas, or FROM:TO:COUNT, evenly spaced."""
     if text is None:
         return None
     try:
@@ -147,7 +170,7 @@ def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> li
         return [float(first) + (float(last) - float(first)) * i / steps for i in range(steps + 1)]
     except ValueError as error:
         raise click.BadParameter(
-            f"{text!r}: give numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
+            f"{text!r}: must be numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
         ) from error
 
 
@@ -158,20 +181,12 @@ def roughnesses(
     if text is None or "/" not in text:
         values = numbers(ctx, param, text)
         return None if values is None else list(values)
-    found: list[float | tuple[float, float]] = []
-    for part in text.split(","):
-        try:
-            pair = tuple(float(number) for number in part.split("/"))
-        except ValueError:
-            pair = ()
-        if len(pair) not in (1, 2):
-            raise click.BadParameter(f"{part!r}: give a roughness in um, or PINION/GEAR, such as 0.8/0.5")
-        found.append(pair[0] if len(pair) == 1 else (pair[0], pair[1]))
-    return found
+    members = [_by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
+    return [found[0] if len(found) == 1 else (found[0], found[1]) for found in members]
 
 
 def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
-    """Shares of the revolutions by torque [N m]: a torque alone, or TORQUE=SHARE separated by commas."""
+    """Shares of the revolutions by torque [N m], from a torque alone or TORQUE=SHARE separated by commas."""
     shares: dict[float, float] = {}
     for part in text.split(","):
         torque, equals, share = part.partition("=")
@@ -179,25 +194,47 @@ def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[
             key, value = float(torque), float(share) if equals else 1.0
         except ValueError as error:
             raise click.BadParameter(
-                f"{part!r}: give a torque in N m, or TORQUE=SHARE,... such as 100=0.7,300=0.3"
+                f"{part!r}: must be a torque in N m, or TORQUE=SHARE,..., such as 100=0.7,300=0.3"
             ) from error
         if key in shares:
-            raise click.BadParameter(f"{part!r}: a second share of {key:g} N m")
+            raise click.BadParameter(f"{text!r}: {key:g} comes twice")
         shares[key] = value
     return shares
 
 
 def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
     """Wear coefficients of pinion and gear [mm^2/N]."""
+    found = _by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
+    if not any(found):
+        raise click.BadParameter(
+            f"{text!r}: nothing wears; must be greater than zero in mm^2/N, or PINION/GEAR, one of which may be 0"
+        )
+    return found[0], found[-1]
+
+
+def _by_member(text: str, quantity: str, example: str) -> list[float]:
+    """A number for both members, or one each, from PINION/GEAR."""
     try:
         found = [float(part) for part in text.split("/")]
     except ValueError:
         found = []
     if len(found) not in (1, 2):
-        raise click.BadParameter(f"{text!r}: give a coefficient in mm^2/N, or PINION/GEAR, such as 1e-12/2e-12")
-    if not any(found):
-        raise click.BadParameter(
-            f"{text!r}: nothing wears; give a coefficient in mm^2/N greater than zero, or PINION/GEAR, of which one "
-            "may be 0"
-        )
-    return found[0], found[-1]
+        raise click.BadParameter(f"{text!r}: must be {quantity}, or PINION/GEAR, such as {example}")
+    return found
+
+
+def _keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:
+    """Numbers by key, from KEY=NUMBER separated by commas."""
+    values: dict[str, float] = {}
+    for part in text.split(","):
+        key, _, number = part.partition("=")
+        try:
+            value = float(number)
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: must be KEY=NUMBER, such as {example}") from error
+        if key not in keys:
+            raise click.BadParameter(f"{key!r}: must be one of {', '.join(keys)}")
+        if key in values:
+            raise click.BadParameter(f"{text!r}: {key} comes twice")
+        values[key] = value
+    return values

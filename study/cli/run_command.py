@@ -1,4 +1,4 @@
-"""The command that analyses a case."""
+"""Command that analyses a case."""
 
 from __future__ import annotations
 
@@ -20,33 +20,50 @@ if TYPE_CHECKING:
 
 @click.command()
 @analysis_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
-@click.option("--plots", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="netCDF file to write."
+)
+@click.option(
+    "--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help="Folder for pictures."
+)
 @click.option(
     "--speed",
     callback=numbers,
     metavar="N1,N2,...",
-    help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. What is "
-    "not given of speed, oil, temperature, roughness and models is the case's own, from its table [friction].",
+    help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
+    "[friction] of the case replaces the defaults of this and the following options.",
 )
-@click.option("--oil", help="Lubricant: a shipped name or the path of its TOML file.  [default: 75w90]")
-@click.option("--temperature", callback=numbers, metavar="T1,T2,...", help="Of the oil in degC.  [default: 90]")
+@click.option(
+    "--oil", metavar="OIL", show_default="75w90", help="Lubricant: the name of a shipped one, or a TOML file."
+)
+@click.option(
+    "--temperature",
+    callback=numbers,
+    metavar="T1,T2,...",
+    show_default="90",
+    help="Oil temperatures in degC, or FROM:TO:COUNT.",
+)
 @click.option(
     "--roughness",
     callback=roughnesses,
     metavar="R1,R2,...",
-    help="RMS roughness Rq of the flanks in um, a number or PINION/GEAR.  [default: 0.8]",
+    show_default="0.8",
+    help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
 )
-@click.option("--friction-model", help="Model of the friction coefficient, or a number.  [default: kolivand]")
+@click.option(
+    "--friction-model", metavar="MODEL", show_default="kolivand", help="Friction coefficient: a model, or a number."
+)
 @click.option(
     "--clamp-temperature/--no-clamp-temperature",
     default=None,
-    help="Take the end of the oil's data beyond them, and flag it.  [default: no]",
+    show_default="no",
+    help="Beyond the oil's data, take the last value and flag it.",
 )
 @click.option(
     "--friction-feedback/--no-friction-feedback",
     default=None,
-    help="Let friction take its part of the torque from the forces.  [default: no]",
+    show_default="no",
+    help="Include friction in the balance of torque, which changes the normal forces.",
 )
 def run(
     case: str,
@@ -61,7 +78,10 @@ def run(
     friction_feedback: bool | None,
     **options: Any,
 ) -> None:
-    """Analyse CASE, a shipped name or a file, and write the result."""
+    """Analyse the contact of CASE and write the result.
+
+    The result holds unloaded and loaded contact, and friction and efficiency if a speed is given.
+    """
     from ...cases import read_case
     from ...core.files import check_folder, check_writable
     from ..analysis import operation_of
@@ -78,7 +98,7 @@ def run(
     operation = operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     if operation is None and (friction_model is not None or clamp_temperature or friction_feedback):
         raise click.UsageError(
-            "--friction-model, --clamp-temperature and --friction-feedback go with --speed or a table [friction]"
+            "--friction-model, --clamp-temperature and --friction-feedback must go with --speed or a table [friction]"
         )
     if friction_feedback is None:
         friction_feedback = table is not None and table.feedback
@@ -101,7 +121,7 @@ def run(
 
 
 def _model(table: FrictionTable | None, name: str | None, clamp: bool | None) -> FrictionModel:
-    """The friction models of the case, with another coefficient by name or number and another way out of range."""
+    """Friction models of the case, with the coefficient and the rule beyond the oil's data that are given."""
     from ...friction import FrictionModel
 
     changed: dict[str, Any] = {}

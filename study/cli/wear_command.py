@@ -1,4 +1,4 @@
-"""The command that wears a pair, or laps it."""
+"""Command that wears a pair; lapping is wear with its own coefficient."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 
 from .analysis_options import pair_options, with_defaults
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import coefficients, duty_cycle
+from .options import coefficients, duty_cycle, output_option
 
 
 @click.command()
@@ -19,27 +19,32 @@ from .options import coefficients, duty_cycle
     "--torque",
     callback=duty_cycle,
     required=True,
-    metavar="T or T1=SHARE1,T2=SHARE2,...",
-    help="Torque at the pinion in N m, or several with their shares of the revolutions.",
+    metavar="T|T1=SHARE1,T2=SHARE2,...",
+    help="Torque at the pinion in N m, or a duty cycle: torques with their shares of the revolutions.",
 )
-@click.option("--revolutions", type=float, required=True, help="Revolutions of the pinion after which to stop.")
+@click.option(
+    "--revolutions", type=float, required=True, metavar="N", help="Revolutions of the pinion after which to stop."
+)
 @click.option(
     "--coefficient",
     callback=coefficients,
     default="1e-12",
     show_default=True,
-    metavar="K or PINION/GEAR",
-    help="Archard's coefficient in mm^2/N; larger by orders for lapping.",
+    metavar="K|PINION/GEAR",
+    help="Archard's wear coefficient in mm^2/N; greater by orders of magnitude for lapping.",
 )
 @click.option(
     "--largest-step",
     type=float,
+    metavar="UM",
     default=0.5,
     show_default=True,
-    help="Depth in um after which the contact is computed anew.",
+    help="Wear depth in um after which the contact is computed anew.",
 )
-@click.option("--largest-depth", type=float, help="Depth in um at which to stop before that.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="netCDF file to write.")
+@click.option(
+    "--largest-depth", type=float, metavar="UM", show_default="no limit", help="Wear depth in um at which to stop."
+)
+@output_option("netCDF file to write.")
 def wear(
     case: str,
     torque: dict[float, float],
@@ -50,10 +55,10 @@ def wear(
     output: Path,
     **options: Any,
 ) -> None:
-    """Wear the flanks of CASE, a shipped name or a file, and write how they change.
+    """Wear the flanks of CASE step by step.
 
-    The flanks it leaves are a deviation: `--deviation pinion=FILE --deviation gear=FILE`, here to go on, or in `easeoff
-    run`.
+    The file holds depth and contact of every step. The worn flanks are deviations: '--deviation pinion=FILE
+    --deviation gear=FILE' continues the wear, or analyses the worn pair in 'easeoff run'.
     """
     from tqdm import tqdm
 
@@ -63,8 +68,11 @@ def wear(
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
+    bar: Any
     with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
-        history = worn(case, law, torque=torque, progress=lambda done: _moved(bar, done), **with_defaults(options))
+        history = worn(
+            case, law, torque=torque, progress=lambda done: bar.update(done - bar.n), **with_defaults(options)
+        )
     with whole_file(output) as temporary:
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
     last = history.isel(step=-1)
@@ -79,12 +87,8 @@ def wear(
     click.echo(f"wrote {output}")
     if not history.attrs["completed"]:
         click.echo(
-            f"the wear stopped before its time, after {100 * float(last['revolutions']) / revolutions:.3g} % of the "
-            "revolutions; the file holds what was solved. A smaller --largest-step may lead further",
+            f"the wear ended early, after {100 * float(last['revolutions']) / revolutions:.3g} % of the revolutions; "
+            "the file holds the steps that were solved. A smaller --largest-step may help",
             err=True,
         )
         sys.exit(EXIT_UNCERTIFIED)
-
-
-def _moved(bar: Any, done: float) -> None:
-    bar.update(done - bar.n)

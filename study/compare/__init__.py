@@ -1,4 +1,4 @@
-"""Comparison of solvers on contact problems: run, table, report."""
+"""Comparison of solvers on contact problems: attempts, table, report and test set."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ __all__ = ["compare", "read_table", "write_comparison", "write_test_set"]
 
 
 def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write table, pictures and report of a comparison into a folder; each file is complete or not there at all.
+    """Write the table, pictures and report of a comparison into a folder.
 
     Parameters
     ----------
     dataset
-        What `compare` returned.
+        Result of ``compare``.
     folder
-        Made if it does not exist.
+        Folder for the files; made if it does not exist.
 
     Returns
     -------
@@ -32,7 +32,18 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     Raises
     ------
     InputError
-        A file cannot be written.
+        If a file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.contact import ContactProblem, write_problems
+    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    >>> with TemporaryDirectory() as folder:
+    ...     write_problems([problem], f"{folder}/problems.nc")
+    ...     table = compare([f"{folder}/problems.nc"], folder, solvers=["native"], repetitions=1)
+    ...     [path.name for path in write_comparison(table, folder)]
+    ['report.md', 'results.nc', 'results.csv', 'performance_profile.png', 'run_time.png']
     """
     # The drawing library is slow to load, and the processes of the solvers import this package too.
     from .comparison_figures import write_figures

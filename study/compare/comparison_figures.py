@@ -1,4 +1,4 @@
-"""Pictures of a comparison: performance profile, and run time against the number of segments."""
+"""Comparison figures: performance profile, and run time against the number of segments."""
 
 from __future__ import annotations
 
@@ -10,44 +10,40 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, PercentFormatter
 from numpy.typing import NDArray
 
-from ..plot.page import (
-    BODY_SIZE,
-    FOOTER,
-    GREY,
-    HEADER,
-    HEADING_SIZE,
-    INK,
-    SMALL_SIZE,
-    plain_axes,
-    save,
-    sheet,
-)
+from ..plot.page import BODY_SIZE, GREY, INK, SMALL_SIZE, plain_axes, save, titled_sheet
 from .attempt import SETTINGS
-from .comparison_statistics import METHOD, PROBLEM, by_problem, growth, methods, of_method, performance_profile
+from .comparison_statistics import (
+    METHOD_COLUMNS,
+    PROBLEM_COLUMNS,
+    by_problem,
+    growth,
+    methods,
+    of_method,
+    performance_profile,
+)
 
-#: Okabe and Ito's colours without yellow, which is too faint for lines; the native solver is the first.
+#: Okabe and Ito's colours without yellow, which is too faint for lines; the first is for the native solver.
 COLOURS = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 DASHES = ((), (5, 1.5), (1.5, 1.2))
 
 PANEL_HEIGHT = 2.9  # [in]
-FEW, APART = 8, 0.05  # sizes that are ticked themselves, and their least distance as a part of the axis
-ROUND = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0))  # ticks of a decade, and of less
+SIZE_TICK_LIMIT, TICK_DISTANCE = 8, 0.05  # sizes that are ticked themselves, and their least distance over the axis
+ROUND_NUMBERS = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0))  # ticks of a decade, and of less
 
 Array = NDArray[Any]
 Method = tuple[str, str, str]
 
 
 def write_figures(dataset: xr.Dataset, folder: Path) -> list[tuple[Path, str]]:
-    """Draw the pictures; returns each with what it shows.
+    """Draw the figures; returns the path and caption of each.
 
     Raises
     ------
     InputError
-        A file cannot be written.
+        If a file cannot be written.
     """
     problems = by_problem(dataset)
     pictures = (("performance_profile.png", draw_profiles), ("run_time.png", draw_growth))
@@ -61,11 +57,16 @@ def draw_profiles(dataset: xr.Dataset, problems: Any) -> Figure:
     """Share of problems that each method solves within a factor of the fastest, a panel for each settings."""
     panels = _panels(problems)
     note = f"solved: certified to {dataset.attrs['tolerance']:g}; cold starts only"
-    figure = _page("Performance profile", "share of problems solved within a factor of the fastest", note, len(panels))
+    figure = titled_sheet(
+        "Performance profile",
+        "share of problems solved within a factor of the fastest",
+        note,
+        PANEL_HEIGHT * len(panels),
+    )
     grid = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
         # Not a pivot table: that would have a row for every number in every file.
-        table = problems.set_index([*PROBLEM, *METHOD])["run_time"].unstack(METHOD)
+        table = problems.set_index([*PROBLEM_COLUMNS, *METHOD_COLUMNS])["run_time"].unstack(METHOD_COLUMNS)
         named = [method for method in named if method[2] == "cold"]  # not every problem has a warm start
         compared = table[named]
         factor, share = performance_profile(compared.to_numpy(dtype=float).T)
@@ -87,7 +88,9 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
     """Run time against the number of segments with fitted powers, a panel for each settings."""
     panels = _panels(problems)
     note = "points: certified problems; lines: their median at each size; n^...: power fitted to the larger sizes"
-    figure = _page("Run time", "wall time of the whole call against the number of segments n", note, len(panels))
+    figure = titled_sheet(
+        "Run time", "wall time of the whole call against the number of segments n", note, PANEL_HEIGHT * len(panels)
+    )
     grid = figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0]
     for axes, (settings, named) in zip(grid, panels, strict=True):
         for method in named:
@@ -116,24 +119,10 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
 
 
 def _panels(problems: Any) -> list[tuple[str, list[Method]]]:
-    """Methods that are shown together: the native solver stands in every panel for comparison."""
+    """Settings and methods of each panel; the native solver is in all of them."""
     named = methods(problems)
     used = [name for name in SETTINGS if any(settings == name for _, settings, _ in named)]
     return [(name, [m for m in named if m[1] == name or m[0] == "native"]) for name in used]
-
-
-def _page(heading: str, subject: str, note: str, panels: int) -> Figure:
-    body = PANEL_HEIGHT * panels
-    height = body + HEADER + FOOTER
-    figure = sheet(height)
-    engine = figure.get_layout_engine()
-    assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0.01, FOOTER / height, 0.98, body / height), h_pad=0.05, w_pad=0.05)
-    top, left = 1.0 - 0.13 / height, 0.02
-    figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
-    figure.text(left, top - 0.25 / height, subject, fontsize=BODY_SIZE, color=GREY, va="top")
-    figure.text(left, 0.10 / height, note, fontsize=SMALL_SIZE, color=GREY, va="bottom")
-    return figure
 
 
 def _finish(axes: Axes, settings: str, right: str, label: str) -> None:
@@ -153,12 +142,16 @@ def _finish(axes: Axes, settings: str, right: str, label: str) -> None:
 
 
 def _plain_ticks(axis: Axis, values: Array | None = None) -> None:
-    """Plain numbers on a logarithmic axis: at the values themselves if they are few, otherwise round ones."""
+    """Plain numbers on a logarithmic axis: the values themselves if they are few, otherwise round ones."""
     low, high = axis.get_view_interval()
-    few = values is not None and values.size <= FEW and np.all(np.diff(np.log(values)) > APART * np.log(high / low))
-    for subs in ROUND:
-        places = np.outer(10.0 ** np.arange(-9.0, 10.0), subs)
-        if np.count_nonzero((places >= low) & (places <= high)) > 1:
+    few = (
+        values is not None
+        and values.size <= SIZE_TICK_LIMIT
+        and np.all(np.diff(np.log(values)) > TICK_DISTANCE * np.log(high / low))
+    )
+    for subs in ROUND_NUMBERS:
+        ticks = np.outer(10.0 ** np.arange(-9.0, 10.0), subs)
+        if np.count_nonzero((ticks >= low) & (ticks <= high)) > 1:
             break
     axis.set_major_locator(FixedLocator(values.tolist()) if few and values is not None else LogLocator(subs=subs))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -166,7 +159,7 @@ def _plain_ticks(axis: Axis, values: Array | None = None) -> None:
 
 
 def _style(method: Method, problems: Any) -> dict[str, Any]:
-    """Colour by solver, the same in every panel; dashes where the colours begin anew and for warm starts."""
+    """Line style: a colour a solver, dashes where the colours repeat and for warm starts."""
     solvers = [name for name in dict.fromkeys(problems["solver"]) if name != "native"]
     if method[0] == "native":
         return {"color": COLOURS[0], "linewidth": 1.6, "dashes": DASHES[0 if method[2] == "cold" else 2]}

@@ -1,4 +1,4 @@
-"""The report of a comparison in Markdown: what it was made with, who was right, how fast, how exact."""
+"""Comparison report in Markdown: machine and versions, certified answers, run time, residuals, failures."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ import xarray as xr
 from ...contact.problem.certificate import EXACT_TOLERANCE
 from ...core.files import whole_file
 from .attempt import SETTINGS
-from .comparison_statistics import SHIFT, by_problem, growth, methods, of_method, shifted_geometric_mean
+from .comparison_statistics import RUN_TIME_SHIFT, by_problem, growth, methods, of_method, shifted_geometric_mean
 from .comparison_table import RESIDUALS
 
 Method = tuple[str, str, str]
 
-#: Problems that are named in a line of failures.
-NAMED = 3
+#: Problems that a line of failures names.
+NAMED_PROBLEM_LIMIT = 3
 
 
-def report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
-    """Return the report.
+def comparison_report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
+    """Report of a comparison, in Markdown.
 
     Parameters
     ----------
     dataset
-        What `compare` returned.
+        Result of ``compare``.
     pictures
-        Names of the picture files beside the report, with what they show: ``name.png|caption``.
+        Names of the picture files beside the report with their captions: ``name.png|caption``.
     """
     problems = by_problem(dataset)
     named = methods(problems)
@@ -54,10 +54,10 @@ def report(dataset: xr.Dataset, pictures: Sequence[str] = ()) -> str:
 
 
 def write_report(dataset: xr.Dataset, folder: Path, pictures: Sequence[str] = ()) -> Path:
-    """Write the report as ``report.md``, complete or not at all."""
+    """Write the report as ``report.md``; returns its path."""
     path = folder / "report.md"
     with whole_file(path) as temporary:
-        temporary.write_text(report(dataset, pictures), encoding="utf-8")
+        temporary.write_text(comparison_report(dataset, pictures), encoding="utf-8")
     return path
 
 
@@ -116,7 +116,7 @@ def _success(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
 
 
 def _by_kind(problems: Any, named: list[Method]) -> list[str]:
-    """Certified problems by their kind, where the files tell kinds."""
+    """Certified problems by kind, where the files have kinds."""
     kinds = [kind for kind in dict.fromkeys(problems["kind"]) if kind]
     if not kinds:
         return []
@@ -136,15 +136,16 @@ def _run_time(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:
         times = found["run_time"].to_numpy(dtype=float)
         solved = times[np.isfinite(times)]
         quantiles = [_ms(value) for value in np.quantile(solved, [0.5, 0.9, 1.0])] if solved.size else ["-"] * 3
-        mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), SHIFT)
+        mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
         fit = growth(found["size"].to_numpy(dtype=float), times)
         rows.append([*method, _ms(mean), *quantiles, "-" if fit is None else f"{fit[1]:.2f}"])
     head = ["solver", "settings", "start", "mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "exponent"]
     return (
-        f"{_table(head, rows)}\n*Mean*: shifted geometric mean over the problems, shift {1e3 * SHIFT:g} ms, each with "
-        f"the median of its repetitions; one that is not certified counts with the time limit, {1e3 * limit:g} ms. "
-        "The other columns are over certified problems. *Exponent*: power of the number of segments with which the run "
-        "time grows over the larger half of the sizes; a dash where they are too few or too close together.\n"
+        f"{_table(head, rows)}\n*Mean*: shifted geometric mean over the problems, shift {1e3 * RUN_TIME_SHIFT:g} ms, "
+        "each with the median of its repetitions; one that is not certified counts with the time limit, "
+        f"{1e3 * limit:g} ms. The other columns are over certified problems. *Exponent*: power of the number of "
+        "segments with which the run time grows over the larger half of the sizes; a dash where they are too few or "
+        "too close together.\n"
     )
 
 
@@ -189,9 +190,12 @@ def _failures(dataset: xr.Dataset, named: list[Method]) -> str:
 
 
 def _which(problems: Any) -> str:
-    """The first few problems, by name or else by number."""
-    few = [row.problem_name or f"{row.problem_file} {row.problem}" for row in problems.head(NAMED).itertuples()]
-    return ", ".join(few) + (", ..." if len(problems) > NAMED else "")
+    """First few problems, by name or else by number."""
+    few = [
+        row.problem_name or f"{row.problem_file} {row.problem}"
+        for row in problems.head(NAMED_PROBLEM_LIMIT).itertuples()
+    ]
+    return ", ".join(few) + (", ..." if len(problems) > NAMED_PROBLEM_LIMIT else "")
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:

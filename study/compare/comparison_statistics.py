@@ -1,4 +1,4 @@
-"""Numbers of a comparison: success, run times, residuals, performance profile, growth with size."""
+"""Comparison statistics: certified problems, run times, performance profile, growth with size."""
 
 from __future__ import annotations
 
@@ -13,35 +13,28 @@ from .attempt import SETTINGS, SOLVED
 
 Array = NDArray[np.float64]
 
-#: Shift of the geometric mean of run times [s]: differences far below it do not count.
-SHIFT = 1e-3
-#: Sizes a fit of the growth needs: how many, and the least ratio of the largest to the smallest.
-FEWEST_SIZES, LEAST_RATIO = 3, 1.5
+#: Shift of the geometric mean of run times [s]; differences far below it do not count.
+RUN_TIME_SHIFT = 1e-3
+#: Least number of sizes for a fit of the growth, and least ratio of the largest to the smallest.
+SIZE_COUNT_MINIMUM, SIZE_RATIO_MINIMUM = 3, 1.5
 
-#: What is compared: a solver with settings and a start.
-METHOD = ["solver", "settings", "start"]
-PROBLEM = ["problem_file", "problem"]
+#: Columns that name a method: a solver with settings and a start.
+METHOD_COLUMNS = ["solver", "settings", "start"]
+#: Columns that name a problem.
+PROBLEM_COLUMNS = ["problem_file", "problem"]
 
 
 def by_problem(dataset: xr.Dataset) -> Any:
-    """Return a data frame with one row a method and problem, its repetitions taken together.
+    """Data frame with a row a method and problem, all repetitions together.
 
-    Columns
+    Returns
     -------
-    size : int
-    kind : str
-    claims : bool
-        Every repetition says it solved the problem.
-    certified, exact : bool
-        Every repetition is certified, at the tolerance of the comparison and at `EXACT_TOLERANCE`.
-    false_claim : bool
-        Some repetition says it solved the problem and is not certified.
-    denied : bool
-        Some repetition is certified though it does not say solved.
-    polished : bool
-        Every repetition gave a polished answer.
-    run_time : float
-        Median over the repetitions [s]; infinite unless certified.
+    DataFrame
+        Columns besides method, problem, ``size`` and ``kind``: ``claims``, every repetition claims to have solved the
+        problem; ``certified`` and ``exact``, every repetition is certified, to the tolerance of the comparison and to
+        ``EXACT_TOLERANCE``; ``false_claim``, some repetition claims so and is not certified; ``denied``, some
+        repetition is certified but does not claim so; ``polished``, every answer is polished; ``run_time``, median over
+        the repetitions [s], infinite unless certified.
     """
     frame: Any = dataset.to_dataframe()
     certified, solved = frame["certified"] == 1, frame["claim"] == SOLVED
@@ -52,7 +45,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
         false_claim=solved & ~certified,
         denied=certified & ~solved,
     )
-    groups = frame.groupby([*METHOD, *PROBLEM], sort=False)
+    groups = frame.groupby([*METHOD_COLUMNS, *PROBLEM_COLUMNS], sort=False)
     result = groups.agg(
         size=("size", "first"),
         kind=("kind", "first"),
@@ -69,27 +62,27 @@ def by_problem(dataset: xr.Dataset) -> Any:
 
 
 def methods(problems: Any) -> list[tuple[str, str, str]]:
-    """Solver, settings and start of every method of `by_problem`: by settings, then in the order of the table."""
-    found = [tuple(row) for row in problems[METHOD].drop_duplicates().itertuples(index=False)]
+    """Solver, settings and start of every method of ``by_problem``, by settings, then in the order of the table."""
+    found = [tuple(row) for row in problems[METHOD_COLUMNS].drop_duplicates().itertuples(index=False)]
     solvers, settings = list(dict.fromkeys(problems["solver"])), list(SETTINGS)
     return sorted(found, key=lambda m: (settings.index(m[1]), solvers.index(m[0]), m[2]))
 
 
 def of_method(frame: Any, method: tuple[str, str, str]) -> Any:
-    """Rows of one method."""
+    """Rows of a method."""
     solver, settings, start = method
     return frame[(frame["solver"] == solver) & (frame["settings"] == settings) & (frame["start"] == start)]
 
 
 def shifted_geometric_mean(values: Array, shift: float) -> float:
-    """Geometric mean of values shifted up, shifted back: small values do not dominate as in the plain one.
+    """Geometric mean of shifted values, shifted back; small values do not dominate it.
 
     Parameters
     ----------
-    values : (n) array
-        Not negative. Of one kind only; a mean of residuals says nothing, because the shift would drown them.
-    shift : float
-        In the unit of the values.
+    values
+        Values (n), not negative.
+    shift
+        Shift, in the unit of the values.
 
     Examples
     --------
@@ -105,15 +98,14 @@ def performance_profile(run_time: Array) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    run_time : (methods, problems) array
-        [s]; infinite where the problem was not solved.
+    run_time
+        Run times (methods, problems) [s]; infinite where the problem was not solved.
 
     Returns
     -------
-    factor : (m) array
-        From 1 upwards; where any of the curves steps.
-    share : (methods, m) array
-        Share of all problems solved within this factor, those that nobody solved included.
+    tuple
+        Factors (m) from 1 upwards at which the curves step, and the share (methods, m) of all problems, unsolved ones
+        included, that each method solves within the factor.
 
     Notes
     -----
@@ -138,18 +130,20 @@ def performance_profile(run_time: Array) -> tuple[Array, Array]:
 def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     """Fit run_time = factor size^exponent by least squares of the logarithms, over the larger half of the sizes.
 
-    Small problems show the cost of the call, whatever the method. Half is meant on the logarithmic scale: the fit
-    begins at the geometric mean of the smallest and the largest size.
+    Small problems show the cost of the call, whatever the method. The larger half is that of the logarithmic scale,
+    from the geometric mean of the smallest and the largest size.
 
     Parameters
     ----------
-    size, run_time : (n) array
-        Problems without a finite time are left out.
+    size
+        Numbers of segments (n).
+    run_time
+        Run times (n) [s]; infinite ones are left out.
 
     Returns
     -------
-    (factor, exponent) or None
-        None where there are too few sizes, or they are too close together, to tell.
+    tuple or None
+        Factor and exponent; ``None`` if the sizes are too few or too close together.
 
     Examples
     --------
@@ -164,7 +158,7 @@ def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     known &= size >= np.sqrt(size[known].min() * size[known].max())
     size, run_time = size[known], run_time[known]
     sizes = np.unique(size)
-    if sizes.size < FEWEST_SIZES or sizes[-1] < LEAST_RATIO * sizes[0]:
+    if sizes.size < SIZE_COUNT_MINIMUM or sizes[-1] < SIZE_RATIO_MINIMUM * sizes[0]:
         return None
     exponent, offset = np.polyfit(np.log(size), np.log(run_time), 1)
     return float(np.exp(offset)), float(exponent)

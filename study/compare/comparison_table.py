@@ -1,4 +1,4 @@
-"""The table of a comparison: one row an attempt, labelled, as netCDF and CSV."""
+"""Comparison table: a row an attempt, labelled, as netCDF and CSV."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import xarray as xr
 from ...contact.problem.certificate import Certificate
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import require_file, whole_file
+from ...core.files import netcdf_reading, whole_file
 from .attempt import Attempt
 
 FORMAT = "easeoff comparison of solvers"
@@ -23,15 +23,27 @@ RESIDUALS = tuple(field.name for field in fields(Certificate))
 
 @dataclass(frozen=True)
 class Row:
-    """One attempt, with what it was made on.
+    """Row of the table: an attempt with its problem and method.
 
-    Attributes
+    Parameters
     ----------
-    problem_name, kind : str
+    problem_file
+        File of the problem.
+    problem
+        Number of the problem in its file, from 0.
+    problem_name, kind
         Labels ``name`` and ``kind`` of the file; empty if it has none.
-    gear_torque : float
-        [N m].
-    reference_rotation : float
+    size
+        Number of segments.
+    gear_torque
+        Torque about the gear axis [N m].
+    solver, settings, start
+        The method.
+    repetition
+        Number of the attempt among those alike, from 1.
+    attempt
+        Outcome of the attempt.
+    reference_rotation
         Certified rotation beyond first contact [rad]; NaN if there is none.
     """
 
@@ -49,21 +61,22 @@ class Row:
     reference_rotation: float
 
 
-def table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) -> xr.Dataset:
-    """Return the table.
+def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Table of a comparison as a labelled dataset.
 
     Parameters
     ----------
-    rows : sequence of Row
-    tolerance : float
-        Largest violation of a certified answer.
-    attributes : mapping
-        What else is to be said of the whole.
+    rows
+        The rows.
+    tolerance
+        Largest violation of a condition in a certified answer.
+    attributes
+        Further attributes of the dataset.
 
     Returns
     -------
-    Dataset
-        Variables along the dimension ``attempt``, with units and meaning. Residuals are NaN without an answer.
+    xr.Dataset
+        Variables along the dimension ``attempt``. Residuals are NaN without an answer.
     """
     given = ("problem_file", "problem", "problem_name", "kind", "size", "gear_torque")
     columns: dict[str, list[Any]] = {
@@ -103,12 +116,12 @@ def rotation_error(rotation: float, reference: float) -> float:
 
 
 def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Write the table as ``results.nc`` and ``results.csv``; each file is complete or not there at all.
+    """Write a table as ``results.nc`` and ``results.csv``; returns their paths.
 
     Raises
     ------
     InputError
-        A file cannot be written.
+        If a file cannot be written.
     """
     paths = [folder / "results.nc", folder / "results.csv"]
     with whole_file(paths[0]) as temporary:
@@ -120,19 +133,33 @@ def write_table(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def read_table(path: Path) -> xr.Dataset:
-    """Read a table back from ``results.nc``.
+    """Read the table of a comparison.
+
+    Parameters
+    ----------
+    path
+        The file ``results.nc`` of a comparison.
+
+    Returns
+    -------
+    xr.Dataset
+        The table, as ``compare`` returned it.
 
     Raises
     ------
     InputError
-        There is no such file, or it is no table of a comparison.
+        If there is no such file, or it is not the table of a comparison.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     written = write_table(comparison_table([], 1e-5, {"repetitions": 1}), Path(folder))
+    ...     float(read_table(written[0]).attrs["tolerance"])
+    1e-05
     """
-    require_file(path)
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
-            dataset = opened.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{path} is not a netCDF file: {error}") from error
+    with netcdf_reading(path), xr.open_dataset(path, engine="netcdf4") as opened:
+        dataset = opened.load()
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{path} holds no comparison of solvers: make one with 'easeoff compare'")
     return dataset

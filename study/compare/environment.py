@@ -1,4 +1,4 @@
-"""What a comparison was made with: processor, Python, and the version of every solver."""
+"""Environment of a comparison: processor, Python, and the version of every solver."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ...contact.solvers import SOLVERS
 
 
 def machine() -> dict[str, str]:
-    """Return processor, cores, system and versions of Python and the numerical packages, by name."""
+    """Processor, cores, system, and versions of Python and the numerical packages, by name."""
     versions = {name: _version(name) for name in ("numpy", "scipy", "qpsolvers", "easeoff")}
     return {
         "processor": processor(),
@@ -27,7 +27,7 @@ def machine() -> dict[str, str]:
 
 
 def processor() -> str:
-    """Return the model of the processor, as far as the system tells."""
+    """Model of the processor, as far as the system tells."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -37,7 +37,7 @@ def processor() -> str:
 
 
 def solver_version(solver: str) -> str:
-    """Return the version of a solver's package; of one's own function, a digest of the file it stands in."""
+    """Version of a solver's package; for ``module:function`` a digest of the module's file."""
     module, own, _ = solver.partition(":")
     if own:
         found = find_module(module)
@@ -48,7 +48,7 @@ def solver_version(solver: str) -> str:
 
 
 def find_module(module: str) -> ModuleSpec | None:
-    """Find a module without running it, last of all in the current folder; None if there is none."""
+    """Find a module without running it, last of all in the current folder; ``None`` if there is none."""
     before = list(sys.path)
     sys.path.append(os.getcwd())
     try:

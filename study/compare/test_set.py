@@ -1,4 +1,4 @@
-"""The same problems as a test set of qpbenchmark, for those who compare solvers with that program.
+"""Test set of qpbenchmark: contact problems for comparisons with that program.
 
 A test set there is a Python file with a subclass of ``qpbenchmark.TestSet``, and here a folder ``data`` of files that
 ``qpsolvers.Problem.load`` reads, as in its set of model predictive control (github.com/qpsolvers/mpc_qpbenchmark).
@@ -43,7 +43,7 @@ class ContactQpbenchmark(qpbenchmark.TestSet):
 
     @property
     def description(self) -> str:
-        """What the problems are."""
+        """Description of the problems."""
         return "Load distribution over the contact lines of gear teeth: dense, one equality, lower bounds."
 
     @property
@@ -77,11 +77,11 @@ def write_test_set(
 
     Parameters
     ----------
-    problems : sequence of ContactProblem
-        At least one. They are written scaled, because the residuals of that program are absolute numbers.
-    folder : path
-        Made if it does not exist. Problems that an earlier test set left there are removed.
-    time_limit : float
+    problems
+        At least one problem. They are written scaled, because the residuals of that program are absolute.
+    folder
+        Folder for the files; made if it does not exist. Problems of an earlier test set there are removed.
+    time_limit
         Run time that its tolerances allow [s].
 
     Returns
@@ -92,10 +92,19 @@ def write_test_set(
     Raises
     ------
     InputError
-        No problems, or the folder cannot be written.
+        If there are no problems, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.contact import ContactProblem
+    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    >>> with TemporaryDirectory() as folder:
+    ...     write_test_set([problem], folder)[0].name
+    'contact_qpbenchmark.py'
     """
     if not problems:
-        raise InputError("no contact problems to write")
+        raise InputError("problems = []: must hold at least one contact problem")
     target = Path(folder)
     check_folder(target, "test set")
     data = target / "data"

@@ -1,22 +1,22 @@
-"""The problem library: contact problems of the shipped cases, described, versioned, made anew by one command.
+"""Library of contact problems: problems of the shipped cases with reference answers, versioned and reproducible.
 
-`description` declares what is in it, `generation` and `changes` make it, `answers` holds and proves reference answers,
-`files` writes it.
+``library_entries`` declares the problems, ``problem_generation`` and ``problem_changes`` make them,
+``reference_answers`` holds and proves their answers, ``library_files`` writes them.
 """
 
 from .library_entries import KINDS, LIBRARY_VERSION, PARTS, Entry, Source, entries
-from .library_files import Written, write_library
+from .library_files import LibraryFile, write_library
 from .problem_generation import generate
-from .reference_answers import Answer, proved_answer, reference_answers
+from .reference_answers import ReferenceAnswer, proved_answer, reference_answers
 
 __all__ = [
     "KINDS",
     "LIBRARY_VERSION",
     "PARTS",
-    "Answer",
     "Entry",
+    "LibraryFile",
+    "ReferenceAnswer",
     "Source",
-    "Written",
     "entries",
     "generate",
     "proved_answer",

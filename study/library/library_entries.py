@@ -1,7 +1,7 @@
-"""What the problem library holds: every problem by name, declared, nothing computed.
+"""Library entries: the declaration of every problem of the library, by name.
 
-A problem is a `Source`, an instant of a shipped case, or one made from it by a change of `changes.CHANGES`. Any change
-of what a name stands for is a new version of the library; a comparison names the version it was made with.
+A problem is that of a ``Source``, an instant of a shipped case, or is made from it by a change of
+``problem_changes.CHANGES``. If the problem behind a name changes, the version of the library is raised.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from ...geometry.pair.gear_pair import FlankName
 
 LIBRARY_VERSION = 1
 
-#: Pinion rotations that divide one pitch; a source stands at one of them.
+#: Number of pinion rotations that divide one pitch; a source is at one of them.
 MESH_POSITIONS = 32
-#: Files of the library: the most segments a line of their problems.
+#: Parts of the library, a file each: greatest number of segments a line of their problems.
 PARTS = {"small": 31, "medium": 150, "large": 2000}
 
-#: Kinds of problems, and why they are in the library.
+#: Kinds of problems, and their purpose.
 KINDS = {
     "load": "each shipped case, drive and coast, under light, design and heavy load, aligned: everyday problems",
     "misaligned": "each shipped case at the design torque, misaligned both ways: contact moves, in some onto an edge",
@@ -37,7 +37,7 @@ TORQUES = {
     "fh-design-a": (5.0, 100.0, 1000.0),
     "fh-design-b": (5.0, 100.0, 1000.0),
 }
-#: Assembly errors E and P [mm] of `fm-11x41`, and their opposites.
+#: Assembly errors E and P [mm] of ``fm-11x41``, and their opposites.
 MISALIGNMENTS = ((-0.15, 0.12), (0.15, -0.12))
 SEGMENTS_PER_LINE = (21, 51, 131, 333, 667, 1667)
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
@@ -45,7 +45,7 @@ FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 
 @dataclass(frozen=True)
 class Source:
-    """An instant of a shipped case.
+    """Instant of a shipped case.
 
     Parameters
     ----------
@@ -54,13 +54,18 @@ class Source:
     flank
         ``drive`` or ``coast``.
     torque
-        At the pinion [N m].
+        Torque at the pinion [N m].
     offset_error, pinion_axial_error
         Assembly errors E and P [mm]; the others are zero, whatever the case file says.
     mesh_position
-        Number of the pinion rotation, 0 to `MESH_POSITIONS` - 1.
+        Number of the pinion rotation, from 0 to ``MESH_POSITIONS`` - 1.
     segments_per_line
-        Segments of a contact line.
+        Number of segments of a contact line.
+
+    Examples
+    --------
+    >>> Source("nasa-12x36", "drive", 150.0).segments_per_line
+    31
     """
 
     case: str
@@ -74,22 +79,27 @@ class Source:
 
 @dataclass(frozen=True)
 class Entry:
-    """A problem of the library.
+    """Problem of the library.
 
     Parameters
     ----------
     name
-        Its name, which stays.
+        Name of the problem.
     kind
-        A key of `KINDS`.
+        Key of ``KINDS``.
     source
-        The instant it comes from.
+        Instant of a shipped case that the problem comes from.
     change
-        A key of `changes.CHANGES`; empty for the real problem itself.
+        Key of ``problem_changes.CHANGES``; empty for the problem of the source itself.
     amount
-        What the change takes; zero where it takes nothing.
+        Amount of the change; zero where it needs none.
     dense
-        Whether the compliance is given as a matrix, not as diagonal plus factor.
+        Whether the compliance is a matrix, not diagonal plus factor.
+
+    Examples
+    --------
+    >>> Entry("everyday", "load", Source("nasa-12x36", "drive", 150.0)).part
+    'small'
     """
 
     name: str
@@ -101,18 +111,18 @@ class Entry:
 
     @property
     def part(self) -> str:
-        """The file it is in."""
-        return next(part for part, most in PARTS.items() if self.source.segments_per_line <= most)
+        """Part of the library that holds the problem."""
+        return next(part for part, limit in PARTS.items() if self.source.segments_per_line <= limit)
 
 
-#: Two everyday instants that the made problems come from: a spiral bevel pair, and a hypoid pair off its centre.
+#: Two everyday instants from which problems are made: a spiral bevel pair, and a misaligned hypoid pair.
 BASES = {
     "nasa-12x36": Source("nasa-12x36", "drive", 150.0, mesh_position=12),
     "fh-12x41-45": Source("fh-12x41-45", "coast", 200.0, *MISALIGNMENTS[0], mesh_position=3),
 }
 
 
-#: Change, amount and whether the compliance is dense, of the degenerate problems made from each base.
+#: Change, amount and density of the compliance of the degenerate problems made from each of ``BASES``.
 DEGENERATE = (
     ("zero_separation", 0.0, False),
     ("zero_separation", 0.0, True),
@@ -135,7 +145,13 @@ DEGENERATE = (
 
 
 def entries() -> tuple[Entry, ...]:
-    """All problems of the library, in the order of its files: part after part, sequences together."""
+    """Entries of the whole library, part by part, sequences together.
+
+    Examples
+    --------
+    >>> len(entries()), entries()[0].name
+    (143, 'nasa-12x36-drive-light')
+    """
     found = [*_loads(), *_misaligned(), *_cycle(), *_fine(), *_weak(), *_dense(), *_degenerate()]
     return tuple(sorted(found, key=lambda entry: list(PARTS).index(entry.part)))
 

@@ -1,4 +1,4 @@
-"""The library on disk: a file a part, every problem with its labels and its reference answer, and checked by it."""
+"""Library files: the problems of a part with their labels and reference answers, checked and written."""
 
 from __future__ import annotations
 
@@ -19,29 +19,34 @@ from ...core.errors import InputError
 from ...core.files import check_folder, check_writable
 from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, Entry, entries
 from .problem_generation import generate
-from .reference_answers import Answer, reference_answers
+from .reference_answers import ReferenceAnswer, reference_answers
 
-#: Relative difference from a reference rotation that is taken for rounding. Between the kernels of the BLAS for three
-#: kinds of processors it is 3e-11 at most.
-AGREEMENT = 1e-8
+#: Largest relative difference from a reference rotation. Between the BLAS kernels for three kinds of processors it is
+#: at most 3e-11.
+ROTATION_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True)
-class Written:
-    """A file of the library and how its problems were found.
+class LibraryFile:
+    """File of the library, and the check of its problems.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
     problems
-        Their number.
+        Number of problems.
     worst_certificate
-        Largest violation in a certificate of the native solver.
+        Largest violation of a condition by the native solver.
     worst_difference
         Largest relative difference of a rotation from the reference.
     faults
-        One line a problem that is not certified, or not the one the reference answer is for.
+        One line a problem that is not certified or differs from its reference answer.
+
+    Examples
+    --------
+    >>> LibraryFile(Path("small.nc"), 117, 1e-14, 1e-13, ()).path.stem
+    'small'
     """
 
     path: Path
@@ -56,32 +61,38 @@ def write_library(
     parts: Iterable[str] | None = None,
     *,
     progress: Callable[[], None] | None = None,
-) -> list[Written]:
+) -> list[LibraryFile]:
     """Make the problems of the library and write them, ``small.nc`` and so on.
 
     Parameters
     ----------
     folder
-        Made if it does not exist.
+        Folder for the files; made if it does not exist.
     parts
-        Names of `PARTS`; all of them if left out.
+        Names of ``PARTS``; all of them if left out.
     progress
         Called after every problem.
 
     Returns
     -------
-    list of Written
-        One entry a file. Every problem has been solved natively and compared with its reference answer.
+    list of LibraryFile
+        The files. Every problem has been solved by the native solver and compared with its reference answer.
 
     Raises
     ------
     InputError
-        An unknown part, or a folder that cannot be written.
+        If a part is unknown, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> write_library("library", ["tiny"])
+    Traceback (most recent call last):
+    easeoff.core.errors.InputError: parts = tiny: must be one or more of small, medium, large
     """
     chosen = list(dict.fromkeys(PARTS if parts is None else parts))
     unknown = [part for part in chosen if part not in PARTS]
     if unknown or not chosen:
-        raise InputError(f"parts = {', '.join(chosen) or 'none'}: choose from {', '.join(PARTS)}")
+        raise InputError(f"parts = {', '.join(chosen) or 'none'}: must be one or more of {', '.join(PARTS)}")
     target = Path(folder)
     check_folder(target, "library")
     paths = {part: target / f"{part}.nc" for part in chosen}
@@ -90,7 +101,7 @@ def write_library(
     return [write_part([e for e in entries() if e.part == part], paths[part], progress) for part in chosen]
 
 
-def write_part(chosen: Iterable[Entry], path: Path, progress: Callable[[], None] | None = None) -> Written:
+def write_part(chosen: Iterable[Entry], path: Path, progress: Callable[[], None] | None = None) -> LibraryFile:
     """Make, check and write problems of the library as one file."""
     answers = reference_answers()
     made: list[tuple[Entry, ContactProblem]] = []
@@ -110,11 +121,11 @@ def write_part(chosen: Iterable[Entry], path: Path, progress: Callable[[], None]
         labels([entry for entry, _ in made], answers),
         {"title": "easeoff library of contact problems", "library_version": LIBRARY_VERSION},
     )
-    return Written(path, len(made), max(certificates), max(differences), tuple(faults))
+    return LibraryFile(path, len(made), max(certificates), max(differences), tuple(faults))
 
 
-def checked(problem: ContactProblem, answer: Answer) -> tuple[float, float, str]:
-    """Solve a problem natively; return its certificate's worst entry, difference from the reference, what is wrong."""
+def checked(problem: ContactProblem, answer: ReferenceAnswer) -> tuple[float, float, str]:
+    """Worst violation, difference from the reference, and fault of the native solution of a problem."""
     solution = solve(problem, "native")
     certificate = solution.certificate.worst
     difference = abs(solution.elastic_rotation / answer.elastic_rotation - 1.0)
@@ -124,15 +135,15 @@ def checked(problem: ContactProblem, answer: Answer) -> tuple[float, float, str]
         fault = f"{solution.status.name}, certificate {certificate:.1e}"
     elif problem.size != answer.size:
         fault = f"{problem.size} segments instead of {answer.size}"
-    elif not difference <= AGREEMENT:
+    elif not difference <= ROTATION_TOLERANCE:
         fault = f"rotation differs from the reference by {difference:.1e}"
     elif answer.touching not in (-1, touching):
         fault = f"{touching} segments touch instead of {answer.touching}"
     return certificate, difference, f"{answer.name}: {fault}" if fault else ""
 
 
-def labels(chosen: list[Entry], answers: Mapping[str, Answer]) -> dict[str, xr.DataArray]:
-    """What each problem is, and its reference answer, with units."""
+def labels(chosen: list[Entry], answers: Mapping[str, ReferenceAnswer]) -> dict[str, xr.DataArray]:
+    """Labels of the problems and their reference answers, with units."""
     columns: dict[str, list[Any]] = {
         "name": [e.name for e in chosen],
         "kind": [e.kind for e in chosen],

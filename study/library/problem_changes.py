@@ -1,4 +1,4 @@
-"""Degenerate and badly conditioned problems made from real ones, each change by its name."""
+"""Problem changes: degenerate and badly conditioned problems made from real ones."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def parts(problem: ContactProblem) -> tuple[Array, Array, float, Array, Array]:
 
 
 def zero_separation(problem: ContactProblem, _: float) -> ContactProblem:
-    """All segments touch before there is a load: S = 0."""
+    """All segments touch without load: S = 0."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(np.zeros_like(s), r, t, (d, v))
 
 
 def tied_separations(problem: ContactProblem, step: float) -> ContactProblem:
-    """Separations rounded to whole steps [mm], so that many are the same."""
+    """Separations rounded to multiples of a step [mm], so that many are equal."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(step * np.round(s / step), r, t, (d, v))
 
 
 def next_contact(problem: ContactProblem, _: float) -> ContactProblem:
-    """The torque, not below the problem's own, at which the next segment begins or ceases to touch: F = Y = 0 there.
+    """Torque, not below the problem's own, at which the next segment enters or leaves contact: F = Y = 0 there.
 
     As long as the same segments touch, forces, gaps and rotation are linear in the torque.
     """
@@ -60,37 +60,37 @@ def next_contact(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def scaled_torque(problem: ContactProblem, factor: float) -> ContactProblem:
-    """Another load on the same compliance."""
+    """Torque multiplied by a factor."""
     return problem.with_torque(factor * problem.torque)
 
 
 def remote_segment(problem: ContactProblem, distance: float) -> ContactProblem:
-    """The last segment lies far away, by so much more [mm]."""
+    """Last segment farther away by a distance [mm]."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(np.r_[s[:-1], s[-1] + distance], r, t, (d, v))
 
 
 def shifted_rotation(problem: ContactProblem, rotation: float) -> ContactProblem:
-    """The rotation counted from elsewhere [rad]: separations are large and nearly cancel."""
+    """Rotation counted from another zero [rad]: separations are large and nearly cancel."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s + rotation * r, r, t, (d, v))
 
 
 def scaled_local_compliance(problem: ContactProblem, factor: float) -> ContactProblem:
-    """The local compliance of every segment multiplied by a factor."""
+    """Local compliance of every segment multiplied by a factor."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s, r, t, (factor * d, v))
 
 
 def twin_segments(problem: ContactProblem, _: float) -> ContactProblem:
-    """Every segment twice at the same place, each with a local compliance of its own: ties throughout."""
+    """Every segment twice at the same point, each with a local compliance of its own: ties throughout."""
     s, r, t, d, v = parts(problem)
     twice = np.repeat(np.arange(problem.size), 2)
     return ContactProblem(s[twice], r[twice], t, (d[twice], v[twice]))
 
 
 def copied_segments(problem: ContactProblem, _: float) -> ContactProblem:
-    """Every segment twice, as if a row of C had been entered twice: singular, and how twins share a load is open."""
+    """Every segment twice with the same row of C: singular, the load of a segment and its copy shared at will."""
     s, r, t, _d, _v = parts(problem)
     twice = np.repeat(np.arange(problem.size), 2)
     return ContactProblem(s[twice], r[twice], t, problem.dense_compliance[np.ix_(twice, twice)])
@@ -104,7 +104,7 @@ def copied_tooth_pairs(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def rigid_segment(problem: ContactProblem, _: float) -> ContactProblem:
-    """The segment that carries most has no local compliance."""
+    """No local compliance of the segment with the greatest force."""
     s, r, t, d, v = parts(problem)
     d = d.copy()
     d[np.argmax(solve(problem, "native").force)] = 0.0
@@ -112,25 +112,25 @@ def rigid_segment(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def rigid_half(problem: ContactProblem, _: float) -> ContactProblem:
-    """Every other segment has no local compliance."""
+    """No local compliance of every other segment."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s, r, t, (np.where(np.arange(s.size) % 2 == 0, d, 0.0), v))
 
 
 def no_local_compliance(problem: ContactProblem, _: float) -> ContactProblem:
-    """Bending alone: C = V V^T, of a rank far below its size."""
+    """No local compliance at all: C = V V^T, of a rank far below its size."""
     s, r, t, d, v = parts(problem)
     return ContactProblem(s, r, t, (np.zeros_like(d), v))
 
 
 def single_segment(problem: ContactProblem, _: float) -> ContactProblem:
-    """The segment that carries most, alone: the smallest problem."""
+    """Segment with the greatest force alone: the smallest problem."""
     s, r, t, d, v = parts(problem)
     one = [int(np.argmax(solve(problem, "native").force))]
     return ContactProblem(s[one], r[one], t, (d[one], v[one]))
 
 
-#: The changes by name: a real problem, with structured compliance, and an amount make another problem.
+#: Changes by name: from a problem with structured compliance and an amount to another problem.
 CHANGES: dict[str, Callable[[ContactProblem, float], ContactProblem]] = {
     change.__name__: change
     for change in (

@@ -1,12 +1,11 @@
-"""Reference answers of the problem library: the shipped table, and how it is proved without our own solver.
+"""Reference answers of the library of contact problems: the shipped table, and its proof without the native solver.
 
-An answer is the rotation beyond first contact, theta - min S/r over r > 0, which every solution of a problem shares,
-and the number of segments in contact where that is determined. Two methods that have nothing in common with the native
-solver stand behind it:
+An answer is the rotation beyond first contact, theta - min S/r over r > 0, which all solutions of a problem share, and
+the number of segments in contact where that is determined. Two methods independent of the native solver prove it:
 
 - the conditions on the touching segments as a linear system, solved by iterative refinement in extended precision, and
-  the sign of every force and gap there: what satisfies all conditions is the solution;
-- Lemke's pivoting, for problems of up to `LEMKE_SIZE` segments.
+  the sign of every force and gap: what satisfies all conditions is the solution;
+- Lemke's pivoting, for problems of up to ``LEMKE_SIZE_LIMIT`` segments.
 """
 
 from __future__ import annotations
@@ -30,33 +29,39 @@ from ...core.files import whole_file
 Wide = NDArray[np.longdouble]
 
 TABLE = "answers.csv"
-LEMKE_SIZE = 600
-#: A segment whose force and gap both lie below this, over their scales, may be counted either way.
-BRINK = 1e-6
-#: Largest wrong sign of a force or gap, over its scale, that is taken for rounding of the data.
-ROUNDING = 1e-13
+LEMKE_SIZE_LIMIT = 600
+#: Force and gap over their scales below which, both, a segment may count as touching or not.
+CONTACT_MARGIN = 1e-6
+#: Largest force or gap of the wrong sign, over its scale.
+SIGN_TOLERANCE = 1e-13
 REFINEMENT_STEPS = 30
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What a solver must find.
+class ReferenceAnswer:
+    """Reference answer of a problem.
 
     Parameters
     ----------
     name
-        Of the problem.
+        Name of the problem.
     size
         Number of segments.
     elastic_rotation
         Rotation beyond first contact [rad].
     touching
-        Number of segments that carry load; -1 where segments at the brink or a singular compliance leave it open.
+        Number of segments that carry load; -1 where segments at the limit of contact or a singular compliance leave it
+        open.
     condition_number
-        Of the compliance; infinite where its least eigenvalue is rounding.
+        Condition number of the compliance; infinite where its least eigenvalue is rounding.
     refined_difference, lemke_difference
         Relative difference between the native solver's rotation and that of the refinement and of Lemke's method; NaN
         where the method has no answer or was not tried.
+
+    Examples
+    --------
+    >>> ReferenceAnswer("two", 2, 1e-4, 2, 10.0, 1e-15, 1e-15).touching
+    2
     """
 
     name: str
@@ -68,44 +73,63 @@ class Answer:
     lemke_difference: float
 
 
-def reference_answers() -> dict[str, Answer]:
-    """The shipped table, by name."""
+def reference_answers() -> dict[str, ReferenceAnswer]:
+    """Shipped reference answers, by name of the problem.
+
+    Examples
+    --------
+    >>> reference_answers()["nasa-12x36-drive-design"].size
+    62
+    """
     text = resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8")
-    kinds = {field.name: {"str": str, "int": int, "float": float}[str(field.type)] for field in fields(Answer)}
+    kinds = {field.name: {"str": str, "int": int, "float": float}[str(field.type)] for field in fields(ReferenceAnswer)}
     rows = csv.DictReader(text.splitlines())
-    return {row["name"]: Answer(**{key: kinds[key](value) for key, value in row.items()}) for row in rows}
+    return {row["name"]: ReferenceAnswer(**{key: kinds[key](value) for key, value in row.items()}) for row in rows}
 
 
-def write_answers(answers: Iterable[Answer], path: Path) -> None:
-    """Write the table, complete or not at all."""
+def write_answers(answers: Iterable[ReferenceAnswer], path: Path) -> None:
+    """Write reference answers as a table in CSV."""
     with whole_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, [field.name for field in fields(Answer)], lineterminator="\n")
+        writer = csv.DictWriter(file, [field.name for field in fields(ReferenceAnswer)], lineterminator="\n")
         writer.writeheader()
         writer.writerows({key: _shown(key, value) for key, value in asdict(answer).items()} for answer in answers)
 
 
-def proved_answer(name: str, problem: ContactProblem) -> Answer:
-    """Solve a problem natively and by the independent methods.
+def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
+    """Reference answer of a problem, proved by the independent methods.
+
+    Parameters
+    ----------
+    name
+        Name of the problem.
+    problem
+        The problem.
 
     Raises
     ------
     ArithmeticError
-        The native answer is not certified, or no independent method has an answer.
+        If the native answer is not certified, or no independent method has an answer.
+
+    Examples
+    --------
+    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    >>> proved_answer("two", problem).touching
+    2
     """
     solution = solve(problem, "native")
     if not solution.certified:
         raise ArithmeticError(f"{name}: {solution.status.name}")
     rotation = solution.elastic_rotation
     refined = refined_rotation(problem, solution.active)
-    by_lemke = solve(problem, "lemke") if problem.size <= LEMKE_SIZE else None
+    by_lemke = solve(problem, "lemke") if problem.size <= LEMKE_SIZE_LIMIT else None
     pivoted = by_lemke.elastic_rotation if by_lemke is not None and by_lemke.certified else math.nan
     best = next((value for value in (refined, pivoted) if math.isfinite(value)), None)
     if best is None:
         raise ArithmeticError(f"{name}: no independent method has an answer")
     scale = solution.force.max(), float(solution.force @ problem.deflection(solution.force)) / solution.force.sum()
     margin = np.maximum(solution.force / scale[0], solution.gap / scale[1]).min()
-    determined = math.isfinite(refined) and margin > BRINK
-    return Answer(
+    determined = math.isfinite(refined) and margin > CONTACT_MARGIN
+    return ReferenceAnswer(
         name,
         problem.size,
         best,
@@ -122,15 +146,15 @@ def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> floa
     Parameters
     ----------
     problem
-        A problem.
+        The problem.
     active
-        The segments thought to touch (n).
+        Segments assumed to touch (n).
 
     Returns
     -------
     float
         NaN if the conditions on these segments are singular, or another force or gap has the wrong sign by more than
-        `ROUNDING`.
+        ``SIGN_TOLERANCE``.
     """
     touching = np.flatnonzero(active)
     arm, separation = problem.lever_arm.astype(np.longdouble), problem.separation.astype(np.longdouble)
@@ -160,11 +184,11 @@ def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> floa
     gap_scale = float(force @ _deflection(problem, force) / force.sum())
     residual = float(np.abs(gap[touching]).max())
     wrong = max(-float(force.min() / force.max()), (residual - min(float(gap.min()), 0.0)) / gap_scale)
-    return float(rotation) if wrong <= ROUNDING else math.nan
+    return float(rotation) if wrong <= SIGN_TOLERANCE else math.nan
 
 
 def condition_number(compliance: NDArray[np.float64]) -> float:
-    """Greatest over least eigenvalue; infinite where the least is rounding.
+    """Condition number of a compliance: greatest over least eigenvalue, infinite where the least is rounding.
 
     >>> condition_number(np.diag([1.0, 4.0])), condition_number(np.ones((2, 2)))
     (4.0, inf)
@@ -175,7 +199,7 @@ def condition_number(compliance: NDArray[np.float64]) -> float:
 
 
 def _deflection(problem: ContactProblem, force: Wide) -> Wide:
-    """C F in extended precision, without the columns of segments that carry nothing."""
+    """C F in extended precision, without the columns of unloaded segments."""
     loaded = np.flatnonzero(force)
     if isinstance(problem.compliance, tuple):
         diagonal, factor = problem.compliance
@@ -185,7 +209,7 @@ def _deflection(problem: ContactProblem, force: Wide) -> Wide:
 
 
 def _shown(key: str, value: Any) -> Any:
-    """Rotations with all digits, the others with as many as mean something."""
+    """Value as the table shows it: rotations with all digits, others with two."""
     if isinstance(value, float):
         return repr(value) if key == "elastic_rotation" else f"{value:.1e}" if math.isfinite(value) else str(value)
     return value

@@ -1,4 +1,4 @@
-"""Pictures of a result: ease-off, contact pattern, pressure, transmission error, load sharing, friction, efficiency."""
+"""Plots of a result: ease-off, contact pattern, pressure, transmission error, load sharing, friction, efficiency."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 __all__ = ["FRICTION_PICTURES", "PICTURES", "write_pictures"]
 
 PICTURES = ("ease_off", "contact_pattern", "pressure", "transmission_error", "load_sharing")
-"""Names of the pictures; each is written as ``<name>.png``."""
+"""Names of the pictures of every result; each is written as ``<name>.png``."""
 
 FRICTION_PICTURES = ("friction_maps", "efficiency")
-"""Names of the pictures that a result with friction has besides."""
+"""Names of the further pictures of a result with friction."""
 
 
 def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Path]:
@@ -26,7 +26,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
     tree
         A result of ``analyze`` or ``read_result``.
     folder
-        Where the PNG files go; made if it does not exist. Each file is complete or not there at all.
+        Folder for the PNG files; made if it does not exist.
 
     Returns
     -------
@@ -37,6 +37,15 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
     ------
     InputError
         If the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from tempfile import TemporaryDirectory
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.stem for path in write_pictures(tree, folder)]
+    ['ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing']
     """
     # The drawing library is slow to load, and most of what imports this package never draws.
     from . import contact_pattern, friction_maps

@@ -1,4 +1,4 @@
-"""Picture of the unloaded contact pattern: contact lines, path of contact and outline on the gear flank."""
+"""Contact pattern without load: contact lines, path of contact and outline on the gear flank."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from numpy.typing import NDArray
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankFields
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
-from .tooth_passage import Passage, passage
+from .tooth_passage import ToothPassage, tooth_passage
 from .tooth_view import ToothView, draw_flank
 
 Array = NDArray[Any]
 
-POINTS = 17  # points along a drawn contact line
-BEYOND: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1, 1.5))}  # the path before and after
-FARTHEST = 0.25  # how far beyond the common flank a path of contact is brought back from, as a fraction
+LINE_POINT_COUNT = 17  # along a drawn contact line
+FADED_PATH: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
+BOUNDARY_SEARCH_LIMIT = 0.25  # distance beyond the common flank, as a fraction, from which the path is moved to it
 
 
 @dataclass(frozen=True)
 class CarryingRange:
-    """Where one tooth pair carries alone, from the pair before it to the pair after it.
+    """Range in which one tooth pair carries alone, from the pair before it to the pair after it.
 
     Parameters
     ----------
     lines
-        Contact lines (m, 2, POINTS) from the transfer to this pair to the transfer to the next one, as fractions.
+        Contact lines (m, 2, LINE_POINT_COUNT) from the transfer to this pair to that to the next one, as fractions.
     path
         Path of contact (2, m), as fractions.
     """
@@ -49,13 +49,13 @@ class CarryingRange:
 
 
 @dataclass(frozen=True)
-class Pattern:
+class ContactPattern:
     """Unloaded contact of a tooth pair on the gear flank, over its whole passage through the mesh.
 
     Parameters
     ----------
     lines
-        Contact lines within the chosen separation (m, 2, POINTS), as fractions; NaN where there is none.
+        Contact lines within the chosen separation (m, 2, LINE_POINT_COUNT), as fractions; NaN where there is none.
     path
         Points of closest approach (m, 2), as fractions.
     carrying
@@ -70,8 +70,8 @@ class Pattern:
     ranges: tuple[CarryingRange, ...]
 
 
-def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
-    """The contact pattern of a result.
+def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> ContactPattern:
+    """Contact pattern of a result.
 
     Parameters
     ----------
@@ -82,16 +82,16 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
     """
     pairs = unloaded["pair"].values
 
-    def course(*names: str) -> Passage:
+    def course(*names: str) -> ToothPassage:
         tables = [unloaded[name].transpose("pair", "mesh_position", ...).values for name in names]
-        return passage(pairs, np.stack(tables, axis=-1))
+        return tooth_passage(pairs, np.stack(tables, axis=-1))
 
     ends = course("line_lengthwise", "line_profile")  # (m, end, 2)
     path = course("path_lengthwise", "path_profile")
     path = replace(path, values=on_common_flank(fields, path.values, ends.values))
     error = course("transmission_error")
     carries = (pairs[:, None] == unloaded["carrying_pair"].values).astype(float)
-    carrying = (passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
+    carrying = (tooth_passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], carrying, [False]]).astype(np.int8))).reshape(-1, 2)
     ranges = []
     for start, stop in edges:
@@ -99,15 +99,15 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
         before, after = _transfer(error, first, -1), _transfer(error, last, 1)
         steps = np.concatenate([before, np.arange(first, last + 1), after])
         ranges.append(CarryingRange(bent_lines(fields, ends.at(steps)), path.at(steps).T))
-    return Pattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
+    return ContactPattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
 
 
 def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
-    """The path (m, 2), with points beyond the common flank moved onto its boundary.
+    """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
 
-    In edge contact the flanks would approach most closely beyond the edge. The gap is a valley along the contact line,
-    whose ends (m, end, 2) give its direction: what touches is the place where the valley leaves the common flank. NaN
-    if the valley is not on the common flank at all.
+    In edge contact the closest approach lies beyond the edge. The gap is a valley along the contact line, whose ends
+    (m, end, 2) give its direction: contact is at the point where the valley leaves the common flank. NaN if the valley
+    does not reach the common flank.
     """
     beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
     if beyond.size:
@@ -117,9 +117,9 @@ def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
     direction = (ends[beyond, 1] - ends[beyond, 0]).T
     length = np.linalg.norm(direction, axis=0)
     result = path.copy()
-    result[beyond] = np.nan  # unless a place is found
+    result[beyond] = np.nan  # unless a point is found
     beyond, direction = beyond[length > 0.0], direction[:, length > 0.0] / length[length > 0.0]
-    reach = np.linspace(0.0, FARTHEST, 65)[1:]
+    reach = np.linspace(0.0, BOUNDARY_SEARCH_LIMIT, 65)[1:]
     away = np.stack([reach, -reach], axis=1).ravel()  # ever further, to both sides
     outside = path[beyond].T
     tried = outside[..., None] + direction[..., None] * away
@@ -141,8 +141,8 @@ def _outside(fields: FlankFields, points: Array) -> NDArray[np.bool_]:
     return np.asarray(beyond_gear | (boundary_distance(fields, points) < 0.0))
 
 
-def _transfer(error: Passage, step: int, direction: int) -> Array:
-    """Fractional step at which the next pair takes over, beyond the last one of the carrying range; none if unknown."""
+def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
+    """Fractional step beyond the last one of the carrying range at which the next pair takes over; empty if unknown."""
     steps = np.array([step, step + direction])
     ahead = error.at(steps) - error.at(steps - direction * error.per_cycle)
     here, beyond = ahead[:, 0]
@@ -152,16 +152,16 @@ def _transfer(error: Passage, step: int, direction: int) -> Array:
 
 
 def bent_lines(fields: FlankFields, ends: Array, steps: int = 3) -> Array:
-    """Contact lines (m, 2, POINTS) between their ends (m, end, 2), as fractions.
+    """Contact lines (m, 2, LINE_POINT_COUNT) between their ends (m, end, 2), as fractions.
 
     The chord between the ends is moved along the gradient of the roll angle onto the level of the ends.
     """
     finite = np.all(np.isfinite(ends), axis=(1, 2))
-    lines = np.full((ends.shape[0], 2, POINTS), np.nan)
+    lines = np.full((ends.shape[0], 2, LINE_POINT_COUNT), np.nan)
     if not np.any(finite):
         return lines
     first, second = np.moveaxis(ends[finite], 0, -1)  # (2, m) each
-    along = np.linspace(0.0, 1.0, POINTS)
+    along = np.linspace(0.0, 1.0, LINE_POINT_COUNT)
     points = first[..., None] * (1.0 - along) + second[..., None] * along
     at_ends = fields("roll_angle", points[..., [0, -1]])
     level = at_ends[..., :1] * (1.0 - along) + at_ends[..., 1:] * along
@@ -174,7 +174,7 @@ def bent_lines(fields: FlankFields, ends: Array, steps: int = 3) -> Array:
 
 
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the picture of a result on its gear flank."""
+    """Draw the contact pattern of a result."""
     unloaded = tree["unloaded"].to_dataset()
     pattern = contact_pattern(unloaded, view.fields)
     separation = unloaded.attrs.get("separation", float("nan"))
@@ -199,28 +199,28 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
 
 
 def draw_pattern(
-    axes: Axes, view: ToothView, pattern: Pattern, *, labels: tuple[bool, bool] = (True, True), path: bool = True
+    axes: Axes, view: ToothView, pattern: ContactPattern, *, labels: tuple[bool, bool] = (True, True), path: bool = True
 ) -> None:
-    """Draw a pattern on its flank: contact lines, outlines, and the path of contact if asked for."""
+    """Draw a pattern on its flank: contact lines, outlines, and the path of contact unless ``path`` is false."""
     draw_flank(axes, view, labels=labels)
     # Lines may run out of the flank by a hair; they end at its edge.
     styles = ((False, FAINT, 0.6, 1.0), (True, BLUE, 0.8, 0.75))
     for carrying, colour, width, alpha in styles:
         chosen = pattern.lines[(pattern.carrying == carrying) & np.isfinite(pattern.lines[:, 0, 0])]
-        drawn = [view.place(line).T for line in chosen]
+        drawn = [view.in_plane(line).T for line in chosen]
         axes.add_collection(LineCollection(drawn, colors=colour, linewidths=width, alpha=alpha, zorder=2))
-    axes.plot(*view.place(pattern.path.T), zorder=3, **BEYOND)
+    axes.plot(*view.in_plane(pattern.path.T), zorder=3, **FADED_PATH)
     for span in pattern.ranges:
-        axes.fill(*view.place(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
-        axes.plot(*view.place(span.outline), color=BLUE, linewidth=1.4, zorder=4)
+        axes.fill(*view.in_plane(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
+        axes.plot(*view.in_plane(span.outline), color=BLUE, linewidth=1.4, zorder=4)
     if path:
         draw_path(axes, view, pattern)
 
 
-def draw_path(axes: Axes, view: ToothView, pattern: Pattern) -> None:
-    """Draw the path of contact of the carrying range, its ends marked."""
+def draw_path(axes: Axes, view: ToothView, pattern: ContactPattern) -> None:
+    """Draw the path of contact of the carrying range and its ends."""
     for span in pattern.ranges:
-        path = view.place(span.path)
+        path = view.in_plane(span.path)
         axes.plot(*path, color="white", linewidth=3.4, zorder=6.5, solid_capstyle="round")
         axes.plot(*path, color=VERMILION, linewidth=1.8, zorder=7, solid_capstyle="round")
         axes.plot(
@@ -230,12 +230,12 @@ def draw_path(axes: Axes, view: ToothView, pattern: Pattern) -> None:
 
 
 def path_beyond(label: str) -> Line2D:
-    """The legend's entry for the path of contact outside the carrying range."""
-    return Line2D([], [], label=label, **BEYOND)
+    """Legend entry of the path of contact outside the carrying range."""
+    return Line2D([], [], label=label, **FADED_PATH)
 
 
 def legend_below(axes: Axes, entries: list[Line2D], columns: int) -> None:
-    """A legend under the axes, without a frame."""
+    """Legend under the axes, without a frame."""
     axes.legend(
         handles=entries, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, fontsize=SMALL_SIZE + 0.5,
         frameon=False, labelcolor=INK, handlelength=2.4, columnspacing=2.0, borderaxespad=4.2,

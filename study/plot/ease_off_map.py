@@ -1,4 +1,4 @@
-"""Picture of the ease-off: contour lines over the common flank, with the path of contact."""
+"""Ease-off map: contour lines over the common flank, with the path of contact."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from .contact_pattern import contact_pattern, draw_path, legend_below
-from .contours import number_lines, outlined
+from .contour_labels import number_lines, outlined
 from .page import GREY, INK, VERMILION, WIDTH, page
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
 
 SHADES = LinearSegmentedColormap.from_list("ease_off", ["#ffffff", "#d9e6f0", "#a9c8df", "#6fa3c8"])
-MOST_LEVELS = 16
+LEVEL_COUNT_LIMIT = 16
 
 
 def ease_off_map(view: ToothView) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Ease-off on a fine grid.
+    """Ease-off of a gear flank on a fine grid.
 
     Returns
     -------
@@ -42,14 +42,14 @@ def ease_off_map(view: ToothView) -> tuple[Array, Array, NDArray[np.bool_]]:
 
 
 def contour_levels(gap: Array) -> Array:
-    """Round, even levels [um] from the smallest to beyond the largest ease-off of the common flank (n)."""
+    """Round, evenly spaced levels [um] that span the ease-off of the common flank (n)."""
     largest = max(float(gap.max()), 1e-3) if gap.size else 1.0
     smallest = min(float(gap.min()), 0.0) if gap.size else 0.0
-    return np.asarray(MaxNLocator(MOST_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(smallest, largest))
+    return np.asarray(MaxNLocator(LEVEL_COUNT_LIMIT, steps=[1, 2, 2.5, 5, 10]).tick_values(smallest, largest))
 
 
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the picture of a result on its gear flank."""
+    """Draw the ease-off map of a result."""
     mapped = ease_off_map(view)
     levels = contour_levels(mapped[1][mapped[2]])
     step = levels[1] - levels[0]
@@ -75,7 +75,7 @@ def draw_map(
     grid, gap, inside = mapped
     if not np.any(inside):
         return None
-    x, y = view.place(grid)
+    x, y = view.in_plane(grid)
     # The shading reaches beyond the boundary and is cut off there, so that its edge is smooth.
     shading = axes.contourf(x, y, gap, levels=levels, cmap=SHADES, extend="both", zorder=1)
     shading.set_clip_path(PathPatch(view.outline(view.common), transform=axes.transData))

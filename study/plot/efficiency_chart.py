@@ -1,4 +1,4 @@
-"""Picture of power loss and efficiency: over the mesh cycle, and over every operating condition that varies."""
+"""Efficiency chart: power loss over the mesh cycle, and efficiency over every varied operating condition."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ AXES = {
 UNITS = {"speed": "/ min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
 PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures", "roughness": "roughnesses"}
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
-MOST_CURVES = 5
-MOST_TICKS, APART = 6, 0.12  # roughnesses that are ticked themselves, and their least distance, part of the axis
-LEAST_SPAN = 0.2  # of an axis of efficiencies [%]; less would make much of nothing
+CURVE_COUNT_LIMIT = 5
+ROUGHNESS_TICK_LIMIT, TICK_DISTANCE = 6, 0.12  # roughnesses ticked themselves, and their least distance over the axis
+EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
 
 
 def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str, float]) -> None:
-    """Curves of a quantity along one operating condition, one for each value of another, the rest as given."""
+    """Draw a quantity along one operating condition, a curve for each value of another, the rest as given."""
     fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
     here = quantity.isel(fixed).transpose(by, along)
     order = np.argsort(here[along].values)
-    chosen = evenly_chosen(here[by].values, MOST_CURVES)
+    chosen = evenly_chosen(here[by].values, CURVE_COUNT_LIMIT)
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
         label = value_name(quantity, by, int(index))
         axes.plot(here[along].values[order], here.values[index][order], color=colour, linewidth=1.6, label=label)
     plain_axes(axes)
     low, high = axes.get_ylim()
-    more = max(0.0, 0.5 * (LEAST_SPAN - (high - low)))
+    more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
     axes.set_ylim(low - more, high + more)
     axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     if along == "roughness":
@@ -53,35 +53,35 @@ def curves(axes: Axes, quantity: xr.DataArray, along: str, by: str, at: dict[str
 
 
 def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
-    """Say on an axis of roughnesses what both flanks have, if they differ."""
+    """Label an axis of roughnesses with those of both flanks, if they differ."""
     values, indices = np.unique(quantity["roughness"].values, return_index=True)
     names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
     if not any("/" in name for name in names):
         return
     label = "quadratic mean of both flanks' RMS roughnesses [µm]"
-    if values.size <= MOST_TICKS and np.all(np.diff(values) > APART * np.ptp(values)):
+    if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
         axes.set_xticks(values, names)
         label = "RMS roughness, pinion/gear where they differ [µm]"
     axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
 
 
 def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
-    """One of the values of an operating condition with its unit."""
+    """Value of an operating condition with its unit."""
     value = float(quantity[condition].values[index])
     return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {UNITS[condition]}"
 
 
 def how_many(drawn: int, count: int, condition: str) -> str:
-    """How many values have a curve, where some have none."""
+    """Number of values that have a curve; empty if all have one."""
     return "" if drawn == count else f"{drawn} of {count} {PLURALS[condition]}"
 
 
 def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> None:
-    """Power loss over two mesh cycles, as part of the input power, one curve a torque."""
+    """Draw the power loss over two mesh cycles as part of the input power, a curve a torque."""
     fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
     loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
     torques = friction["torque"].values
-    chosen = evenly_chosen(torques, MOST_CURVES)
+    chosen = evenly_chosen(torques, CURVE_COUNT_LIMIT)
     shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
     for index, colour in zip(chosen, shades, strict=True):
         times, values = two_cycles(loss[index])
@@ -94,7 +94,7 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float]) -> No
 
 
 def draw(tree: xr.DataTree) -> Figure:
-    """Draw the picture of a result with friction; what is not on an axis is at the middle one of its values."""
+    """Draw the efficiency chart of a result with friction; other conditions take their middle value."""
     friction = tree["friction"].to_dataset()
     at = chosen_condition(friction)
     varied = [name for name in AXES if friction.sizes[name] > 1]
@@ -115,7 +115,7 @@ def draw(tree: xr.DataTree) -> Figure:
 
 
 def legend_beside(axes: Axes, heading: str) -> None:
-    """A legend to the right of the axes."""
+    """Legend to the right of the axes."""
     legend = axes.legend(
         fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
         handlelength=1.6, borderaxespad=0.4, title=heading or None, title_fontsize=SMALL_SIZE, alignment="left",
@@ -124,7 +124,7 @@ def legend_beside(axes: Axes, heading: str) -> None:
 
 
 def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
-    """The conditions that are held, above a panel."""
+    """Title of a panel: the conditions that do not vary in it."""
     index = {name: int(np.argmax(friction[name].values == at[name])) for name in AXES}
     held = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
     axes.set_title(held, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

@@ -1,4 +1,4 @@
-"""Picture of friction on the gear flank: velocities, slide-to-roll, radius, lambda ratio and friction coefficient."""
+"""Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction coefficient."""
 
 from __future__ import annotations
 
@@ -21,13 +21,21 @@ from ...contact.lines.contact_lines import boundary_distance
 from ...friction import FrictionModel
 from ...friction.operation import named_models
 from ...friction.surface_velocities import action_fields, axes_of, surface_velocities
-from .contours import drop_short, number_lines, outlined, points_per_unit, triangulated, without_border, without_steep
+from .contour_labels import (
+    drop_short,
+    number_lines,
+    outlined,
+    points_per_unit,
+    triangulated,
+    without_border,
+    without_steep,
+)
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
 
-SHADES = {
+COLOUR_MAPS = {
     "rolling_velocity": "Blues",
     "sliding_velocity": "Oranges",
     "slide_to_roll": "Purples",
@@ -35,7 +43,7 @@ SHADES = {
     "lambda_ratio": "Greens",
     "friction_coefficient": "YlOrRd",
 }
-NAMES = {
+QUANTITY_NAMES = {
     "rolling_velocity": "rolling velocity [m/s]",
     "sliding_velocity": "sliding velocity [m/s]",
     "slide_to_roll": "slide-to-roll ratio",
@@ -44,26 +52,26 @@ NAMES = {
     "friction_coefficient": "friction coefficient",
 }
 GRID = (121, 61)
-LEVELS = 7
-DARKEST = 0.62  # of a colour map
-BRIDGE = 5.0  # times the usual length of a triangle's side
-NEAREST = 2.0  # [pt], nearer to one another contour lines are not drawn
-SHORTEST = 0.15  # of the panel's width, below which a contour line is not drawn
-ENDS = {True: (1.0, 99.0), False: (7.0, 95.0)}  # percentiles between which contour lines are drawn
+LEVEL_COUNT = 7
+COLOUR_LIMIT = 0.62  # darkest part of a colour map that is used
+TRIANGLE_SIDE_LIMIT = 5.0  # longest side of a triangle over the median
+CONTOUR_DISTANCE = 2.0  # [pt] between contour lines at least
+CONTOUR_LENGTH_MINIMUM = 0.15  # of the panel's width
+LEVEL_PERCENTILES = {True: (1.0, 99.0), False: (7.0, 95.0)}  # between which contour lines are drawn, if smooth or not
 
 
 @dataclass(frozen=True)
 class FlankMap:
-    """Values on the gear flank.
+    """Map of a quantity on the gear flank.
 
     Parameters
     ----------
     points
         Fractions (2, n).
     values
-        (n).
+        Values at the points (n).
     smooth
-        Whether they are known all over the common flank, or where there is load alone.
+        Whether they are known on the whole common flank, or only under load.
     """
 
     points: Array
@@ -74,7 +82,7 @@ class FlankMap:
 def velocity_maps(
     tree: xr.DataTree, view: ToothView, speed: float, model: FrictionModel | None = None
 ) -> dict[str, FlankMap]:
-    """Rolling and sliding velocity [m/s] at a speed of the pinion [1/min], and slide-to-roll, all over the flank."""
+    """Maps of rolling and sliding velocity [m/s] at a speed of the pinion [1/min], and of the slide-to-roll ratio."""
     model = model or FrictionModel()
     ease_off = tree["ease_off"].to_dataset()
     grid = fine_grid(GRID).reshape(2, -1)
@@ -90,7 +98,7 @@ def velocity_maps(
 
 
 def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
-    """A field over (mesh_position, segment) where there is load at one torque.
+    """Map of a field over (mesh_position, segment) under load at one torque.
 
     Parameters
     ----------
@@ -103,24 +111,26 @@ def loaded_map(loaded: xr.Dataset, field: xr.DataArray) -> FlankMap:
     values = field.transpose(*order).values
     chosen = np.isfinite(values) & (loaded["force"].transpose(*order).values > 0.0)
     if "overhang" in loaded:
-        # An edge slides over other places than the lines do, and no map has two values at one.
+        # Edges pass points that lines pass too, and a map has one value at a point.
         chosen &= np.isnan(loaded["overhang"].transpose(*order).values)
     points = np.stack([loaded[n].transpose(*order).values[chosen] for n in ("lengthwise", "profile")])
     return FlankMap(points, values[chosen], False)
 
 
 def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, levels: Array | None = None) -> None:
-    """Shade a map between named contour lines; nothing where it has too few points."""
-    x, y = view.place(flank_map.points)
+    """Draw a map in shades between labelled contour lines; text if it has too few points."""
+    x, y = view.in_plane(flank_map.points)
     finite = np.isfinite(flank_map.values)
     if np.sum(finite) < 4 or np.ptp(flank_map.values[finite]) == 0.0:
-        x, y = view.place(np.array([0.5, 0.5]))
+        x, y = view.in_plane(np.array([0.5, 0.5]))
         text = "the same everywhere" if np.any(finite) else "no values"
         axes.text(x, y, text, ha="center", va="center", fontsize=SMALL_SIZE, color=GREY)
         return
     values = flank_map.values
     if levels is None:
-        levels = np.asarray(MaxNLocator(LEVELS).tick_values(*np.percentile(values[finite], ENDS[flank_map.smooth])))
+        levels = np.asarray(
+            MaxNLocator(LEVEL_COUNT).tick_values(*np.percentile(values[finite], LEVEL_PERCENTILES[flank_map.smooth]))
+        )
     lines: ContourSet
     outline = view.outline(view.common)
     shades = pale(colours)
@@ -135,31 +145,31 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         region = outlined(outline)
     else:
         mesh = Triangulation(x[finite], y[finite])
-        # Triangles that bridge a bay of the loaded region show what is not there.
+        # Long triangles would bridge bays of the loaded region.
         corners = np.stack([mesh.x, mesh.y])[:, mesh.triangles]
         longest = np.max(np.hypot(*(corners - np.roll(corners, 1, axis=2))), axis=1)
-        mesh.set_mask(longest > BRIDGE * np.median(longest))
+        mesh.set_mask(longest > TRIANGLE_SIDE_LIMIT * np.median(longest))
         axes.tricontourf(mesh, values[finite], levels=levels, cmap=shades, extend="both", zorder=1)
         # The load ends within a segment: at the border values jump from one line of contact to the next.
-        steepest = float(levels[1] - levels[0]) / (NEAREST / float(points_per_unit(axes)[0]))
+        steepest = float(levels[1] - levels[0]) / (CONTOUR_DISTANCE / float(points_per_unit(axes)[0]))
         lined = without_steep(without_border(mesh), values[finite], steepest)
         lines = axes.tricontour(lined, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
-        drop_short(lines, SHORTEST * float(np.ptp(axes.get_xlim())))
+        drop_short(lines, CONTOUR_LENGTH_MINIMUM * float(np.ptp(axes.get_xlim())))
         region = triangulated(mesh)
     number_lines(axes, lines, region, SMALL_SIZE - 0.5)
 
 
 def pale(name: str) -> Colormap:
-    """The lighter part of a colour map, on which dark numbers can be read."""
-    return LinearSegmentedColormap.from_list(f"pale {name}", colormaps[name](np.linspace(0.0, DARKEST, 64)))
+    """Lighter part of a colour map, on which dark numbers are legible."""
+    return LinearSegmentedColormap.from_list(f"pale {name}", colormaps[name](np.linspace(0.0, COLOUR_LIMIT, 64)))
 
 
 def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
-    """One quantity on an empty flank, with its name and range above."""
+    """Draw a map on an empty flank, with its name and range above."""
     draw_flank(axes, view, labels=(False, False))
     axes.tick_params(bottom=False, left=False, labelleft=False)
-    draw_values(axes, view, flank_map, SHADES[name], levels)
-    axes.set_title(NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    draw_values(axes, view, flank_map, COLOUR_MAPS[name], levels)
+    axes.set_title(QUANTITY_NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     finite = flank_map.values[np.isfinite(flank_map.values)]
     if finite.size:
         low, high = float(finite.min()), float(finite.max())
@@ -169,27 +179,27 @@ def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: A
 
 
 def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
-    """The middle of torques, speeds, temperatures and roughnesses."""
+    """Middle torque, speed, temperature and roughness of a result."""
     middle = {name: friction[name].values for name in ("torque", "speed", "temperature", "roughness")}
     return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
 
 
 def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
-    """A root mean square roughness [um] as it is written in pictures: both flanks' if they differ, the pinion's first.
+    """RMS roughness [um] as pictures show it: pinion/gear if the flanks differ.
 
     Parameters
     ----------
     friction
         The group ``friction`` or one of its variables.
     index
-        Which of its roughnesses.
+        Number of the roughness.
     """
     pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
     return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
 
 
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the picture of a result with friction, at the middle one of its conditions."""
+    """Draw the friction maps of a result at its middle operating condition."""
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
     at = chosen_condition(friction)
     index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}

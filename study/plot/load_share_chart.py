@@ -1,4 +1,4 @@
-"""Picture of the load sharing: what part of the torque each tooth pair carries, over two mesh cycles."""
+"""Load share chart: share of the torque that each tooth pair carries, over two mesh cycles."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from matplotlib.ticker import MultipleLocator, PercentFormatter
 from numpy.typing import NDArray
 
 from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_name
-from .tooth_passage import Passage, pairs_in_view, passage
+from .tooth_passage import ToothPassage, pairs_in_view, tooth_passage
 
 Array = NDArray[Any]
 
 CYCLES = 2
-NAME_ROOM = 0.15  # cycles that a curve's crest needs for its name
+NAME_WIDTH = 0.15  # of a pair's name [cycles]
 COLOURS = (BLUE, VERMILION, GREEN)
 
 
-def share_passage(at_torque: xr.Dataset) -> Passage:
+def share_passage(at_torque: xr.Dataset) -> ToothPassage:
     """Share of the torque of one tooth pair over its passage, NaN outside contact.
 
     The last step without load before and after contact is kept as zero, so that a curve starts and ends there.
     """
-    course = passage(at_torque["pair"].values, at_torque["load_share"].transpose("pair", "mesh_position").values)
+    course = tooth_passage(at_torque["pair"].values, at_torque["load_share"].transpose("pair", "mesh_position").values)
     share = course.values
     loaded = share > 0.0
     beside = loaded.copy()
     beside[1:] |= loaded[:-1]
     beside[:-1] |= loaded[1:]
-    return Passage(course.first, course.per_cycle, np.where(beside, share, np.nan))
+    return ToothPassage(course.first, course.per_cycle, np.where(beside, share, np.nan))
 
 
 def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
@@ -44,7 +44,7 @@ def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
 
 
 def draw(tree: xr.DataTree) -> Figure:
-    """Draw the picture of a result."""
+    """Draw the load share chart of a result."""
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = evenly_chosen(torques)
@@ -65,7 +65,7 @@ def draw(tree: xr.DataTree) -> Figure:
 
 
 def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:
-    """Curves of the tooth pairs at one torque, with their numbers if ``named``."""
+    """Draw the curves of the tooth pairs at one torque, with their numbers if ``named``."""
     course = share_passage(at_torque)
     for pair in pairs_in_view(course, CYCLES):
         times = course.steps / course.per_cycle + pair
@@ -88,12 +88,12 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
 
 
 def _name(axes: Axes, pair: int, times: Array, share: Array, colour: str) -> None:
-    """Write a pair's number under the crest of its curve, if there is room for it in view."""
+    """Write a pair's number under the crest of its curve if it fits."""
     seen = np.isfinite(share) & (times >= 0.0) & (times <= CYCLES)
     if not np.any(seen):
         return
     height = float(np.max(share[seen]))
     crest = times[seen][share[seen] >= 0.9 * height]
-    if height >= 0.5 and np.ptp(crest) >= NAME_ROOM:
+    if height >= 0.5 and np.ptp(crest) >= NAME_WIDTH:
         text = f"pair {pair}".replace("-", "−")
         axes.text(crest.mean(), 0.9 * height - 0.02, text, ha="center", va="top", fontsize=SMALL_SIZE, color=colour)

@@ -1,4 +1,4 @@
-"""What all pictures have in common: page, heading, small print, colours, and how a file is written."""
+"""Page of a picture: size, heading, small print, colours, and the PNG file."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from ..report.departures import deviations, modification
 
 DPI = 160
 WIDTH = 8.6  # [in]
-HEADER, FOOTER = 0.60, 0.34  # [in]
-LONGEST_LINE, SMALL_LINE = 145, 0.14  # characters of the small print that fit the width, height of a line [in]
+HEADER, FOOTER = 0.60, 0.34  # heights [in]
+SMALL_PRINT_LENGTH, SMALL_PRINT_HEIGHT = 145, 0.14  # of a line: characters, height [in]
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.
@@ -33,26 +33,32 @@ BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PRESSURE_MAP = "YlOrRd"
 TORQUE_MAP = "viridis"
 
-MOST_PANELS = 6
+PANEL_COUNT_LIMIT = 6
 
 
 def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") -> Figure:
-    """An empty page with heading and small print.
+    """Empty page with heading and small print.
 
     Parameters
     ----------
     tree
         The result, for the case's title and the small print.
     heading
-        What the picture shows.
+        Heading of the picture.
     body_height
-        Height of what is drawn between heading and small print [in].
+        Height between heading and small print [in].
     note
         Further small print.
     """
     whole = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
-    print_ = textwrap.wrap(whole, LONGEST_LINE)
-    footer = FOOTER + SMALL_LINE * (len(print_) - 1)
+    print_ = textwrap.wrap(whole, SMALL_PRINT_LENGTH)
+    footer = FOOTER + SMALL_PRINT_HEIGHT * (len(print_) - 1)
+    title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
+    return titled_sheet(heading, title, "\n".join(print_), body_height, footer)
+
+
+def titled_sheet(heading: str, title: str, print_: str, body_height: float, footer: float = FOOTER) -> Figure:
+    """Sheet with heading, title and small print around a body of a height [in], above a footer of a height [in]."""
     height = body_height + HEADER + footer
     figure = sheet(height)
     engine = figure.get_layout_engine()
@@ -60,21 +66,20 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     engine.set(rect=(0.01, footer / height, 0.98, body_height / height), h_pad=0.05, w_pad=0.05)
     top, left = 1.0 - 0.13 / height, 0.02
     figure.text(left, top, heading, fontsize=HEADING_SIZE, color=INK, va="top", weight="bold")
-    title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
     figure.text(left, top - 0.25 / height, title, fontsize=BODY_SIZE, color=GREY, va="top", parse_math=False)
-    figure.text(left, 0.10 / height, "\n".join(print_), fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
+    figure.text(left, 0.10 / height, print_, fontsize=SMALL_SIZE, color=GREY, va="bottom", parse_math=False)
     return figure
 
 
 def sheet(height: float) -> Figure:
-    """A white sheet without heading or small print, as wide as a page and as high as given [in]."""
+    """White sheet of the page's width and a height [in], without heading and small print."""
     figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def small_print(attributes: Mapping[Any, Any]) -> list[str]:
-    """Flanks, misalignment, departures from the design and program of a result, from its attributes."""
+    """Small print of a result: teeth, flanks, misalignment, departures from the design and version."""
     flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
     errors = [
         ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
@@ -92,7 +97,7 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
 
 
 def plain_axes(axes: Axes) -> None:
-    """Axes with two thin spines, quiet ticks and a faint grid."""
+    """Style axes: two thin spines, small ticks and a faint grid."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(GREY)
     axes.tick_params(labelsize=SMALL_SIZE + 0.5, colors=INK, length=3, width=0.6)
@@ -101,13 +106,13 @@ def plain_axes(axes: Axes) -> None:
 
 
 def plain_bar(bar: Colorbar, label: str) -> None:
-    """A colour bar with quiet ticks."""
+    """Style a colour bar: label, small ticks, no outline."""
     bar.set_label(label, fontsize=SMALL_SIZE + 0.5, color=INK)
     bar.ax.tick_params(labelsize=SMALL_SIZE, colors=INK, length=2.5, width=0.6)
     bar.outline.set_visible(False)
 
 
-def evenly_chosen(values: NDArray[Any], most: int = MOST_PANELS) -> NDArray[np.int64]:
+def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> NDArray[np.int64]:
     """Indices of at most ``most`` values (n), in increasing order of the values, spread evenly with both ends.
 
     >>> import numpy as np
@@ -120,7 +125,7 @@ def evenly_chosen(values: NDArray[Any], most: int = MOST_PANELS) -> NDArray[np.i
 
 
 def torque_name(torque: float) -> str:
-    """A torque [N m] as it is written in pictures.
+    """Torque [N m] as pictures show it.
 
     >>> torque_name(108.9899), torque_name(12000.0)
     ('109 N m', '12000 N m')
@@ -136,7 +141,7 @@ def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure as PNG, under a temporary name first: the file is complete or not there at all.
+    """Write a figure as a PNG file; returns its path.
 
     Raises
     ------

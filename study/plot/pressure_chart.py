@@ -1,4 +1,4 @@
-"""Picture of the contact pressure on the gear flank over the mesh cycle, one panel a torque."""
+"""Pressure chart: contact pressure on the gear flank over the mesh cycle, a panel a torque."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, WIDTH, evenly_
 from .pressure_map import PressureMap, pressure_map
 from .tooth_view import ToothView, draw_flank
 
-THRESHOLD = 0.01  # of the greatest pressure; less than this is not coloured
-SHADES = 24
+PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
+LEVEL_COUNT = 24
 
 
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the picture of a result on its gear flank."""
+    """Draw the pressure chart of a result."""
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = evenly_chosen(torques)
@@ -54,29 +54,29 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
 
 
 def pressure_levels(peak: float) -> NDArray[Any]:
-    """Round, even levels [MPa] up to beyond the peak; the lowest is a little above zero, where nothing is coloured."""
-    levels = np.asarray(MaxNLocator(SHADES, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, max(peak, 1e-3)))
-    levels[0] = THRESHOLD * levels[-1]
+    """Round, evenly spaced levels [MPa] beyond the peak; below the lowest, slightly above zero, nothing is coloured."""
+    levels = np.asarray(MaxNLocator(LEVEL_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, max(peak, 1e-3)))
+    levels[0] = PRESSURE_THRESHOLD * levels[-1]
     return levels
 
 
 def draw_surface(axes: Axes, view: ToothView, surface: PressureMap, levels: NDArray[Any]) -> TriContourSet | None:
-    """Colour the loaded area, and mark the greatest pressure; ``None`` if nothing carries load."""
+    """Colour the loaded area and mark the greatest pressure; ``None`` if nothing carries load."""
     if surface.triangles.size == 0 or not surface.peak > levels[0]:
         return None
-    places = view.place(surface.points)
-    mesh = Triangulation(places[0], places[1], surface.triangles)
+    points = view.in_plane(surface.points)
+    mesh = Triangulation(points[0], points[1], surface.triangles)
     shading = axes.tricontourf(mesh, surface.pressure, levels=levels, cmap=PRESSURE_MAP, zorder=2)
     if np.min(surface.pressure) < levels[0]:
         axes.tricontour(mesh, surface.pressure, levels=levels[:1], colors=INK, linewidths=0.6, zorder=3)
-    peak = view.place(surface.peak_place)
+    peak = view.in_plane(surface.peak_point)
     axes.plot(*peak, marker="+", markersize=8, markeredgewidth=2.4, color="white", zorder=8)
     axes.plot(*peak, marker="+", markersize=7, markeredgewidth=1.1, color=INK, zorder=9)
     return shading
 
 
 def panel_title(axes: Axes, torque: str, surface: PressureMap, at_torque: xr.Dataset) -> None:
-    """Torque, greatest pressure, and how many mesh positions are missing, above a panel."""
+    """Title of a panel: torque, greatest pressure and number of missing mesh positions."""
     peak = f"peak {surface.peak:.0f} MPa" if np.isfinite(surface.peak) else "no certified solution"
     missing = int(np.sum(at_torque["status"].values != Status.CERTIFIED))
     if missing and np.isfinite(surface.peak):

@@ -1,4 +1,4 @@
-"""Greatest contact pressure on the tooth over the mesh cycle, as a surface over the gear flank.
+"""Pressure map: greatest contact pressure over the mesh cycle, as a surface over the gear flank.
 
 All tooth pairs are alike, and together their contact lines at the mesh positions of one cycle are the lines of one
 tooth's passage through the mesh, one beside the other. Every point of the flank is passed by one line, once; the
@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-UNLOADED = 1e-4  # of the greatest pressure of a line: less is the rounding of a solver
-NEAREST_END = 0.05  # of the distance to the next segment or line; keeps the triangles from degenerating
+PRESSURE_TOLERANCE = 1e-4  # over the greatest pressure of a line; less is rounding of a solver
+END_DISTANCE_MINIMUM = 0.05  # over the distance to the next segment or line; less would degenerate triangles
 
 
 @dataclass(frozen=True)
 class PressureMap:
-    """A surface of pressure in triangles.
+    """Surface of pressure, as triangles.
 
     Parameters
     ----------
@@ -45,14 +45,14 @@ class PressureMap:
         return float(np.max(self.pressure)) if self.pressure.size else float("nan")
 
     @property
-    def peak_place(self) -> Array:
+    def peak_point(self) -> Array:
         """Fractions (2) of the greatest pressure."""
         return np.asarray(self.points[:, np.argmax(self.pressure)])
 
 
 @dataclass(frozen=True)
 class Line:
-    """A contact line and its pressure.
+    """Contact line with its pressure.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Line:
 
 
 def pressure_map(at_torque: xr.Dataset) -> PressureMap:
-    """The pressure over the mesh cycle at one torque.
+    """Pressure map of the mesh cycle at one torque.
 
     Parameters
     ----------
@@ -119,12 +119,12 @@ def _lines(segments: Array) -> Iterator[tuple[int, Line]]:
 
 
 def loaded_part(line: Line) -> Line | None:
-    """A contact line from where the load begins to where it ends; ``None`` if there is no load.
+    """Loaded part of a contact line; ``None`` if there is no load.
 
     Towards its end a load falls off in proportion to the distance, and with it the square of the pressure; the last two
     loaded segments say where that leads to zero.
     """
-    loaded = line.pressure > UNLOADED * max(float(np.max(line.pressure)), 1e-9)
+    loaded = line.pressure > PRESSURE_TOLERANCE * max(float(np.max(line.pressure)), 1e-9)
     if not np.any(loaded):
         return None
     points = line.points.copy()
@@ -141,10 +141,10 @@ def loaded_part(line: Line) -> Line | None:
 
 
 def falls_to_zero(last: float, before: float) -> float:
-    """Distance to where a pressure ends, in steps from the last value, at most one."""
+    """Distance from the last value to the end of a pressure, in steps, at most one."""
     if before <= last:
         return 1.0
-    return float(np.clip(last**2 / (before**2 - last**2), NEAREST_END, 1.0)) if np.isfinite(before) else 0.5
+    return float(np.clip(last**2 / (before**2 - last**2), END_DISTANCE_MINIMUM, 1.0)) if np.isfinite(before) else 0.5
 
 
 def surface(steps: dict[int, list[Line]]) -> PressureMap:
@@ -195,21 +195,21 @@ def _nearest(line: Line, others: list[Line]) -> int | None:
 
 
 def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
-    """The point where the load ends between a loaded part and the unloaded line of the next step."""
+    """Point at which the load ends between a loaded part and the unloaded line of the next step."""
     greatest = int(np.argmax(part.pressure))
-    place = part.points[:, greatest]
+    point = part.points[:, greatest]
     target = np.concatenate([line.points for line in unloaded], axis=1)
-    target = target[:, np.argmin(np.linalg.norm(target - place[:, None], axis=0))]
+    target = target[:, np.argmin(np.linalg.norm(target - point[:, None], axis=0))]
     near = _nearest(part, before)
     further = float(np.max(before[near].pressure)) if near is not None else np.inf
     share = falls_to_zero(float(part.pressure[greatest]), further)
-    return Line((place + share * (target - place))[:, None], np.zeros(1))
+    return Line((point + share * (target - point))[:, None], np.zeros(1))
 
 
 def _strip(first: Line, start: int, second: Line, other: int) -> NDArray[np.int64]:
     """Triangles between two lines, given with the indices of their first points.
 
-    The points of both lines are taken in turn, in the order of their places along the lines, so that the ends meet the
+    The points of both lines are taken in turn, in their order along the lines, so that the ends meet the
     ends and every point is a corner.
     """
     turned = second.runs_against(first)

@@ -1,4 +1,4 @@
-"""A tooth pair's whole passage through the mesh, put together from the cycle in which all pairs were computed.
+"""Tooth passage: a tooth pair from entering to leaving the mesh, from the cycle in which all pairs were computed.
 
 Pair 0 at mesh position k of a cycle of K positions does what pair -1 did K positions earlier. All pairs are alike, so
 that the rows of a table over (pair, mesh position) are pieces of one curve, and any number of cycles follows from it.
@@ -16,8 +16,8 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class Passage:
-    """What one tooth pair does from entering the mesh to leaving it.
+class ToothPassage:
+    """Values of a tooth pair from entering the mesh to leaving it.
 
     Parameters
     ----------
@@ -52,8 +52,8 @@ class Passage:
         return np.where(inside, self.values[np.clip(index, 0, count - 1)], np.nan)
 
 
-def passage(pairs: Array, table: Array) -> Passage:
-    """Put the pieces of a passage together.
+def tooth_passage(pairs: Array, table: Array) -> ToothPassage:
+    """Passage of a tooth pair from a table of all pairs over one cycle.
 
     Parameters
     ----------
@@ -68,10 +68,10 @@ def passage(pairs: Array, table: Array) -> Passage:
     for pair, row in zip(pairs, table, strict=True):
         start = (int(pairs.max()) - pair) * count
         values[start : start + count] = row
-    return Passage(-int(pairs.max()) * count, count, values)
+    return ToothPassage(-int(pairs.max()) * count, count, values)
 
 
-def pairs_in_view(course: Passage, cycles: float) -> range:
+def pairs_in_view(course: ToothPassage, cycles: float) -> range:
     """Numbers of the tooth pairs that are in mesh at some time between zero and ``cycles`` cycles."""
     finite = np.flatnonzero(np.any(np.isfinite(np.reshape(course.values, (course.values.shape[0], -1))), axis=1))
     if finite.size == 0:
@@ -80,7 +80,7 @@ def pairs_in_view(course: Passage, cycles: float) -> range:
     return range(int(np.ceil(-last)), int(np.floor(cycles - first)) + 1)
 
 
-def envelope(course: Passage, cycles: Array) -> Array:
+def envelope(course: ToothPassage, cycles: Array) -> Array:
     """Smallest value (n) of all tooth pairs at times (n) in cycles; NaN where there is none."""
     cycles = np.asarray(cycles, dtype=float)
     steps = np.round(cycles * course.per_cycle, 9)  # a time on a step is that step, whatever the rounding

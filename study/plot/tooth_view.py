@@ -1,4 +1,4 @@
-"""The gear flank as it is drawn: true to scale in the projection plane, toe on the left, tip at the top.
+"""Tooth view: the gear flank true to scale in the projection plane, toe on the left, tip at the top.
 
 The projection plane is the axial plane of the gear, into which every point of the flank is turned about the gear axis.
 There the flank is a quadrangle and its grid is bilinear, so that its corners describe it completely.
@@ -23,18 +23,18 @@ from .page import GREY, INK, PAPER, SMALL_SIZE
 
 Array = NDArray[Any]
 
-FINE = (241, 121)  # points of the fine grid along the face and the profile
-MARGIN = 1.3  # room around the flank for the names of its edges [mm per 30 mm of face]
+FINE_GRID = (241, 121)  # points along the face and the profile
+MARGIN_WIDTH = 1.3  # around the flank, for the names of its edges [mm per 30 mm of face]
 
 
 @dataclass(frozen=True)
 class ToothView:
-    """A gear flank and the plane it is drawn in.
+    """Gear flank and the plane it is drawn in.
 
     Parameters
     ----------
     coefficients
-        Of 1, t, h and t h, for both coordinates of the plane (2, 4) [mm].
+        Coefficients (2, 4) of 1, t, h and t h, for both coordinates of the plane [mm].
     fields
         Splines on the flank.
     common
@@ -45,7 +45,7 @@ class ToothView:
     fields: FlankFields
     common: tuple[Array, ...]
 
-    def place(self, points: Array) -> Array:
+    def in_plane(self, points: Array) -> Array:
         """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...)."""
         t, h = points
         return np.asarray(np.tensordot(self.coefficients, np.stack([np.ones_like(t), t, h, t * h]), axes=1))
@@ -53,13 +53,13 @@ class ToothView:
     @property
     def corners(self) -> Array:
         """Corners (2, 4) [mm], around the flank from toe and root along the root."""
-        return self.place(np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]]))
+        return self.in_plane(np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]]))
 
     @property
     def window(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom and top of what is shown [mm]."""
+        """Left, right, bottom and top of the view [mm]."""
         (left, bottom), (right, top) = self.corners.min(axis=1), self.corners.max(axis=1)
-        margin = MARGIN * (right - left) / 30.0
+        margin = MARGIN_WIDTH * (right - left) / 30.0
         return float(left - margin), float(right + margin), float(bottom - margin), float(top + margin)
 
     @property
@@ -70,12 +70,12 @@ class ToothView:
 
     def outline(self, curves: tuple[Array, ...]) -> Outline:
         """Closed curves (2, k), given as fractions, as one path in the plane."""
-        parts = [Outline(self.place(curve).T, closed=True) for curve in curves]
+        parts = [Outline(self.in_plane(curve).T, closed=True) for curve in curves]
         return Outline.make_compound_path(*parts) if parts else Outline(np.zeros((0, 2)))
 
 
 def tooth_view(tree: xr.DataTree) -> ToothView:
-    """The gear flank of a result.
+    """View of the gear flank of a result.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def plane_coefficients(flanks: xr.Dataset) -> Array:
     return np.asarray(plane)
 
 
-def fine_grid(shape: tuple[int, int] = FINE) -> Array:
+def fine_grid(shape: tuple[int, int] = FINE_GRID) -> Array:
     """Lengthwise and profile fractions (2, *shape) of an even grid over the whole flank."""
     return np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
 
@@ -121,7 +121,7 @@ def common_flank(fields: FlankFields) -> tuple[Array, ...]:
     grid = fine_grid()
     # A frame of outside points just beyond the edges closes every curve.
     distance = np.pad(boundary_distance(fields, grid), 1, constant_values=-1.0)
-    t, h = (np.pad(np.linspace(0.0, 1.0, n), 1, constant_values=(-1e-9, 1.0 + 1e-9)) for n in FINE)
+    t, h = (np.pad(np.linspace(0.0, 1.0, n), 1, constant_values=(-1e-9, 1.0 + 1e-9)) for n in FINE_GRID)
     lines = contourpy.contour_generator(t, h, distance.T).lines(0.0)
     return tuple(np.clip(np.asarray(line).T, 0.0, 1.0) for line in lines)
 
@@ -132,7 +132,7 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
     Parameters
     ----------
     axes
-        Where to draw.
+        Axes to draw in.
     view
         The flank.
     boundary
@@ -145,13 +145,13 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
     axes.plot(*np.append(corners, corners[:, :1], axis=1), color=INK, linewidth=1.1, zorder=6)
     if boundary:
         for curve in view.common:
-            axes.fill(*view.place(curve), facecolor="white", edgecolor="none", zorder=0.5)
-            axes.plot(*view.place(curve), color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=5)
+            axes.fill(*view.in_plane(curve), facecolor="white", edgecolor="none", zorder=0.5)
+            axes.plot(*view.in_plane(curve), color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), zorder=5)
     left, right, bottom, top = view.window
     gap = 0.3 * (corners[0].min() - left)
     names = (("toe", 0.0, 0.5, -1, 0), ("heel", 1.0, 0.5, 1, 0), ("root", 0.5, 0.0, 0, -1), ("tip", 0.5, 1.0, 0, 1))
     for name, t, h, across, up in names:
-        x, y = view.place(np.array([t, h])) + gap * np.array([across, up])
+        x, y = view.in_plane(np.array([t, h])) + gap * np.array([across, up])
         horizontal, vertical = ("right", "center", "left")[across + 1], ("top", "center", "bottom")[up + 1]
         axes.text(x, y, name, ha=horizontal, va=vertical, fontsize=SMALL_SIZE + 0.5, color=GREY, style="italic")
     axes.set_aspect("equal")
@@ -170,7 +170,7 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
 
 
 def tick_step(extent: float) -> float:
-    """A round step that divides an extent into some six parts.
+    """Round step that divides an extent into about six parts.
 
     >>> tick_step(30.0)
     5.0

@@ -1,4 +1,4 @@
-"""Picture of the transmission error without load and at every torque, over two mesh cycles."""
+"""Transmission error chart: without load and at every torque, over two mesh cycles."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes, torque_colours, torque_name
-from .tooth_passage import Passage, envelope, pairs_in_view, passage
+from .tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
 
 Array = NDArray[Any]
 
 CYCLES = 2
-BETWEEN = 8  # points drawn from one mesh position to the next
-NAMED = 8  # torques named in the legend
-CLEAR: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
-FADED: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.35, "zorder": 2}  # the torques that are not named
+STEP_POINT_COUNT = 8  # points drawn a mesh position
+NAMED_TORQUE_LIMIT = 8  # in the legend
+NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
+FADED_STYLE: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.35, "zorder": 2}  # of the torques that are not named
 
 
 def draw(tree: xr.DataTree) -> Figure:
-    """Draw the picture of a result."""
+    """Draw the transmission error chart of a result."""
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
     figure = page(tree, "Transmission error", 7.2, "rotation of the gear, positive where the gear lags")
     panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.1, 1.0, 1.0])
@@ -37,20 +37,22 @@ def draw(tree: xr.DataTree) -> Figure:
 
 
 def two_cycles(values: Array, cycles: int = CYCLES) -> tuple[Array, Array]:
-    """Times in cycles, and values (n) of one even cycle repeated and closed with the first value at the end."""
+    """Times in cycles, and the values (n) of a cycle repeated, with the first one at the end."""
     count = values.size
     return np.arange(cycles * count + 1) / count, np.append(np.tile(values, cycles), values[:1])
 
 
-def unloaded_curves(unloaded: xr.Dataset) -> tuple[Passage, Array, Array]:
-    """Passage of a tooth pair [urad], and times in cycles with the envelope over all pairs [urad]."""
-    course = passage(unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values)
-    times = np.arange(CYCLES * BETWEEN * course.per_cycle + 1) / (BETWEEN * course.per_cycle)
+def unloaded_curves(unloaded: xr.Dataset) -> tuple[ToothPassage, Array, Array]:
+    """ToothPassage of a tooth pair [urad], and times in cycles with the envelope over all pairs [urad]."""
+    course = tooth_passage(
+        unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values
+    )
+    times = np.arange(CYCLES * STEP_POINT_COUNT * course.per_cycle + 1) / (STEP_POINT_COUNT * course.per_cycle)
     return course, times, envelope(course, times)
 
 
 def draw_unloaded(axes: Axes, unloaded: xr.Dataset) -> None:
-    """Curves of the tooth pairs and their envelope."""
+    """Draw the curves of the tooth pairs and their envelope."""
     course, times, lowest = unloaded_curves(unloaded)
     for pair in pairs_in_view(course, CYCLES):
         label = "each tooth pair" if pair == 0 else None
@@ -66,10 +68,10 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset) -> None:
 
 
 def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
-    """Curves of all torques, as they are or about their means."""
+    """Draw the curves of all torques, as they are or about their means."""
     torques = loaded["torque"].values
     error = loaded["transmission_error"].transpose("torque", "mesh_position").values
-    named = set(evenly_chosen(torques, NAMED).tolist())
+    named = set(evenly_chosen(torques, NAMED_TORQUE_LIMIT).tolist())
     for index, colour in enumerate(torque_colours(torques)):
         finite = error[index][np.isfinite(error[index])]
         if finite.size == 0:
@@ -81,7 +83,7 @@ def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool) -> None:
             text = f"{error.shape[1] - finite.size} of {error.shape[1]} missing"
         label = f"{torque_name(torques[index])}, {text}" if index in named else None
         times, values = two_cycles(error[index] - level if about_mean else error[index])
-        axes.plot(times, values, color=colour, label=label, **(CLEAR if index in named else FADED))
+        axes.plot(times, values, color=colour, label=label, **(NAMED_STYLE if index in named else FADED_STYLE))
     heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
     _finish(axes, "under load, about its mean [µrad]" if about_mean else "under load [µrad]", heading)
 

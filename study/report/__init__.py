@@ -1,1 +1,1 @@
-"""Results as text: summaries, notes, and reports of designs and corrections."""
+"""Reports as text: result, plausibility, design, correction, optimal modification."""

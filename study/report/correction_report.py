@@ -1,4 +1,4 @@
-"""Global errors and corrective settings of a measured flank, as text for people."""
+"""Correction report: global errors and corrective settings of a measured flank, as text."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from ...geometry.pair.gear_pair import Member
 from ...geometry.tooth.tooth_flanks import side
 
 
-def correction_text(name: str, member: Member, deviation: Deviation) -> str:
-    """What a measured flank departs from its design in, and what to change on the machine.
+def correction_report(name: str, member: Member, deviation: Deviation) -> str:
+    """Report of the global errors of a measured flank and the settings that cancel them.
 
     Parameters
     ----------
@@ -26,7 +26,12 @@ def correction_text(name: str, member: Member, deviation: Deviation) -> str:
     member
         The member, seen from the measured flank.
     deviation
-        What was measured.
+        Deviation of the measured flank from the designed one.
+
+    Returns
+    -------
+    str
+        Two tables, with the root mean square of what remains.
     """
     turned = zeroed(deviation, member.loaded)
     found, correction = fit_global_errors(turned), corrective_settings(member, turned)

@@ -1,4 +1,4 @@
-"""In words: how the flanks of a result depart from the designed ones, from the attributes of its root."""
+"""Departures of a result's flanks from the designed ones, as text, from the attributes of its root."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 MEMBERS = ("pinion", "gear")
-MOST_TERMS = 5  # of a modification, the largest first; more are counted
+TERM_COUNT_LIMIT = 5  # of a modification, the largest first; more are counted
 
 
 def deviations(attributes: Mapping[Any, Any]) -> str:
-    """How far the flanks deviate and how that was taken in; empty if they do not.
+    """Largest deviations of the flanks, and how they were taken in; empty if there are none.
 
     >>> deviations({"deviated": "surface", "largest_deviation_gear_um": 8.4})
     'gear up to 8.4 um, surfaces recomputed'
@@ -23,13 +23,13 @@ def deviations(attributes: Mapping[Any, Any]) -> str:
 
 
 def modification(attributes: Mapping[Any, Any]) -> str:
-    """What was added to the ease-off; empty if nothing was.
+    """Modification of the ease-off; empty if there is none.
 
     >>> modification({"modification_um": '{"bias": -3.0, "lengthwise_crowning": 10.0}'})
     'lengthwise crowning +10 um, bias -3 um'
     """
     terms = json.loads(str(attributes.get("modification_um", "{}")))
     largest = sorted(((n, v) for n, v in terms.items() if v), key=lambda term: -abs(term[1]))
-    words = [f"{name.replace('_', ' ')} {value:+.3g} um" for name, value in largest[:MOST_TERMS]]
+    words = [f"{name.replace('_', ' ')} {value:+.3g} um" for name, value in largest[:TERM_COUNT_LIMIT]]
     left = len(largest) - len(words)
     return ", ".join([*words, f"{left} more terms"] if left else words)

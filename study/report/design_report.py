@@ -1,4 +1,4 @@
-"""The report of a design as text: blanks, settings that moved, ease-off left, warnings."""
+"""Design report: blanks, moved settings, remaining ease-off and warnings, as text."""
 
 from __future__ import annotations
 
@@ -34,30 +34,32 @@ MEMBER_ROWS = (
 )
 
 
-def design_text(report: DesignReport) -> str:
-    """The whole report."""
+def design_report(report: DesignReport) -> str:
+    """Report of a design."""
     parts = ["Blanks", tabulate(list(_blank_rows(report.blank)), headers=("", "pinion", "gear"), disable_numparse=True)]
     for side, item in report.sides.items():
-        parts += [f"{side.capitalize()} side: {left_over(item)}", _moved(item), _root(item)]
+        parts += [f"{side.capitalize()} side: {remaining_ease_off(item)}", _moved(item), _root(item)]
     return "\n\n".join([*parts, *warning_lines(report)])
 
 
 def summary_lines(report: DesignReport) -> list[str]:
-    """One line a side, and the warnings."""
+    """Summary of a design: a line a side, and the warnings."""
     sides: dict[FlankName, SideReport] = dict(report.sides)
-    return [*(f"{side}: {left_over(item)}" for side, item in sides.items()), *warning_lines(report)]
+    return [*(f"{side}: {remaining_ease_off(item)}" for side, item in sides.items()), *warning_lines(report)]
 
 
 def warning_lines(report: DesignReport) -> list[str]:
-    """The warnings, one a line."""
+    """Warnings of a design, a line each."""
     return [f"Warning: {warning}" for warning in report.warnings]
 
 
-def left_over(item: SideReport) -> str:
-    """What the fit left, in one line."""
-    within = f"ease-off within {1e3 * item.greatest_left:.2f} um of the target (rms {1e3 * item.rms_left:.2f} um)"
+def remaining_ease_off(item: SideReport) -> str:
+    """Remaining ease-off of a side after the fit, in one line."""
+    within = (
+        f"ease-off within {1e3 * item.largest_residual:.2f} um of the target (rms {1e3 * item.rms_residual:.2f} um)"
+    )
     common = f"{100 * item.common_flank:.0f} % of the gear flank"
-    return f"{within}, up to {1e3 * item.greatest_ease_off:.1f} um on the common flank, {common}"
+    return f"{within}, up to {1e3 * item.largest_ease_off:.1f} um on the common flank, {common}"
 
 
 def _root(item: SideReport) -> str:
@@ -79,7 +81,11 @@ def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:
 
 
 def unit_of(name: str) -> str:
-    """Unit in which a free setting is printed; empty for a ratio."""
+    """Unit in which a free setting is printed; empty for a ratio.
+
+    >>> unit_of("cutter_tilt"), unit_of("radial_distance"), unit_of("ratio_of_roll")
+    ('deg', 'mm', '')
+    """
     if name == "blade_curvature":
         return "1/mm"
     if name == "ratio_of_roll" or name.startswith("modified_roll_"):

@@ -1,4 +1,4 @@
-"""The report of an optimal modification as text: the terms, before and after, and how far to trust it."""
+"""Optimization report: terms of the modification, loads before and after, and warnings, as text."""
 
 from __future__ import annotations
 
@@ -14,8 +14,14 @@ ROWS = (
 )
 
 
-def optimization_text(tree: xr.DataTree) -> str:
-    """Report of a result of ``optimize``."""
+def optimization_report(tree: xr.DataTree) -> str:
+    """Report of an optimal modification.
+
+    Parameters
+    ----------
+    tree
+        A result of ``optimize``.
+    """
     record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
     values = surface["coefficient"].values
     terms = [(str(name), f"{value:+.2f}") for name, value in zip(surface["term"].values, values, strict=True)]
@@ -41,15 +47,15 @@ def optimization_text(tree: xr.DataTree) -> str:
 
 
 def notes(tree: xr.DataTree) -> list[str]:
-    """What a user must know: limits that are passed, a search that was cut short, the surface at its limit."""
+    """Warnings and notes: exceeded limits, a search that did not converge, a modification at its limit."""
     record = tree["optimization"].to_dataset()
     after = record.sel(stage="after").max("assembly")
     found = []
     ripple, limit = after["peak_to_peak"].values, record.attrs["transmission_error_limit_urad"]
     if np.any(ripple > limit):
         found.append(
-            f"Warning: the peak to peak limit of {limit:g} urad is passed, {ripple.max():.2f} urad: allow more, or "
-            "terms of a higher order"
+            f"Warning: the transmission error is {ripple.max():.2f} urad peak to peak, above its limit of {limit:g} "
+            "urad: raise the limit or the order of the terms"
         )
     ends, most = after["max_end_load"].values, np.atleast_1d(record.attrs["end_load_limit_N_per_mm"])
     if np.any(ends > most):
@@ -59,7 +65,7 @@ def notes(tree: xr.DataTree) -> list[str]:
             f"above its limit of {most[worst]:.0f} N/mm"
         )
     if not record.attrs["converged"]:
-        found.append("Note: the search ended before nothing was left to gain; more programmes may find more")
+        found.append("Note: the search has not converged; more programmes may improve the result")
     greatest = record.attrs["largest_modification_um"]
     if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
         found.append(f"Note: the modification reaches its limit of {greatest:g} um")

@@ -1,4 +1,4 @@
-"""Notes on results that are solved and certified but unlike any gear: most often a slip in a setting."""
+"""Plausibility of a result: notes on certified values that no gear has, most often from a mistaken setting."""
 
 from __future__ import annotations
 
@@ -6,20 +6,25 @@ import numpy as np
 import xarray as xr
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
-MOST_EASE_OFF = 1000.0
+EASE_OFF_LIMIT = 1000.0
 #: [MPa] Greatest pressure. Case-hardened steel yields below the surface at 3 to 4 GPa: no contact is elastic beyond.
-MOST_PRESSURE = 5000.0
+PRESSURE_LIMIT = 5000.0
 #: Common flank over the gear flank. Teeth that belong together share most of it, 0.75 and more in the shipped cases.
-LEAST_COMMON = 0.3
+COMMON_FLANK_LIMIT = 0.3
 
 
 def plausibility(tree: xr.DataTree) -> list[str]:
-    """One note for each of ease-off, pressure and common flank that is beyond what gears have.
+    """Notes on the plausibility of a result: one each for ease-off, pressure and common flank.
 
     Parameters
     ----------
     tree
         A result of ``analyze`` or ``read_result``.
+
+    Returns
+    -------
+    list of str
+        No notes if all values are plausible.
     """
     ease_off = tree["ease_off"].to_dataset()
     inside = ease_off["inside"].values == 1
@@ -27,19 +32,19 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     greatest = float(np.nan_to_num(tree["loaded"].to_dataset()["max_pressure"].values).max(initial=0.0))
     common = float(inside.mean())
     notes = []
-    if widest > MOST_EASE_OFF:
+    if widest > EASE_OFF_LIMIT:
         notes.append(
             f"Note: the ease-off reaches {1e-3 * widest:.3g} mm on the common flank, more than "
-            f"{1e-3 * MOST_EASE_OFF:g} mm: are the settings of pinion and gear right, and their signs?"
+            f"{1e-3 * EASE_OFF_LIMIT:g} mm: are the settings of pinion and gear right, and their signs?"
         )
-    if greatest > MOST_PRESSURE:
+    if greatest > PRESSURE_LIMIT:
         notes.append(
-            f"Note: the greatest pressure is {1e-3 * greatest:.3g} GPa, more than {1e-3 * MOST_PRESSURE:g} GPa: no "
-            "steel bears that elastically; are torque and settings right?"
+            f"Note: the greatest pressure is {1e-3 * greatest:.3g} GPa, more than {1e-3 * PRESSURE_LIMIT:g} GPa, at "
+            "which no steel is elastic: are torque and settings right?"
         )
-    if common < LEAST_COMMON:
+    if common < COMMON_FLANK_LIMIT:
         notes.append(
-            f"Note: the flanks share {100 * common:.0f} % of the gear flank, less than {100 * LEAST_COMMON:.0f} %: are "
-            "blanks, settings and misalignment right?"
+            f"Note: the flanks share {100 * common:.0f} % of the gear flank, less than "
+            f"{100 * COMMON_FLANK_LIMIT:.0f} %: are blanks, settings and misalignment right?"
         )
     return notes

@@ -1,4 +1,4 @@
-"""A result as a short report: what was analysed, the unloaded and the loaded contact, and whether it is certified."""
+"""Result summary: pair, unloaded and loaded contact, friction and certificates, as text."""
 
 from __future__ import annotations
 
@@ -14,17 +14,12 @@ from ...friction.operation import named_models
 from .departures import deviations, modification
 from .plausibility import plausibility
 
-
-def _certificate(loaded: xr.Dataset) -> Any:
-    """Worst residual of every torque and mesh position."""
-    return np.max(np.stack([loaded[name].values for name in CERTIFICATE]), axis=0)
-
-
-MOST_ROWS = 40
+#: Rows of the table of efficiencies; more are counted.
+ROW_COUNT_LIMIT = 40
 
 
 def efficiencies(friction: xr.Dataset) -> str:
-    """Table of power loss and efficiency, one row an operating condition; the first ones if there are many."""
+    """Table of power loss and efficiency, a row an operating condition, with the extremes if there are many."""
     names = ("torque", "speed", "temperature", "roughness")
     values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
     coefficient = friction["mean_friction_coefficient"].transpose(*names).values
@@ -47,7 +42,7 @@ def efficiencies(friction: xr.Dataset) -> str:
         "rolling part\n%",
         "efficiency\n%",
     ]
-    shown = rows[:MOST_ROWS]
+    shown = rows[:ROW_COUNT_LIMIT]
     table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
     left = len(rows) - len(shown)
     if np.any(friction["temperature_clamped"].values):
@@ -61,7 +56,7 @@ def efficiencies(friction: xr.Dataset) -> str:
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:
-    """One line for each torque whose mesh cycle is not certified throughout, and one for friction fed back."""
+    """Lines on uncertified solutions: one a torque that has some, and one for the friction feedback."""
     loaded = tree["loaded"].to_dataset()
     lines = [
         f"{torque:g} N m: {some} of {status.size} mesh positions have no certified solution {reasons}"
@@ -76,14 +71,14 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def _failures(status: Any) -> list[tuple[int, str]]:
-    """How many of the values of ``Status`` are no success, and which they are; nothing if all are."""
+    """Number and names of the values of ``Status`` that are not certified; empty if all are."""
     bad = status[status != Status.CERTIFIED]
     names = sorted({Status(int(value)).name.lower() for value in bad})
     return [(bad.size, f"({', '.join(names)}); their values are NaN")] if bad.size else []
 
 
 def _head(tree: xr.DataTree) -> str:
-    """What was analysed, and the unloaded contact."""
+    """Table of the pair, its misalignment and its unloaded contact."""
     attrs, unloaded = tree.attrs, tree["unloaded"].to_dataset()
     ease_off = tree["ease_off"].to_dataset()
     inside = ease_off["inside"].values == 1
@@ -117,10 +112,9 @@ def _head(tree: xr.DataTree) -> str:
 
 
 def _loaded_table(loaded: xr.Dataset) -> str:
-    """One row a torque."""
-    # Roundoff-sized residuals are all the same to a reader.
-    worst = _certificate(loaded)
-    # Edges are a column where they may touch; older results know nothing of them.
+    """Table of the loaded contact, a row a torque."""
+    worst = np.max(np.stack([loaded[name].values for name in CERTIFICATE]), axis=0)
+    # Older results lack the overhang.
     edges = "overhang" in loaded and bool(loaded["overhang"].notnull().any())
     rows = [
         (
@@ -151,7 +145,7 @@ def _loaded_table(loaded: xr.Dataset) -> str:
 
 
 def _root_stresses(stresses: xr.Dataset) -> str:
-    """One row a torque."""
+    """Table of the greatest root stresses, a row a torque."""
     greatest = stresses["max_root_stress"]
     rows = [(f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values]
     headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
@@ -159,27 +153,27 @@ def _root_stresses(stresses: xr.Dataset) -> str:
 
 
 def _notes(tree: xr.DataTree) -> list[str]:
-    """What a reader should know before using the numbers."""
+    """Notes on the reliability of the numbers."""
     notes = [*uncertified(tree), *plausibility(tree)]
-    # Older results do not say.
+    # Older results lack the attribute.
     searched = int(tree["loaded"].attrs.get("searched_segments", 0))
     if searched:
         loaded = tree["loaded"].to_dataset().isel(torque=0)
         lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum())
         notes.append(
-            f"Note: at {searched} of {lines} segments the flanks bend over so short a way that their closest approach "
-            "was searched for; forces and pressures there are rough."
+            f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
+            "approach was searched for; forces and pressures there are approximate."
         )
     if tree.attrs["opposite_flanks"] != "given":
         notes.append(
-            "Note: the case does not give all four flanks; the missing ones were assumed to be cut with the "
-            "same settings, which matters for the teeth's thickness alone."
+            "Note: the case does not describe all four flanks; the missing ones were assumed to have the same "
+            "settings, which affects the tooth thickness only."
         )
     return notes
 
 
-def summary(tree: xr.DataTree) -> str:
-    """Report of an analysis, as text.
+def result_summary(tree: xr.DataTree) -> str:
+    """Summary of a result.
 
     Parameters
     ----------

@@ -1,9 +1,8 @@
-"""Running the parameter study: one row a combination, kept on disk as soon as it is known, labelled at the end."""
+"""Parameter study of friction with the film model: one row a combination, from a checkpoint, as a labelled dataset."""
 
 from __future__ import annotations
 
 import importlib
-import json
 import math
 import os
 import time
@@ -18,6 +17,7 @@ import xarray as xr
 
 from ....core import checks
 from ....core.attributes import labelled
+from ....core.checkpoint import Checkpoint, digest
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.files import check_writable, whole_file
 from ..equations.film_certificate import Status
@@ -41,9 +41,8 @@ def run_study(
     Parameters
     ----------
     path
-        The netCDF file; missing folders are made. What is known is kept beside it, in a file of one JSON object a line
-        with the ending ``.rows``: a study that was interrupted goes on where it stopped. A study that is there already
-        is replaced; any other file is refused.
+        The netCDF file; missing folders are made. Rows are kept in a checkpoint beside it, whose name ends in
+        ``.rows``: an interrupted study resumes from it. An earlier study is replaced; any other file is refused.
     wanted
         Numbers of combinations; the size of a space-filling subset; or all of them.
     design, resolution
@@ -87,17 +86,15 @@ def run_study(
     roughest = max(condition.composite_roughness for condition in conditions.values())
     Asperities(roughest, resolution.correlation_length)  # refuses what is too steep
     store = target.with_name(target.name + ".rows")
-    contents = {"version": MODEL_VERSION, "design": asdict(design), "resolution": asdict(resolution)}
-    key = json.dumps(contents, sort_keys=True)
-    known = _read(store, key)
-    missing = [number for number in conditions if number not in known]
-    deadline = time.monotonic() + seconds
+    checkpoint = Checkpoint(store, "parameter study of friction", encode=dict, decode=_row)
+    contents = digest(version=MODEL_VERSION, design=asdict(design), resolution=asdict(resolution))
+    known = {number: row for number in conditions if (row := checkpoint.get(f"{contents}/{number}")) is not None}
+    missing = {number: condition for number, condition in conditions.items() if number not in known}
     run = _with_dask if dask else _one_by_one
-    _append(store, "")  # whether it can be written is known before the first case
-    for done, (number, row) in enumerate(run({n: conditions[n] for n in missing}, resolution, deadline), start=1):
+    checkpoint.begin()
+    for done, (number, row) in enumerate(run(missing, resolution, time.monotonic() + seconds), start=1):
         known[number] = row
-        # The line feed in front ends a line that an interruption may have left half-written.
-        _append(store, "\n" + json.dumps({"key": key, "number": number, "row": row}))
+        checkpoint.add(f"{contents}/{number}", row)
         if progress is not None:
             progress(done, len(missing))
     not_run: Row = {**dict.fromkeys(NUMBERS, math.nan), "status": float(Status.NOT_RUN)}
@@ -161,24 +158,13 @@ def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadlin
         yield from zip(part, engine.compute(*tasks, **scheduler), strict=True)
 
 
-def _read(store: Path, key: str) -> dict[int, Row]:
-    """Rows on disk of the same version, design and resolution; lines that are half-written or no rows are skipped."""
-    known: dict[int, Row] = {}
-    if not store.exists():
-        return known
-    if store.is_dir():
-        raise InputError(f"{store} is a folder: what is known of the study is kept in a file of this name; remove it")
-    for line in store.read_text(encoding="utf-8", errors="replace").splitlines():
-        try:
-            entry = json.loads(line)
-            if entry["key"] == key:
-                row = {**dict.fromkeys(NUMBERS, math.nan), **entry["row"]}
-                Status(int(row["status"]))
-                if all(isinstance(row[name], int | float) for name in NUMBERS):
-                    known[int(entry["number"])] = row
-        except (ValueError, KeyError, TypeError):
-            continue
-    return known
+def _row(stored: dict[str, Any]) -> Row:
+    """Row of a checkpoint; a value that no case gives is a ``ValueError``."""
+    row = {**dict.fromkeys(NUMBERS, math.nan), **stored}
+    Status(int(row["status"]))
+    if not all(isinstance(row[name], int | float) for name in NUMBERS):
+        raise ValueError(row)
+    return row
 
 
 def _check_is_study(target: Path) -> None:
@@ -192,14 +178,3 @@ def _check_is_study(target: Path) -> None:
     except (OSError, ValueError, RuntimeError):
         pass
     raise InputError(f"{target} exists and is no study: it would be overwritten; give another name, or remove it")
-
-
-def _append(store: Path, text: str) -> None:
-    try:
-        store.parent.mkdir(parents=True, exist_ok=True)
-        with store.open("a", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-    except OSError as error:
-        raise InputError(f"{store} cannot be written: {error.strerror or error}") from error

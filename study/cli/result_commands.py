@@ -1,4 +1,4 @@
-"""The command that draws the pictures of a result."""
+"""Commands that show and plot results."""
 
 from __future__ import annotations
 
@@ -9,9 +9,19 @@ import click
 
 @click.command()
 @click.argument("result", type=click.Path(path_type=Path))
+def show(result: Path) -> None:
+    """Show the main numbers of RESULT, a file of 'easeoff run'."""
+    from ..report.result_summary import result_summary
+    from ..result import read_result
+
+    click.echo(result_summary(read_result(result)))
+
+
+@click.command()
+@click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path))
 def plot(result: Path, folder: Path) -> None:
-    """Draw the pictures of RESULT into FOLDER."""
+    """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER."""
     from ...core.files import check_folder
     from ..plot import write_pictures
     from ..result import read_result

@@ -1,4 +1,4 @@
-"""Numbers on contour lines: on their line, within a region, off its border, off other lines and off one another."""
+"""Contour labels: numbers on contour lines, within a region and clear of its border, other lines and each other."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from .page import SMALL_SIZE
 Array = NDArray[Any]
 Truths = NDArray[np.bool_]
 
-PANEL = 0.87  # of its column, that the layout leaves a panel
-DIGIT, POINT, TALL = 0.64, 0.32, 0.74  # of the size of the type: widths of a digit and a point, height of a digit
-STEP = 3.0  # [pt] from one place that is tried to the next
-SPARE = 1.6  # times the length of a number, that its line has at least
-BENT = 0.93  # of its length, that a line's chord has at least under a number
-OFF_LINES, OFF_BORDER, OFF_NUMBERS = 0.5, 1.0, 2.5  # [pt] between a number and whatever else there is
-ROOMY = 9.0  # [pt]; more room is no better
-SAME = 150.0  # [pt] within which a level gets one number
+PANEL_SHARE = 0.87  # width of a panel over that of its column
+DIGIT_WIDTH, POINT_WIDTH, DIGIT_HEIGHT = 0.64, 0.32, 0.74  # over the size of the type
+CANDIDATE_STEP = 3.0  # [pt] between points that are tried
+LINE_LENGTH_MINIMUM = 1.6  # length of a line over that of its number
+CHORD_MINIMUM = 0.93  # chord of a line under a number over the number's length
+LINE_CLEARANCE, BORDER_CLEARANCE, LABEL_CLEARANCE = 0.5, 1.0, 2.5  # [pt] around a number
+CLEARANCE_LIMIT = 9.0  # [pt]; more is no better
+LABEL_DISTANCE = 150.0  # [pt] between numbers of the same level
 
 
 @dataclass(frozen=True)
 class Region:
-    """Where numbers may stand.
+    """Region in which numbers may stand.
 
     Parameters
     ----------
     holds
-        Whether points (n, 2) [mm] are in it (n).
+        Whether points (n, 2) [mm] are inside (n).
     border
-        Points (k, 2) [mm] around it, close to one another.
+        Closely spaced points (k, 2) [mm] around the region.
     """
 
     holds: Callable[[Array], Truths]
@@ -46,27 +46,27 @@ class Region:
 
 
 def outlined(outline: Path) -> Region:
-    """What closed curves surround."""
+    """Region inside closed curves."""
     curves = [curve for curve in map(np.asarray, outline.to_polygons()) if len(curve) > 2]
     return Region(outline.contains_points, np.concatenate([dense(curve) for curve in curves] or [np.zeros((0, 2))]))
 
 
 def triangulated(mesh: Triangulation) -> Region:
-    """What triangles cover."""
+    """Region covered by triangles."""
     find = mesh.get_trifinder()
     corners = np.stack([mesh.x, mesh.y], axis=1)
     sides = border_sides(mesh)
-    points = np.concatenate([dense(corners[side]) for side in sides]) if len(sides) else np.zeros((0, 2))
+    border = np.concatenate([dense(corners[side]) for side in sides]) if len(sides) else np.zeros((0, 2))
 
-    def holds(places: Array) -> Truths:
-        triangles: Any = find(*places.T)
+    def holds(points: Array) -> Truths:
+        triangles: Any = find(*points.T)
         return np.asarray(triangles >= 0)
 
-    return Region(holds, points)
+    return Region(holds, border)
 
 
 def border_sides(mesh: Triangulation) -> NDArray[np.int64]:
-    """Both ends (n, 2) of the triangles' sides that no two triangles share."""
+    """Both ends (n, 2) of the sides that belong to one triangle only."""
     shown = mesh.get_masked_triangles()
     sides = np.sort(np.concatenate([shown[:, [0, 1]], shown[:, [1, 2]], shown[:, [2, 0]]]), axis=1)
     unique, count = np.unique(sides, axis=0, return_counts=True)
@@ -74,7 +74,7 @@ def border_sides(mesh: Triangulation) -> NDArray[np.int64]:
 
 
 def without_border(mesh: Triangulation) -> Triangulation:
-    """The same triangles without those that have a corner on the border."""
+    """Triangles without those that have a corner on the border."""
     at_border = np.zeros(mesh.x.size, dtype=bool)
     at_border[border_sides(mesh)] = True
     hidden = np.any(at_border[mesh.triangles], axis=1)
@@ -82,7 +82,7 @@ def without_border(mesh: Triangulation) -> Triangulation:
 
 
 def without_steep(mesh: Triangulation, values: Array, steepest: float) -> Triangulation:
-    """The same triangles without those where values (n) at their corners are steeper than so much [1/mm]."""
+    """Triangles without those on which values (n) at the corners are steeper than a limit [1/mm]."""
     plane = np.stack([mesh.x, mesh.y, values], axis=1)[mesh.triangles]
     normal = np.cross(plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0])
     normal *= np.sign(normal[:, 2:])
@@ -96,14 +96,14 @@ def without_steep(mesh: Triangulation, values: Array, steepest: float) -> Triang
 
 
 def dense(line: Array, parts: int = 200) -> Array:
-    """A line (n, 2) with so many points along its length at least."""
+    """Line (n, 2) refined to at least as many parts."""
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     every = np.union1d(along, np.linspace(0.0, along[-1], parts))
     return np.stack([np.interp(every, along, values) for values in line.T], axis=1)
 
 
 def drop_short(lines: ContourSet, shortest: float) -> None:
-    """Take pieces of contour lines away that are shorter than so much [mm]."""
+    """Remove pieces of contour lines that are shorter than a length [mm]."""
     paths = []
     for level in lines.allsegs:
         kept = [Path(piece) for piece in level if np.hypot(*np.diff(piece, axis=0).T).sum() >= shortest]
@@ -113,24 +113,24 @@ def drop_short(lines: ContourSet, shortest: float) -> None:
 
 def number_lines(axes: Axes, lines: ContourSet, region: Region, size: float = SMALL_SIZE) -> None:
     """Write the levels on contour lines where there is room."""
-    places: Any = label_places(axes, lines, region, size)
-    if places:
-        axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=size, inline_spacing=1, manual=places)
+    points: Any = label_points(axes, lines, region, size)
+    if points:
+        axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=size, inline_spacing=1, manual=points)
 
 
-def label_places(axes: Axes, lines: ContourSet, region: Region, size: float = SMALL_SIZE) -> list[tuple[float, float]]:
-    """Where contour lines get their numbers: the longest first, and each where there is most room.
+def label_points(axes: Axes, lines: ContourSet, region: Region, size: float = SMALL_SIZE) -> list[tuple[float, float]]:
+    """Points of contour lines at which their numbers are written: longest lines first, each where there is most room.
 
     Parameters
     ----------
     axes
-        Where they are drawn, as high as wide if its aspect is equal.
+        Axes of the lines, as high as wide if their aspect is equal.
     lines
         The contour lines.
     region
-        Where numbers may stand.
+        Region in which numbers may stand.
     size
-        Of the type [pt].
+        Size of the type [pt].
     """
     scale = points_per_unit(axes)
     pieces = [
@@ -142,64 +142,66 @@ def label_places(axes: Axes, lines: ContourSet, region: Region, size: float = SM
     pieces.sort(key=lambda piece: -np.hypot(*np.diff(piece[1], axis=0).T).sum())
     drawn = [dense(piece) for _, piece in pieces]
     border = cKDTree(region.border * scale) if len(region.border) else None
-    places: list[tuple[float, Array]] = []
+    chosen: list[tuple[float, Array]] = []
     numbers: list[Array] = []
     for index, (level, piece) in enumerate(pieces):
         centres, written = candidates(piece, length(f"{level:g}", size))
         if not len(centres):
             continue
         flat = written.reshape(-1, 2)
-        half = 0.5 * TALL * size
-        room = np.full(len(centres), ROOMY)
+        half = 0.5 * DIGIT_HEIGHT * size
+        room = np.full(len(centres), CLEARANCE_LIMIT)
         others = [line for other, line in enumerate(drawn) if other != index]
         for tree, own, least in (
-            (cKDTree(np.concatenate(others)) if others else None, half, OFF_LINES),
-            (border, half, OFF_BORDER),
-            (cKDTree(np.concatenate(numbers)) if numbers else None, 2.0 * half, OFF_NUMBERS),
+            (cKDTree(np.concatenate(others)) if others else None, half, LINE_CLEARANCE),
+            (border, half, BORDER_CLEARANCE),
+            (cKDTree(np.concatenate(numbers)) if numbers else None, 2.0 * half, LABEL_CLEARANCE),
         ):
             if tree is not None:
                 free = np.asarray(tree.query(flat)[0]).reshape(len(centres), -1).min(axis=1) - own
                 room = np.where(free < least, -np.inf, np.minimum(room, free))
         room[~np.all(region.holds(flat / scale).reshape(len(centres), -1), axis=1)] = -np.inf
-        for other, place in places:
+        for other, point in chosen:
             if other == level:
-                room[np.hypot(*(centres - place).T) < SAME] = -np.inf
-        # As good as the best, and then nearest to the middle.
+                room[np.hypot(*(centres - point).T) < LABEL_DISTANCE] = -np.inf
+        # Of those with about the most room the one nearest to the middle.
         best = np.flatnonzero(np.isfinite(room) & (room >= room.max() - 0.5))
         if best.size:
-            chosen = best[np.argmin(np.abs(best - 0.5 * (len(centres) - 1)))]
-            places.append((level, centres[chosen]))
-            numbers.append(written[chosen])
-    return [(float(x), float(y)) for x, y in (place / scale for _, place in places)]
+            middle = best[np.argmin(np.abs(best - 0.5 * (len(centres) - 1)))]
+            chosen.append((level, centres[middle]))
+            numbers.append(written[middle])
+    return [(float(x), float(y)) for x, y in (point / scale for _, point in chosen)]
 
 
 def candidates(line: Array, extent: float) -> tuple[Array, Array]:
-    """Places (n, 2) on a line (k, 2) where it is long and straight enough for a number, and points (n, 7, 2) of it."""
+    """Points (n, 2) of a line (k, 2) that is straight enough there for a number, and points (n, 7, 2) of the number."""
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    if along[-1] < SPARE * extent:
+    if along[-1] < LINE_LENGTH_MINIMUM * extent:
         return np.zeros((0, 2)), np.zeros((0, 7, 2))
-    middles = np.arange(0.5 * SPARE * extent, along[-1] - 0.5 * SPARE * extent + 1e-9, STEP)
+    middles = np.arange(
+        0.5 * LINE_LENGTH_MINIMUM * extent, along[-1] - 0.5 * LINE_LENGTH_MINIMUM * extent + 1e-9, CANDIDATE_STEP
+    )
 
-    def at(places: Array) -> Array:
-        return np.stack([np.interp(places, along, values) for values in line.T], axis=1)
+    def at(distances: Array) -> Array:
+        return np.stack([np.interp(distances, along, values) for values in line.T], axis=1)
 
     centres, first, last = at(middles), at(middles - 0.5 * extent), at(middles + 0.5 * extent)
     chord = last - first
-    straight = np.hypot(*chord.T) > BENT * extent
+    straight = np.hypot(*chord.T) > CHORD_MINIMUM * extent
     offsets = np.linspace(-0.5, 0.5, 7)[None, :, None]
     return centres[straight], (centres[:, None] + offsets * chord[:, None])[straight]
 
 
 def length(text: str, size: float) -> float:
-    """Length of a number [pt] in type of a size [pt]."""
-    return size * sum(POINT if character == "." else DIGIT for character in text)
+    """Length of a number [pt] at a size of the type [pt]."""
+    return size * sum(POINT_WIDTH if character == "." else DIGIT_WIDTH for character in text)
 
 
 def points_per_unit(axes: Axes) -> Array:
-    """How large the units of both axes (2) will be [pt] when the page is laid out."""
+    """Size of the units of both axes (2) [pt] on the laid-out page."""
     figure, spec = axes.figure, axes.get_subplotspec()
     rows, columns = spec.get_gridspec().get_geometry() if spec is not None else (1, 1)
-    width, height = 72.0 / figure.dpi * PANEL * np.asarray(figure.bbox.size)
+    width, height = 72.0 / figure.dpi * PANEL_SHARE * np.asarray(figure.bbox.size)
     extent = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())])
     scale = np.array([width / columns, height / rows]) / extent
     return np.full(2, scale[0]) if axes.get_aspect() == 1.0 else np.asarray(scale)

@@ -1,0 +1,127 @@
+"""Commands for contact problems and their solvers: problems of a case, library of problems, comparison of solvers."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .analysis_options import analysed, analysis_options
+from .exit_codes import EXIT_UNCERTIFIED
+from .options import folder_option, output_option, problem_files, solvers
+
+
+@click.command()
+@analysis_options
+@output_option("netCDF file to write.")
+def problems(case: str, output: Path, **options: Any) -> None:
+    """Write the contact problems of CASE to a file.
+
+    There is one for each torque and mesh position.
+    """
+    from ...contact.problem.problem_file import write_problems
+    from ...core.files import check_writable
+
+    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
+    analysis = analysed(case, **options)
+    solved = analysis.cases
+    loaded = analysis.tree["loaded"].to_dataset()
+    torque, position = loaded["torque"].values, loaded["mesh_position"].values
+    write_problems(
+        [item.problem for item in solved],
+        output,
+        {
+            "pinion_torque": torque[[item.torque for item in solved]],
+            "mesh_position": position[[item.mesh_position for item in solved]],
+        },
+    )
+    click.echo(f"wrote {output}: {len(solved)} contact problems")
+
+
+@click.command()
+@folder_option("library")
+@click.option("--parts", metavar="A,B,...", show_default="all", help="Parts to make, of small, medium and large.")
+def library(output: Path, parts: str | None) -> None:
+    """Make the library of contact problems, a file a part.
+
+    Every problem is solved, and its solution compared with the reference answer.
+    """
+    from tqdm import tqdm
+
+    from ..library import entries, write_library
+
+    chosen = None if parts is None else [part.strip() for part in parts.split(",")]
+    total = sum(chosen is None or entry.part in chosen for entry in entries())
+    bar: Any
+    with tqdm(total=total, desc="library", unit="problem", disable=None, leave=False) as bar:
+        written = write_library(output, chosen, progress=bar.update)
+    for one in written:
+        click.echo(
+            f"wrote {one.path}: {one.problems} contact problems, worst certificate {one.worst_certificate:.1e}, "
+            f"rotations as the reference within {one.worst_difference:.1e}"
+        )
+    faults = [fault for one in written for fault in one.faults]
+    if faults:
+        click.echo("\n".join(faults), err=True)
+        sys.exit(EXIT_UNCERTIFIED)
+
+
+@click.command()
+@click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
+@folder_option("comparison")
+@click.option(
+    "--solvers",
+    callback=solvers,
+    metavar="A,B,...",
+    show_default="all installed ones",
+    help="Solvers to compare; MODULE:FUNCTION for one of your own.",
+)
+@click.option(
+    "--repetitions",
+    type=int,
+    metavar="N",
+    default=3,
+    show_default=True,
+    help="Attempts with the same solver, settings and start.",
+)
+@click.option(
+    "--time-limit", type=float, metavar="S", default=10.0, show_default=True, help="Time limit of an attempt in s."
+)
+@click.option(
+    "--tolerance",
+    type=float,
+    metavar="X",
+    default=1e-5,
+    show_default=True,
+    help="Largest violation of a condition in a certified answer.",
+)
+@click.option("--raw", is_flag=True, help="Run the backends without polish, and without scaling, too.")
+@click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
+@click.option("--test-set", is_flag=True, help="Write the problems as a test set of qpbenchmark, too.")
+def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options: Any) -> None:
+    """Compare solvers on the contact problems in PROBLEMS.
+
+    PROBLEMS are files of 'easeoff problems' or 'easeoff library'. A solver that fails, hangs or crashes is a line in
+    the report: the exit code is 0. An interrupted comparison resumes where it stopped.
+    """
+    from tqdm import tqdm
+
+    from ..compare import compare as run_comparison
+    from ..compare import write_comparison, write_test_set
+
+    with tqdm(desc="comparison", unit="measurement", disable=None, leave=False) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        table = run_comparison(problems, output, progress=progress, **options)
+    for path in write_comparison(table, output):
+        click.echo(f"wrote {path}")
+    if test_set:
+        from ...contact.problem.problem_file import read_problems
+
+        for path in write_test_set([item for file in problems for item in read_problems(file)], output / "test_set"):
+            click.echo(f"wrote {path}")
