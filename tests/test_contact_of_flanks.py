@@ -15,7 +15,7 @@ from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from easeoff.core.errors import InputError
 from easeoff.geometry.tooth.lattice_spacing import LatticePlaces
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize
-from easeoff.verification.flank_response import FlankResponse, flank_response
+from easeoff.verification.flank_response import FlankResponse, flank_response, thinner_edges
 from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
 from easeoff.verification.whole_contact import FlankContact, contact_of_flanks
 
@@ -88,7 +88,7 @@ def test_impossible_numbers_are_refused(name: str, value: float) -> None:
 
 def test_thin_bricks_at_the_edges() -> None:
     even = LatticePlaces.of_size(LatticeSize(lengthwise=10, upward=6))
-    thin = even.thinner_edges(0.25)
+    thin = thinner_edges(even, 0.25)
     for before, after, ends in ((even.lengthwise, thin.lengthwise, 2), (even.upward, thin.upward, 1)):
         assert after.size == before.size
         assert (after[0], after[-1]) == (0.0, pytest.approx(1.0))

@@ -18,9 +18,9 @@ from easeoff.geometry.cutting.blade_sections import BladeSection
 from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.geometry.tooth.tooth_dataset import tooth
 from easeoff.geometry.tooth.tooth_surface import tooth_patches, tooth_side, tooth_surface
 from easeoff.geometry.vectors import dot, rotate_z
+from easeoff.verification.tooth_dataset import tooth
 
 NODES = (7, 9)
 

@@ -19,7 +19,7 @@ from ..contact.compliance.finite_elements.elastic_members import unfilled
 from ..contact.compliance.material import Material
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import GearPair
-from ..geometry.tooth.lattice_spacing import LatticePlaces
+from ..geometry.tooth.lattice_spacing import LatticePlaces, with_middles
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 from .surface_compliance import surface_compliance
@@ -77,6 +77,19 @@ def cubic_shares(places: Array, wanted: Array) -> tuple[NDArray[np.int64], Array
     return index.astype(np.int64), shares
 
 
+def thinner_edges(points: LatticePlaces, ratio: float) -> LatticePlaces:
+    """The same number of bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
+    heel = _thinner_end(points.lengthwise, ratio)
+    both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
+    return LatticePlaces(both, _thinner_end(points.upward, ratio), points.through)
+
+
+def _thinner_end(points: Array, ratio: float) -> Array:
+    sizes = np.diff(points[::2])
+    sizes[-2:] *= np.array([np.sqrt(ratio), ratio])[-sizes.size :]
+    return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
+
+
 def flank_response(
     pair: GearPair, member: MemberName, material: Material, size: LatticeSize, rim_depth: float | None = None
 ) -> FlankResponse:
@@ -100,7 +113,7 @@ def flank_response(
     GeometryError
         As ``tooth_lattice``, or if a brick is turned inside out.
     """
-    lattice = tooth_lattice(pair, member, size, rim_depth, LatticePlaces.of_size(size).thinner_edges(EDGE))
+    lattice = tooth_lattice(pair, member, size, rim_depth, thinner_edges(LatticePlaces.of_size(size), EDGE))
     key = key_of("flank_response", FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _response(lattice, material, member))
     return FlankResponse(found["lengthwise"], found["profile"], found["beyond_half_space"])

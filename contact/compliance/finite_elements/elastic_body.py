@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ..material import Material
-from .bricks import stiffness
+from .bricks import ShapeFunctions, shape_functions, stiffness
 from .stiffness_factor import Factoriser, solve_in_parts, solver_of
 
 Array = NDArray[Any]
@@ -70,7 +70,7 @@ def elastic_body(
     held: NDArray[np.int64],
     material: Material,
     *,
-    brick_nodes: int = 27,
+    functions: ShapeFunctions = shape_functions,
     factoriser: Factoriser = "auto",
 ) -> ElasticBody:
     """Assemble and factor.
@@ -83,8 +83,8 @@ def elastic_body(
         Nodes that do not move.
     material
         The material.
-    brick_nodes
-        27, or 20 for the serendipity brick.
+    functions
+        Shape functions of a brick.
     factoriser
         As ``factor.solver_of``.
 
@@ -95,7 +95,7 @@ def elastic_body(
     MissingPackageError
         As ``factor.solver_of``.
     """
-    matrix = stiffness(nodes, cells, material, brick_nodes)
+    matrix = stiffness(nodes, cells, material, functions)
     movable = matrix.diagonal() > 0.0  # nodes that no brick uses stay where they are
     movable[(3 * held[:, None] + np.arange(3)).ravel()] = False
     free = np.flatnonzero(movable)

@@ -9,10 +9,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ...core.attributes import flag_attributes, labelled
-from ..flanks.blank_section import BlankSection
-from ..pair.gear_pair import GearPair
-from .tooth_surface import ToothSide, ToothSurface, tooth_surface
+from ..core.attributes import flag_attributes, labelled
+from ..geometry.flanks.blank_section import BlankSection
+from ..geometry.pair.gear_pair import GearPair
+from ..geometry.tooth.tooth_surface import ToothSide, ToothSurface, tooth_surface
 
 Array = NDArray[Any]
 
