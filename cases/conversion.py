@@ -211,7 +211,6 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
     return ElasticModel(
         pinion,
         gear,
-        table.shell_form,
         (table.profile_modes, table.lengthwise_modes),
         table.shear_factor,
         table.plate,

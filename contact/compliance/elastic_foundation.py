@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from .material import Material
@@ -104,33 +104,6 @@ class ElasticFoundation:
         return FoundationConstants(
             16.67 / math.pi, 2.0 * (1.0 - 2.0 * nu) / (1.0 - nu), 1.534, 1.0 / (2.4 * (1.0 + nu))
         )
-
-    def line_load_flexibility(
-        self, height: ArrayLike, root_thickness: ArrayLike, material: Material, load_angle: ArrayLike = 0.0
-    ) -> NDArray[np.float64]:
-        """Deflection of the load point, along the load, that a unit line load gains from the body (plane strain).
-
-        Parameters
-        ----------
-        height : array_like
-            Height above the root at which the line of action crosses the tooth's centre line [mm].
-        root_thickness : array_like
-            Thickness at the root [mm].
-        material : Material
-            Material of the body.
-        load_angle : array_like
-            Angle between the load and the thickness direction [rad].
-
-        Returns
-        -------
-        numpy.ndarray
-            Deflection per line load [mm/(N/mm)], shape of the broadcast of height, thickness and angle.
-        """
-        a, b, c, k = self.constants(material.poisson_ratio)
-        slenderness = np.asarray(height, dtype=np.float64) / np.asarray(root_thickness, dtype=np.float64)
-        cosine, sine = np.cos(load_angle), np.sin(load_angle)
-        across = a * slenderness**2 + b * slenderness + c
-        return np.asarray(self.factor / material.plane_strain_modulus * (across * cosine**2 + c * k * sine**2))
 
     def stiffness(self, root_thickness: NDArray[np.float64], material: Material) -> NDArray[np.float64]:
         """Spring stiffness per unit length of the root line.

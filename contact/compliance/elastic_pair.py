@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..lines.flank_splines import FlankFields
 from . import ElasticFoundation, Material, Shell, ToothDimensions
 from .finite_elements.flank_compliance import FlankCompliance
-from .shell_kinematics import ShellForm
 
 Array = NDArray[Any]
 PlateName = Literal["even", "fitted"]
@@ -30,11 +29,11 @@ class ElasticModel:
     ----------
     pinion, gear
         Materials.
-    form, modes, shear_factor
+    modes, shear_factor
         See ``compliance.Shell``.
     plate
         ``even``: a plate of even taper with parallel heights, as in the dissertation; ``fitted``: with the bulge and
-        the fanning heights of the real tooth, for the form ``five_field`` alone.
+        the fanning heights of the real tooth.
     foundation
         Springs along the root; ``None`` clamps it.
     condensed
@@ -45,7 +44,6 @@ class ElasticModel:
 
     pinion: Material = STEEL
     gear: Material = STEEL
-    form: ShellForm = "five_field"
     modes: tuple[int, int] = (5, 15)
     shear_factor: float = 1.0
     plate: PlateName = "even"
@@ -83,7 +81,6 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
             material,
             model.modes,
             model.shear_factor,
-            model.form,
             model.foundation,
         )
         for member, material in zip(MEMBERS, materials, strict=True)

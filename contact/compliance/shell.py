@@ -22,10 +22,10 @@ from scipy.linalg.lapack import dpotrf, dtrtri
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
-from .shell_kinematics import FloatArray, Kinematics, ShellForm, shell_kinematics
+from .shell_kinematics import DisplacementAssumption, FloatArray, Kinematics, five_field
 from .shell_stiffness import TrialFunctions, stiffness_matrix
 from .tooth_dimensions import ToothDimensions
-from .trial_polynomials import PolynomialFamily
+from .trial_polynomials import PolynomialFamily, legendre
 
 
 @dataclass(frozen=True)
@@ -45,20 +45,18 @@ class Shell:
         I_CF = 5 and I_FF = 15 are the default.
     shear_factor : float
         Factor on the transverse shear energy [-]; the dissertation has none, that is 1.
-    form : {"five_field", "thesis"}
-        Displacement assumption: the standard first-order shear theory with mid-surface displacements, or the
-        dissertation's deflection with two shear strains (Eq. 3.5), which answers to radial loads only.
     foundation : ElasticFoundation, optional
-        Springs along the root; None clamps the root as in the dissertation (Eq. 3.9). The ``thesis`` form then needs
-        at least 5 profile modes, as its deflection loses the two powers that clamp it.
-    family : {"legendre", "monomial"}
-        Polynomials of the trial functions. They span the same space; monomials lose all digits beyond about (5, 5).
+        Springs along the root; None clamps the root as in the dissertation (Eq. 3.9).
+    assumption
+        Makes the kinematics from the curvature of the trace and the fanning [1/mm].
+    family
+        Polynomials of the trial functions.
 
     Raises
     ------
     InputError
-        If a value is out of range, a name is unknown, or the stiffness matrix is not positive definite to working
-        precision (monomials, or far too many modes).
+        If a value is out of range, or the stiffness matrix is not positive definite to working precision (far too
+        many modes).
 
     Notes
     -----
@@ -70,9 +68,9 @@ class Shell:
     material: Material
     modes: tuple[int, int] = (5, 15)
     shear_factor: float = 1.0
-    form: ShellForm = "five_field"
     foundation: ElasticFoundation | None = None
-    family: PolynomialFamily = "legendre"
+    assumption: DisplacementAssumption = five_field
+    family: PolynomialFamily = legendre
     functions: TrialFunctions = field(init=False, repr=False, compare=False)
     _factor: FloatArray = field(init=False, repr=False, compare=False)
     _order: NDArray[np.intp] = field(init=False, repr=False, compare=False)
@@ -84,8 +82,6 @@ class Shell:
             raise InputError(f"modes must be two whole numbers from 1 up, (profile, lengthwise); got {self.modes!r}")
         if not (math.isfinite(self.shear_factor) and self.shear_factor > 0.0):
             raise InputError(f"shear_factor must be positive and finite; got {self.shear_factor!r}")
-        if self.family not in ("legendre", "monomial"):
-            raise InputError(f"unknown polynomial family {self.family!r}; known: legendre, monomial")
         kinematics = self.kinematics
         functions = TrialFunctions(
             reference_height=self.dimensions.largest_height,
@@ -102,8 +98,8 @@ class Shell:
         factor, failed = dpotrf(scaled[np.ix_(order, order)], lower=1, clean=1)
         if failed:
             raise InputError(
-                f"the stiffness matrix of the shell is not positive definite to working precision with modes "
-                f"{self.modes} and {self.family} polynomials; use fewer modes or Legendre polynomials"
+                f"modes = {self.modes}: must leave the shell's stiffness matrix positive definite to working "
+                "precision; use fewer modes, or Legendre polynomials"
             )
         for array in (factor, order, scale):
             array.setflags(write=False)
@@ -113,8 +109,8 @@ class Shell:
 
     @property
     def kinematics(self) -> Kinematics:
-        """The displacement assumption named by ``form``; made on demand, so that a shell can be pickled."""
-        return shell_kinematics(self.form, self.dimensions.trace_curvature, self.dimensions.fanning)
+        """Kinematics of this tooth by the displacement assumption; made on demand, so that a shell can be pickled."""
+        return self.assumption(self.dimensions.trace_curvature, self.dimensions.fanning)
 
     @property
     def size(self) -> int:
@@ -151,10 +147,6 @@ class Shell:
         scale = 1.0 / np.sqrt(np.diagonal(stiffness))
         return stiffness * scale[:, None] * scale, scale
 
-    def condition_number(self) -> float:
-        """Condition number of the stiffness matrix after scaling to a unit diagonal [-]."""
-        return float(np.linalg.cond(self._scaled_stiffness()[0]))
-
     def load_vectors(
         self,
         x: ArrayLike,
@@ -179,13 +171,13 @@ class Shell:
             (degree lengthwise modes - 1): stay within a fraction of a lengthwise wave.
         direction : array_like
             Components of the unit load along the height, along the trace (towards the heel) and along the outward
-            radius of the trace, in the last axis of length 3. The ``thesis`` form uses the radial component only.
+            radius of the trace, in the last axis of length 3.
         weights : array_like, optional
             Quadrature weights. If given, the last axis of the points is summed with them: a load spread over a
             segment or patch, whose weights add up to one, becomes one load vector.
         offset : array_like, optional
             Distance of the load from the mid-surface along the outward radius [mm]; broadcast with ``x``. None is the
-            mid-surface. The ``thesis`` form does not feel it.
+            mid-surface.
 
         Returns
         -------

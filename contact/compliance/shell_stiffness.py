@@ -26,7 +26,7 @@ from .shell_kinematics import (
     Kinematics,
 )
 from .tooth_dimensions import ToothDimensions
-from .trial_polynomials import PolynomialFamily, polynomial_family, rooted_polynomials
+from .trial_polynomials import PolynomialFamily, rooted_polynomials
 
 # Gauss points beyond the number of trial functions. Over the height the integrand is a polynomial and this is exact;
 # along the trace the varying height raises its degree, and 6 leave 1e-11 even if the height doubles from toe to heel.
@@ -79,7 +79,7 @@ class TrialFunctions:
 
     def along_trace(self, y: FloatArray, order: int = 0) -> FloatArray:
         """Lengthwise functions and their derivatives d/dy [1/mm per order], (order + 1, *y.shape, length_count)."""
-        functions = polynomial_family(y / self.trace_length, self.length_count, order=order, family=self.family)
+        functions = self.family(y / self.trace_length, self.length_count, order=order)
         for derivative in range(1, order + 1):
             functions[derivative] /= self.trace_length**derivative
         return functions

@@ -23,7 +23,7 @@ from scipy.sparse import csc_array
 from ....core.errors import GeometryError
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ..material import Material
-from ..trial_polynomials import polynomial_family
+from ..trial_polynomials import legendre
 from .bricks import stiffness
 from .stiffness_factor import Factoriser, solver_of
 
@@ -93,11 +93,11 @@ def solid_shell(
     """
     tooth = lattice.column[:, :, lattice.root_row :]
     places = (lattice.lengthwise, lattice.through, lattice.upward)
-    along, through, up = (polynomial_family(p, c)[0] for p, c in zip(places, counts, strict=True))
+    along, through, up = (legendre(p, c)[0] for p, c in zip(places, counts, strict=True))
     whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], places), counts, material)
     joint = np.einsum("ia,jb->ijab", along, through).reshape(tooth[:, :, 0].size, -1)
     body = body_stiffness(lattice, tooth[:, :, 0].ravel(), joint, material, factoriser)
-    at_joint = polynomial_family(np.zeros(1), counts[2])[0, 0]
+    at_joint = legendre(np.zeros(1), counts[2])[0, 0]
     sizes = (counts[0] * counts[1], counts[2], 3)
     split = whole.reshape(*sizes, *sizes)
     split += np.einsum("axby,c,d->acxbdy", body.reshape(sizes[0], 3, sizes[0], 3), at_joint, at_joint)
@@ -111,7 +111,7 @@ def tooth_shape(nodes: Array, places: tuple[Array, Array, Array]) -> Array:
     """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at places from 0 to 1."""
     inverses = []
     for place, most in zip(places, SHAPE_FUNCTIONS, strict=True):
-        inverses.append(np.linalg.pinv(polynomial_family(place, min(most, place.size))[0]))
+        inverses.append(np.linalg.pinv(legendre(place, min(most, place.size))[0]))
     return np.asarray(np.einsum("ai,bj,ck,ijkx->abcx", *inverses, nodes, optimize=True))
 
 
@@ -138,7 +138,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_POINTS, strict=True)]
     points = [0.5 * (x + 1.0) for x, _ in rules]
     weights = np.einsum("i,j,k->ijk", *(0.5 * w for _, w in rules))
-    series = [polynomial_family(p, n, order=1) for p, n in zip(points, shape.shape, strict=False)]
+    series = [legendre(p, n, order=1) for p, n in zip(points, shape.shape, strict=False)]
     slopes = [[values[int(axis == k)] for k, values in enumerate(series)] for axis in range(3)]
     jacobian = np.stack([np.einsum("ia,jb,kc,abcx->ijkx", *s, shape, optimize=True) for s in slopes], axis=-1)
     determinant = np.linalg.det(jacobian)
@@ -146,7 +146,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
         raise GeometryError("the tooth is turned inside out somewhere: its sides come too close to each other")
     inverse = np.linalg.inv(jacobian) * np.sqrt(np.abs(determinant) * weights)[..., None, None]
 
-    along, through, up = (polynomial_family(p, c, order=1) for p, c in zip(points, counts, strict=True))
+    along, through, up = (legendre(p, c, order=1) for p, c in zip(points, counts, strict=True))
     in_section = counts[1] * counts[2]
 
     def section(b: int, c: int) -> Array:
