@@ -185,9 +185,10 @@ def stations(pair: GearPair, contact: FlankContact) -> np.ndarray:
             own = np.flatnonzero(cells.station == station)
             top = own[np.argmax(pressure[own])]
             load = float(pressure[own] @ cells.sides[own, 1])
-            place = cells.gear_place[:, top]
+            place = cells.gear_fractions[:, top]
             edge = min(
-                edge_distance(pair.gear.section, place), edge_distance(pair.pinion.section, cells.pinion_place[:, top])
+                edge_distance(pair.gear.section, place),
+                edge_distance(pair.pinion.section, cells.pinion_fractions[:, top]),
             )
             columns.append((tooth, *place, pressure[top], load, edge))
     return np.array(columns).T.reshape(len(STATION), -1)

@@ -52,7 +52,7 @@ def test_pressures_carry_the_torque_and_end_within_the_cells() -> None:
         assert found.load_share.sum() == pytest.approx(1.0, rel=1e-12)
         for cells, force in zip(found.cells, found.force, strict=True):
             assert force.min() >= 0.0
-            for place in (cells.gear_place, cells.pinion_place):
+            for place in (cells.gear_fractions, cells.pinion_fractions):
                 assert place.min() >= 0.0
                 assert place.max() <= 1.0
             loaded = np.abs(cells.row[force > 0.0])

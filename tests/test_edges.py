@@ -137,7 +137,7 @@ def test_finer_elements_change_little(monkeypatch: pytest.MonkeyPatch) -> None:
     widest = np.full(rotations.size, WIDEST)
     values = {}
     for count in (40, 80, 640):
-        monkeypatch.setattr("easeoff.contact.lines.edges.ELEMENTS", count)
+        monkeypatch.setattr("easeoff.contact.lines.edges.ELEMENTS_PER_EDGE", count)
         values[count] = overlap(edge_elements(fields, rotations, widest))
     errors = {count: abs(value / values[640] - 1.0) for count, value in {**values, 160: overlap(elements)}.items()}
     assert errors[160] < 0.015

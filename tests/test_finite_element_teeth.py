@@ -271,7 +271,7 @@ def test_store_lets_go_of_what_was_not_asked_for_the_longest(tmp_path: Path, mon
     for time, number in enumerate((0, 1, 2), start=1):
         ask(number, time)
     (tmp_path / "note.npz").write_bytes(b"not ours")
-    monkeypatch.setattr(store, "LARGEST_FOLDER", 3.5 * (tmp_path / f"{keys[0]}.npz").stat().st_size)
+    monkeypatch.setattr(store, "FOLDER_SIZE_LIMIT", 3.5 * (tmp_path / f"{keys[0]}.npz").stat().st_size)
     ask(0, 4.0)
     ask(3, 5.0)
     kept = {path.stem for path in tmp_path.iterdir()}

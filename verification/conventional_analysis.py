@@ -29,8 +29,8 @@ from .point_contact import PointContact, path_of_contact
 from .relative_curvature import RelativeCurvature, relative_curvature
 
 Array = NDArray[Any]
-MARGIN = 0.02  # of face and profile; nearer to an edge the contact already leaves the clipped contact line
-BLADE_MARGIN = 0.1  # [mm]
+EDGE_MARGIN = 0.02  # fraction of face and profile; nearer to an edge the contact leaves the clipped contact line
+BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 
 
 @dataclass(frozen=True)
@@ -104,19 +104,19 @@ def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):
         valid_side = member.loaded.orientation(parameters) * seed_lattice(member.loaded, member.section)[1] > 0.0
-        cut = member.loaded.evaluate(parameters)[2] > BLADE_MARGIN
-    return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - MARGIN, axis=0) & valid_side & cut)
+        cut = member.loaded.evaluate(parameters)[2] > BLADE_DISTANCE_MARGIN
+    return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - EDGE_MARGIN, axis=0) & valid_side & cut)
 
 
 def point_differences(both: BothMethods) -> tuple[Array, Array]:
-    """Differences of transmission error (n) [rad] and of the place of contact on the gear flank (n) [mm].
+    """Differences of transmission error (n) [rad] and of the point of contact on the gear flank (n) [mm].
 
     NaN where the point of contact is not inside both flanks.
     """
     own = both.unloaded()
     error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
-    place = both.fields("position", np.stack([t, h]))
-    away = np.linalg.norm(place - both.contact.gear_position, axis=0)
+    point = both.fields("position", np.stack([t, h]))
+    away = np.linalg.norm(point - both.contact.gear_position, axis=0)
     difference = 1e-6 * error - (both.contact.closing_angle - both.first_contact)
     return np.where(both.inside, difference, np.nan), np.where(both.inside, away, np.nan)
 
@@ -134,7 +134,7 @@ def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array
     Returns
     -------
     tuple
-        Angle about the gear's normal (n) [rad] from the major axis to the chord between the places of closest approach
+        Angle about the gear's normal (n) [rad] from the major axis to the chord between the points of closest approach
         at both ends, and length over that of the major axis, less one (n). NaN where the edge of a flank ends the line.
     """
     own = both.unloaded(separation)

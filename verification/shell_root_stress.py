@@ -43,7 +43,7 @@ def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
     Returns
     -------
     Array
-        (5, s, n), in the order of ``compliance.kinematics`` [N/mm and N].
+        (5, s, n), in the order of ``shell_kinematics`` [N/mm and N].
 
     Raises
     ------

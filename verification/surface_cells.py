@@ -1,6 +1,6 @@
 """Cells of a pressure field on the flank of the gear, around one potential contact line, with their gap.
 
-The line of the ease-off method only says where to lay the cells. Their places and normals are those of the generated
+The line of the ease-off method only says where to lay the cells. Their points and normals are those of the generated
 gear flank, their gap is that to the generated pinion flank, both at their position of the mesh.
 """
 
@@ -23,7 +23,7 @@ from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, grid
 from .flank_gap import flank_gap
 
 Array = NDArray[Any]
-FACING = 0.9  # smallest cosine between the normals of flanks that meet
+FACING_COSINE_LIMIT = 0.9  # smallest cosine between the normals of flanks that meet
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Cells:
         Its lengths along and across the line (n, 2) [mm].
     position
         Its middle (n, 3) in the gear's frame [mm].
-    gear_place, pinion_place
+    gear_fractions, pinion_fractions
         Lengthwise and profile fractions (2, n) on both members.
     separation
         Normal gap at first contact's closing angle [mm].
@@ -89,8 +89,8 @@ class Cells:
     across: Array
     sides: Array
     position: Array
-    gear_place: Array
-    pinion_place: Array
+    gear_fractions: Array
+    pinion_fractions: Array
     separation: Array
     lever_arm: Array
 
@@ -132,15 +132,15 @@ def cells_on_line(
     middle, slope = _stations(flanks.fields, line, step[0], reach)
     half = int(np.ceil(half_band / step[1]))
     across = step[1] * np.arange(-half, half + 1)
-    place = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
-    shape = place.shape[1:]
+    points = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
+    shape = points.shape[1:]
     gear = flanks.pair.gear
-    axial, radial = gear.section.points(place[0].ravel(), place[1].ravel())
+    axial, radial = gear.section.points(points[0].ravel(), points[1].ravel())
     found = solve_flank(gear.loaded, gear.section, axial, radial)
     position = found.position.reshape(3, *shape)
     sides = [np.gradient(position, axis=1), np.gradient(position, axis=2)]
     lengths = [np.linalg.norm(side, axis=0) for side in sides]
-    start = flanks.fields("pinion_parameters", np.clip(place, 0.0, 1.0)).reshape(2, -1)
+    start = flanks.fields("pinion_parameters", np.clip(points, 0.0, 1.0)).reshape(2, -1)
     gap = flank_gap(
         flanks.motion,
         found.position,
@@ -151,10 +151,10 @@ def cells_on_line(
     )
     pinion = flanks.pair.pinion.section
     on_pinion = np.stack(pinion.fractions(gap.pinion_position[2], np.hypot(*gap.pinion_position[:2])))
-    on_gear = place.reshape(2, -1)
+    on_gear = points.reshape(2, -1)
     with np.errstate(invalid="ignore"):
         both = np.all((on_gear >= 0) & (on_gear <= 1) & (on_pinion >= 0) & (on_pinion <= 1), axis=0)
-        chosen = found.inside & both & (gap.facing > FACING) & (gap.gap < widest_gap)
+        chosen = found.inside & both & (gap.facing > FACING_COSINE_LIMIT) & (gap.gap < widest_gap)
     arm = np.abs(found.position[0] * found.normal[1] - found.position[1] * found.normal[0])
 
     def flat(vectors: Array) -> Array:

@@ -75,8 +75,8 @@ def surface_contact_compliance(
         Of pinion and gear.
     """
     compliance = half_space_compliance(cells, materials)
-    for response, place in zip(responses, (cells.pinion_place, cells.gear_place), strict=True):
-        shares = response.shares(place)
+    for response, fractions in zip(responses, (cells.pinion_fractions, cells.gear_fractions), strict=True):
+        shares = response.shares(fractions)
         compliance += shares @ (shares @ response.beyond_half_space).T
     return 0.5 * (compliance + compliance.T)
 

@@ -16,8 +16,8 @@ from ..geometry.tooth.tooth_surface import ToothSide, ToothSurface, tooth_surfac
 
 Array = NDArray[Any]
 
-LEVELS = 21
-REGION = flag_attributes({0: "fillet", 1: "flank"})
+THICKNESS_LEVELS = 21
+REGION_FLAGS = flag_attributes({0: "fillet", 1: "flank"})
 
 
 def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.Dataset:
@@ -58,13 +58,13 @@ def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.
                     grid,
                     np.stack([np.moveaxis(_upward(s.fillet_normal, s.flank_normal), 0, -1) for s in sides]),
                 ),
-                "region": ("upward", np.repeat([0, 1], [fillet_nodes - 1, flank_nodes]).astype(np.int8), REGION),
+                "region": ("upward", np.repeat([0, 1], [fillet_nodes - 1, flank_nodes]).astype(np.int8), REGION_FLAGS),
                 "transverse_thickness": (("lengthwise", "level"), transverse_thickness(surface, section)),
             },
             coords={
                 "side": list(surface.names),
                 "lengthwise": lengthwise,
-                "level": np.linspace(0.0, 1.0, LEVELS),
+                "level": np.linspace(0.0, 1.0, THICKNESS_LEVELS),
                 "xyz": list("xyz"),
             },
             attrs={"member": member},
@@ -78,14 +78,14 @@ def _upward(fillet: Array, flank: Array) -> Array:
 
 def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
     """Chord across the tooth at right angles to the member's axis (nt, levels) [mm]."""
-    thickness = np.empty((surface.top_land.shape[1], LEVELS))
+    thickness = np.empty((surface.top_land.shape[1], THICKNESS_LEVELS))
     for index in range(thickness.shape[0]):
         heights, azimuths = zip(
             *(_profile(side, section, index) for side in (surface.loaded, surface.opposite)), strict=True
         )
-        common = np.linspace(max(h[0] for h in heights), 1.0, LEVELS)
+        common = np.linspace(max(h[0] for h in heights), 1.0, THICKNESS_LEVELS)
         front, back = (PchipInterpolator(h, a)(common) for h, a in zip(heights, azimuths, strict=True))
-        _, radius = section.points(np.full(LEVELS, index / (thickness.shape[0] - 1)), common)
+        _, radius = section.points(np.full(THICKNESS_LEVELS, index / (thickness.shape[0] - 1)), common)
         thickness[index] = 2.0 * radius * np.abs(np.sin(0.5 * (back - front)))
     return thickness
 

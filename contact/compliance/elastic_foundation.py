@@ -44,15 +44,15 @@ FoundationSource = Literal["weber", "odonnell"]
 class FoundationConstants(NamedTuple):
     """Dimensionless constants of the plane strain formula.
 
-    Attributes
+    Parameters
     ----------
-    rotation : float
+    rotation
         a, rotation under moment.
-    coupling : float
+    coupling
         b, twice the coupling between rotation and deflection.
-    deflection : float
+    deflection
         c, deflection under shear force.
-    axial_share : float
+    axial_share
         k, axial over deflection flexibility.
     """
 
@@ -68,13 +68,13 @@ class ElasticFoundation:
 
     Parameters
     ----------
-    source : {"weber", "odonnell"}
+    source
         ``weber``: a = 5.2, b = 1, c = 1.4, k = (1 - nu) / 2.4 (C. Weber 1949; the axial share as in Weber and
         Banaschek 1953, 0.29 for steel). Against finite elements of a body that is deep below the tooth it is within 2 %
         at the loaded tip.
         ``odonnell``: a = 16.67 / pi, b = 2 (1 - 2 nu) / (1 - nu), c = 1.534, k = 1 / (2.4 (1 + nu)) (W. J. O'Donnell
         1960, 1963, as used by R. W. Cornell 1981).
-    factor : float
+    factor
         Multiplies the flexibility [-]. O'Donnell's constants with 0.8 match a rim of 2.5 modules under the root,
         held at its bottom and ends, within 3 %.
 
@@ -110,16 +110,16 @@ class ElasticFoundation:
 
         Parameters
         ----------
-        root_thickness : numpy.ndarray
+        root_thickness
             Thickness at the root [mm], shape (n,).
-        material : Material
+        material
             Material of the body.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Symmetric positive definite, shape (n, 5, 5), between the root quantities in the order of the module
-            ``kinematics``: deflection, rotation, shift along the height, shift along the trace, twist
+            ``shell_kinematics``: deflection, rotation, shift along the height, shift along the trace, twist
             [N, mm and rad per mm of root line].
         """
         a, b, c, k = self.constants(material.poisson_ratio)

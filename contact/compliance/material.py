@@ -14,9 +14,9 @@ class Material:
 
     Parameters
     ----------
-    elastic_modulus : float
+    elastic_modulus
         Young's modulus [MPa], positive.
-    poisson_ratio : float
+    poisson_ratio
         Poisson's ratio [-], from 0 up to but not including 0.5.
 
     Raises

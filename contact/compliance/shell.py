@@ -36,16 +36,16 @@ class Shell:
 
     Parameters
     ----------
-    dimensions : ToothDimensions
+    dimensions
         The tooth.
-    material : Material
+    material
         Its material.
-    modes : tuple of int
+    modes
         Number of trial functions over the height and along the trace, (profile, lengthwise). The dissertation's
         I_CF = 5 and I_FF = 15 are the default.
-    shear_factor : float
+    shear_factor
         Factor on the transverse shear energy [-]; the dissertation has none, that is 1.
-    foundation : ElasticFoundation, optional
+    foundation
         Springs along the root; None clamps the root as in the dissertation (Eq. 3.9).
     assumption
         Makes the kinematics from the curvature of the trace and the fanning [1/mm].
@@ -163,25 +163,25 @@ class Shell:
 
         Parameters
         ----------
-        x : array_like
+        x
             Height above the root line [mm]. The trial functions are polynomials: a point below the root or above the
             tip is allowed and continues them.
-        y : array_like
+        y
             Arc length along the trace from the toe [mm]; broadcast with ``x``. Continuation beyond the ends grows fast
             (degree lengthwise modes - 1): stay within a fraction of a lengthwise wave.
-        direction : array_like
+        direction
             Components of the unit load along the height, along the trace (towards the heel) and along the outward
             radius of the trace, in the last axis of length 3.
-        weights : array_like, optional
+        weights
             Quadrature weights. If given, the last axis of the points is summed with them: a load spread over a
             segment or patch, whose weights add up to one, becomes one load vector.
-        offset : array_like, optional
+        offset
             Distance of the load from the mid-surface along the outward radius [mm]; broadcast with ``x``. None is the
             mid-surface.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Shape (*points, n_dof), without the summed axis if there are weights.
 
         Raises
@@ -227,12 +227,12 @@ class Shell:
 
         Parameters
         ----------
-        load_vectors : array_like
+        load_vectors
             Shape (n, n_dof), from :meth:`load_vectors` or any linear combination of its rows.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Y of shape (n_dof, n); Y^T Y is the compliance between the loads [mm/N]. Its first `idle_size` rows are
             zero if all loads are on the mid-surface.
         """
@@ -254,12 +254,12 @@ class Shell:
 
         Parameters
         ----------
-        load_vectors : array_like
+        load_vectors
             Shape (n, n_dof).
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Symmetric positive semidefinite, shape (n, n) [mm/N].
         """
         whitened = self.whiten(load_vectors)

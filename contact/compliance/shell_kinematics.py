@@ -78,17 +78,17 @@ class DisplacementTerm:
 class Kinematics:
     """A displacement assumption: its fields, strains, root conditions and mid-surface displacements.
 
-    Attributes
+    Parameters
     ----------
-    field_names : tuple of str
+    field_names
         The unknown fields, in the order of the degrees of freedom.
-    clamped_powers, sprung_powers : tuple of int
+    clamped_powers, sprung_powers
         Power of the relative height in front of each field when the root is clamped, and when it rests on springs.
-    strain_terms : tuple of StrainTerm
+    strain_terms
         All terms of all strains.
-    root_terms : tuple of RootTerm
+    root_terms
         What an elastic foundation acts on.
-    displacement_terms : tuple of DisplacementTerm
+    displacement_terms
         The displacements on which a load does work.
     """
 

@@ -42,17 +42,17 @@ class TrialFunctions:
 
     Degrees of freedom are ordered (field, height function, lengthwise function), the last fastest.
 
-    Attributes
+    Parameters
     ----------
-    reference_height : float
+    reference_height
         Height that scales x in the height functions [mm].
-    trace_length : float
+    trace_length
         Length that scales y in the lengthwise functions [mm].
-    height_count, length_count : int
+    height_count, length_count
         Number of functions in each direction.
-    root_powers : tuple of int
+    root_powers
         Power of the relative height in front of each field.
-    family : {"legendre", "monomial"}
+    family
         Polynomials used.
     """
 
@@ -115,22 +115,22 @@ def stiffness_matrix(
 
     Parameters
     ----------
-    dimensions : ToothDimensions
+    dimensions
         The tooth.
-    material : Material
+    material
         Its material.
-    kinematics : Kinematics
+    kinematics
         The displacement assumption.
-    functions : TrialFunctions
+    functions
         The trial space.
-    shear_factor : float
+    shear_factor
         Factor on the energy of the two transverse shear strains [-].
-    foundation : ElasticFoundation, optional
+    foundation
         Springs along the root line; None for a clamped root.
 
     Returns
     -------
-    numpy.ndarray
+    Array
         Symmetric, shape (n_dof, n_dof) [N/mm], one unit of every coefficient being one millimetre (or radian).
     """
     height_count, powers = functions.height_count, functions.root_powers

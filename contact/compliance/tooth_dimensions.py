@@ -20,21 +20,21 @@ class ToothDimensions:
 
     Parameters
     ----------
-    trace_length : float
+    trace_length
         Length of the tooth trace from toe to heel, that is the developed face width [mm].
-    trace_radius : float
+    trace_radius
         Radius of curvature of the tooth trace [mm], always positive: the cutter radius of a face-milled tooth, the
         local radius at mid-face of any other. ``math.inf`` gives a straight tooth.
-    height_toe, height_heel : float
+    height_toe, height_heel
         Height of the tooth above the root line at the two ends [mm]; linear in between (Eq. 3.1b).
-    root_thickness_toe, root_thickness_heel : float
+    root_thickness_toe, root_thickness_heel
         Thickness at the root line at the two ends [mm].
-    tip_thickness_toe, tip_thickness_heel : float
+    tip_thickness_toe, tip_thickness_heel
         Thickness at the tip at the two ends [mm]. The dissertation has a single tip thickness: equal values give its
         Eq. 3.1a.
-    bulge_toe, bulge_heel : float
+    bulge_toe, bulge_heel
         What the tooth is thicker at mid height than an even taper, at the two ends [mm]; a parabola over the height.
-    fanning : float
+    fanning
         How much longer the trace becomes per height, over its length at mid height [1/mm]. The heights of a pinion with
         few teeth fan out from its axis.
 
@@ -101,12 +101,12 @@ class ToothDimensions:
 
         Parameters
         ----------
-        y : array_like
+        y
             Arc length from the toe [mm], any shape.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Height [mm], shape of ``y``.
         """
         fraction = np.asarray(y, dtype=np.float64) / self.trace_length
@@ -117,12 +117,12 @@ class ToothDimensions:
 
         Parameters
         ----------
-        x, y : array_like
+        x, y
             Height above the root line and arc length from the toe [mm]; broadcast together.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Thickness in the radial direction [mm], shape of the broadcast.
         """
         fraction = np.asarray(y, dtype=np.float64) / self.trace_length
@@ -138,7 +138,7 @@ class ToothDimensions:
 
         Parameters
         ----------
-        x, y : array_like
+        x, y
             Height above the root line and arc length from the toe [mm]; broadcast together.
         """
         return np.asarray(1.0 + self.fanning * (np.asarray(x, dtype=np.float64) - 0.5 * self.height(y)))

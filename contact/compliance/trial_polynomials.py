@@ -28,16 +28,16 @@ def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
 
     Parameters
     ----------
-    relative : numpy.ndarray
+    relative
         Position relative to the interval [-], any shape; 0 and 1 are its ends. Outside, the polynomials continue.
-    count : int
+    count
         Number of polynomials, of degree 0 to ``count`` - 1.
-    order : int
+    order
         Highest derivative with respect to ``relative``.
 
     Returns
     -------
-    numpy.ndarray
+    Array
         Shape (order + 1, *shape of relative, count).
     """
     values = np.zeros((order + 1, *relative.shape, count))
@@ -69,20 +69,20 @@ def rooted_polynomials(
 
     Parameters
     ----------
-    relative : numpy.ndarray
+    relative
         Height above the root divided by a reference height [-], any shape.
-    count : int
+    count
         Number of functions.
-    root_power : int
+    root_power
         0 leaves the root free, 1 pins the function there, 2 clamps it (value and slope vanish).
-    order : int
+    order
         Highest derivative with respect to ``relative``.
     family
         Polynomials behind the power.
 
     Returns
     -------
-    numpy.ndarray
+    Array
         Shape (order + 1, *shape of relative, count).
     """
     plain = family(relative, count, order=order)

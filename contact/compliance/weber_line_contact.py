@@ -18,7 +18,7 @@ delta continues as the quadratic through zero with the value and slope of the fl
 with bounded stiffness and still a strictly convex energy. Below zero, which no solution reaches but an iteration may,
 it is linear.
 
-The strip may be cut by the edge of a tooth, see ``strip``.
+The strip may be cut by the edge of a tooth, see ``pressed_strip``.
 """
 
 from __future__ import annotations
@@ -89,21 +89,21 @@ class WeberLineContact:
 
     Parameters
     ----------
-    length : array_like
+    length
         Length of the segments [mm].
-    equivalent_radius : array_like
+    equivalent_radius
         Relative radius of curvature across the contact line, 1 / (1/R_1 + 1/R_2) with signed radii [mm].
-    depth_pinion, depth_gear : array_like
+    depth_pinion, depth_gear
         Distance along the contact normal from the contact to the mid-surface of each tooth [mm].
-    material_pinion, material_gear : Material
+    material_pinion, material_gear
         Materials of the two members.
-    foot_correction : float
+    foot_correction
         Added to the deflection, in units of q (1 - nu^2) / E per body [-]. Zero is Weber's formula; see
         ``FOOT_OF_NORMAL_CORRECTION``.
-    floor_ratio : float
+    floor_ratio
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
-    overhang : array_like
+    overhang
         How far beyond the edge of a tooth the bodies would come closest [mm]; NaN where no edge cuts the strip.
 
     Raises
@@ -207,12 +207,12 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Secant compliance [mm/N], positive.
         """
         line_load, raised = self._line_load(force)
@@ -225,12 +225,12 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Deflection along the contact normal [mm].
         """
         return np.asarray(self.secant(force) * np.asarray(force, dtype=np.float64))
@@ -240,12 +240,12 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Tangent compliance [mm/N], positive.
         """
         line_load, raised = self._line_load(force)
@@ -258,12 +258,12 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Energy [N mm], strictly convex in the force; NaN where an edge cuts the strip: it is not in closed form.
         """
         line_load, raised = self._line_load(force)
@@ -276,7 +276,7 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
         """
         line_load = np.asarray(force, dtype=np.float64) / self.length
@@ -290,7 +290,7 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
         """
         line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)

@@ -13,21 +13,22 @@ from .flank_splines import FlankFields
 
 Array = NDArray[Any]
 
-PARTING = ("separation_bend", "separation_bend_slope")  # the fields behind separation curvature and skew
+SEPARATION_FIELDS = ("separation_bend", "separation_bend_slope")  # give separation curvature and skew
 FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
-STILL_OPENS = 0.2  # least part of its curvature that a gap must keep over the way for its expansion to be of use
-KEPT = 0.5  # least part of what a step promises to close of the gap that it must close; designed pairs: 0.99 to 1.03
-SLIGHT = 1e-6  # [rad]; a promise broken by less is of no account, as where a step ends at the border of the flank
-ROUNDS, SAMPLES = 3, 31  # of a search; every round looks between the neighbours of the best place, to 1e-4 of the flank
+CURVATURE_SHARE_LIMIT = 0.2  # least share of its curvature that a gap must keep for its expansion to be used
+GAIN_RATIO_LIMIT = 0.5  # least ratio of what a step closes of the gap to what it promises; designed pairs: 0.99 to 1.03
+GAIN_TOLERANCE = 1e-6  # [rad]; a smaller shortfall is ignored, as where a step ends at the border of the flank
+# Every round of a search looks between the neighbours of the best point, in the end to 1e-4 of the flank.
+SEARCH_ROUNDS, SAMPLES_PER_ROUND = 3, 31
 
 
 def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array) -> Array:
-    """Gap as a gear rotation [rad] at places whose roll angle the pinion has left behind by ``left`` [rad].
+    """Gap as a gear rotation [rad] at points whose roll angle the pinion has left behind by ``left`` [rad].
 
     Parameters
     ----------
     ease_off_angle, curvature, skew
-        Of the places: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
+        Of the points: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
     left
         Zero in conjugate contact, negative before it.
     """
@@ -35,7 +36,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
-    """Whether the expansion of the gap at places holds over the rotation that is left to their conjugate contact.
+    """Whether the expansion of the gap at points holds over the rotation that is left to their conjugate contact.
 
     Where it does the gap lies nowhere below the ease-off.
 
@@ -44,7 +45,7 @@ def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]
     curvature, skew, left
         As in ``gap_beside``.
     """
-    return np.asarray(curvature + np.minimum(skew * left, 0.0) > STILL_OPENS * curvature)
+    return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
     points
         Lengthwise and profile fractions (2, ...).
     """
-    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *PARTING], points)
+    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], points)
     first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
     second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
 
@@ -151,7 +152,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
     _, roll_bend = along_across("roll_angle")
     ease_slope, ease_bend = along_across("ease_off_angle")
     by_roll = ease_slope / slope
-    curvature, skew = curvature_and_skew(*(value[name] for name in PARTING))
+    curvature, skew = curvature_and_skew(*(value[name] for name in SEPARATION_FIELDS))
     return AcrossLine(
         roll_angle=value["roll_angle"],
         ease_off_angle=value["ease_off_angle"],
@@ -182,7 +183,7 @@ class ClosestApproach:
     curvature
         Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
     expanded
-        Whether the expansion of the gap about the point leads there (...); elsewhere the place was searched for.
+        Whether the expansion of the gap about the point leads there (...); elsewhere the point was searched for.
     """
 
     separation_angle: Array
@@ -193,11 +194,11 @@ class ClosestApproach:
 
 
 def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
-    """Gap, place and curvature of the closest approach next to points of a contact curve.
+    """Gap, position and curvature of the closest approach next to points of a contact curve.
 
     By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
     way, the least gap across the curve is searched for, at most ``FARTHEST`` away on the flank; the curvature is that
-    of the place found.
+    of the point found.
 
     Parameters
     ----------
@@ -224,7 +225,7 @@ def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
     or where the way to it leaves the flank, the gap is evaluated. That closes the gap by a'^2 / (2 (c + a'')).
 
     As c + a'' goes to zero the step goes to any length. ``expanded`` is true where the gap opens to both sides, the
-    place is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
+    point is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
 
     Parameters
     ----------
@@ -243,14 +244,14 @@ def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
     gap, holds = _gap_at(fields, closest, here.roll_angle)
     promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
     near = np.max(np.abs(closest - points), axis=0) <= FARTHEST
-    kept = here.ease_off_angle - gap > KEPT * promised - SLIGHT
+    kept = here.ease_off_angle - gap > GAIN_RATIO_LIMIT * promised - GAIN_TOLERANCE
     return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
 
 
-def _gap_at(fields: FlankFields, places: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Gap (...) [rad] at places (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
-    there = fields.evaluate(["roll_angle", "ease_off_angle", *PARTING], places)
-    curvature, skew = curvature_and_skew(*(there[name] for name in PARTING))
+def _gap_at(fields: FlankFields, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Gap (...) [rad] at points (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
+    there = fields.evaluate(["roll_angle", "ease_off_angle", *SEPARATION_FIELDS], points)
+    curvature, skew = curvature_and_skew(*(there[name] for name in SEPARATION_FIELDS))
     left = rotation - there["roll_angle"]
     return gap_beside(there["ease_off_angle"], curvature, skew, left), still_opens(curvature, skew, left)
 
@@ -261,13 +262,13 @@ def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
     unit = here.direction / np.max(np.abs(here.direction), axis=0)
     columns = np.arange(points.shape[1])
     best, reach = np.zeros(columns.size), FARTHEST
-    for _ in range(ROUNDS):
+    for _ in range(SEARCH_ROUNDS):
         # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
-        way = best + reach * np.linspace(-1.0, 1.0, SAMPLES)[:, None]
-        places = points[:, None] + unit[:, None] * way
-        gap, holds = _gap_at(fields, np.clip(places, 0.0, 1.0), here.roll_angle)
-        usable = holds & np.all((places >= 0.0) & (places <= 1.0), axis=0) & ~fields.in_hole(np.clip(places, 0.0, 1.0))
+        way = best + reach * np.linspace(-1.0, 1.0, SAMPLES_PER_ROUND)[:, None]
+        tried = points[:, None] + unit[:, None] * way
+        gap, holds = _gap_at(fields, np.clip(tried, 0.0, 1.0), here.roll_angle)
+        usable = holds & np.all((tried >= 0.0) & (tried <= 1.0), axis=0) & ~fields.in_hole(np.clip(tried, 0.0, 1.0))
         usable |= way == 0.0
         least = np.argmin(np.where(usable, gap, np.inf), axis=0)
-        best, reach = way[least, columns], 2.0 * reach / (SAMPLES - 1)
+        best, reach = way[least, columns], 2.0 * reach / (SAMPLES_PER_ROUND - 1)
     return gap[least, columns], unit * best

@@ -21,10 +21,10 @@ from .flank_splines import FlankFields, fit
 
 Array = NDArray[Any]
 
-DENSE = 65  # points along a curve while it is traced and clipped
-SHORTEST = 1e-3  # curves shorter than this part of the longest are dropped
-USUAL_CURVATURE = 0.1  # separation curvature of ordinary pairs [1/rad]; matters for the interpolation alone
-CROSSING_STEPS = 24  # false position on the boundary; eight are usual
+POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped
+LENGTH_RATIO_LIMIT = 1e-3  # to the longest curve; shorter curves are dropped
+SEPARATION_CURVATURE_SCALE = 0.1  # [1/rad], of ordinary pairs; matters for the interpolation alone
+CROSSING_ITERATIONS = 24  # false position on the boundary; eight are usual
 
 
 def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankFields:
@@ -50,8 +50,11 @@ def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str,
     # Towards undercut the curvature grows without limit, and a spline through it would swing far into the flank. Its
     # arc tangent, and the derivative of that by the rotation, stay finite; ``curvature_and_skew`` takes them back.
     curvature, skew = (ease_off[n].transpose(*order).values for n in ("separation_curvature", "separation_skew"))
-    share = curvature / USUAL_CURVATURE
-    fields |= {"separation_bend": np.arctan(share), "separation_bend_slope": skew / (1.0 + share**2) / USUAL_CURVATURE}
+    share = curvature / SEPARATION_CURVATURE_SCALE
+    fields |= {
+        "separation_bend": np.arctan(share),
+        "separation_bend_slope": skew / (1.0 + share**2) / SEPARATION_CURVATURE_SCALE,
+    }
     gear = flanks["position"].sel(member="gear").transpose(*order, "xyz")
     fields["position"] = gear.values
     fields |= extra or {}
@@ -61,7 +64,7 @@ def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str,
 def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
     """Separation curvature [1/rad] and skew [1/rad^2] from the fields ``separation_bend`` and its slope."""
     share = np.tan(bend)
-    return USUAL_CURVATURE * share, USUAL_CURVATURE * (1.0 + share**2) * slope
+    return SEPARATION_CURVATURE_SCALE * share, SEPARATION_CURVATURE_SCALE * (1.0 + share**2) * slope
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class ContactLines:
     level
         Index (m) into the levels that were asked for.
     points
-        Points (2, m, DENSE) along each curve, lengthwise and profile fractions, evenly spaced in length.
+        Points (2, m, POINTS_PER_LINE) along each curve, lengthwise and profile fractions, evenly spaced in length.
     length
         Length of each curve (m) [mm].
     """
@@ -150,16 +153,16 @@ def trace(fields: FlankFields, levels: Array) -> ContactLines:
             polyline = np.asarray(piece).T
             steps = np.hypot(*np.diff(polyline, axis=1))
             measure = np.concatenate([[0.0], np.cumsum(steps)])
-            if measure[-1] > SHORTEST:
+            if measure[-1] > LENGTH_RATIO_LIMIT:
                 index.append(i)
-                raw.append(_resample(polyline, measure, DENSE))
+                raw.append(_resample(polyline, measure, POINTS_PER_LINE))
     if not raw:
-        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, DENSE)), np.zeros(0))
+        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
     return _clip(fields, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
 
 
 def _clip(fields: FlankFields, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
-    """Keep the parts of the curves (2, m, DENSE) inside the boundary, with exact ends."""
+    """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
     points = _onto_level(fields, points, levels[index][:, None])
     distance = boundary_distance(fields, points)
     kept_index, starts, ends = [], [], []
@@ -168,24 +171,24 @@ def _clip(fields: FlankFields, levels: Array, index: NDArray[np.int64], points: 
         for first, beyond in edges.reshape(-1, 2):
             kept_index.append(row)
             starts.append((first, max(first - 1, 0)))
-            ends.append((beyond - 1, min(beyond, DENSE - 1)))
+            ends.append((beyond - 1, min(beyond, POINTS_PER_LINE - 1)))
     if not kept_index:
-        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, DENSE)), np.zeros(0))
+        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
     rows = np.array(kept_index)
     parameter = np.stack([_crossing(fields, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
-    # Lay DENSE points between the two ends, then space them evenly in length.
-    along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, DENSE)
+    # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
+    along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
     pieces = _onto_level(fields, _between(points, rows, along), levels[index[rows]][:, None])
     length = arc_length(fields, pieces)
-    even = np.stack([_resample(pieces[:, m], length[m], DENSE) for m in range(rows.size)], axis=1)
+    even = np.stack([_resample(pieces[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)], axis=1)
     even = _onto_level(fields, even, levels[index[rows]][:, None], steps=2)
-    long_enough = length[:, -1] > SHORTEST * float(np.max(length))
+    long_enough = length[:, -1] > LENGTH_RATIO_LIMIT * float(np.max(length))
     return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough, -1])
 
 
 def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
-    """Points (2, m, k) at fractional indices ``parameter`` (m, k) along the polylines ``rows`` of (2, n, DENSE)."""
-    low = np.clip(parameter.astype(int), 0, DENSE - 2)
+    """Points (2, m, k) at fractional indices (m, k) along the polylines ``rows`` of (2, n, POINTS_PER_LINE)."""
+    low = np.clip(parameter.astype(int), 0, POINTS_PER_LINE - 2)
     weight = parameter - low
     return np.asarray(points[:, rows[:, None], low] * (1 - weight) + points[:, rows[:, None], low + 1] * weight)
 
@@ -204,7 +207,7 @@ def _crossing(
     if np.any(cut):
         a, b = inside[cut], outside[cut]
         at_a, at_b = distance(a), distance(b)
-        for _ in range(CROSSING_STEPS):
+        for _ in range(CROSSING_ITERATIONS):
             # False position with the Illinois weights, and a bisection where a hole makes the distance jump.
             with np.errstate(divide="ignore", invalid="ignore"):
                 guess = (a * at_b - b * at_a) / (at_b - at_a)

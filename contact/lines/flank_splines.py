@@ -13,7 +13,7 @@ from scipy.interpolate import NdBSpline, RBFInterpolator, make_interp_spline
 from ...core.errors import InputError
 
 Array = NDArray[Any]
-DEGREE = 5
+SPLINE_DEGREE = 5
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
         grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
         bridge = RBFInterpolator(grid[~missing], stacked[~missing], neighbors=40, degree=2)
         stacked[missing] = bridge(grid[missing])
-    degrees = [min(DEGREE, n - 1) for n in shape]
+    degrees = [min(SPLINE_DEGREE, n - 1) for n in shape]
     along = make_interp_spline(lengthwise, stacked, k=degrees[0], axis=0)
     across = make_interp_spline(profile, np.moveaxis(along.c, 1, 0), k=degrees[1], axis=0)
     spline = NdBSpline((along.t, across.t), np.ascontiguousarray(np.moveaxis(across.c, 0, 1)), tuple(degrees))

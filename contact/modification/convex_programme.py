@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 Objective = Literal["peak_load", "peak_pressure", "even_load"]
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
-#: Price of a limit that is passed, per part of it, in units of the objective, which is one at the start.
-PRICE = 10.0
-#: A programme aims below a limit by this part of it, so that the fresh solution does not pass it.
-MARGIN = 1e-3
+#: Price of passing a limit, per share of the limit, in units of the objective, which is one at the start.
+VIOLATION_PRICE = 10.0
+#: Share of a limit by which a programme aims below it, so that the fresh solution does not pass it.
+LIMIT_MARGIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +51,9 @@ class Goal:
     end_load
         Limit of the line load at the ends of the contact lines, for each torque (t) [N/mm]; infinite for none.
     surface
-        The modification at places (s) on the flank for coefficients of one (s, p) [um].
+        The modification at points (s) on the flank for coefficients of one (s, p) [um].
     largest
-        Limit of the modification at these places [um].
+        Limit of the modification at these points [um].
     """
 
     objective: Objective
@@ -83,7 +83,7 @@ class Value:
     @property
     def merit(self) -> float:
         """Objective with the price of the violation."""
-        return self.objective + PRICE * self.violation
+        return self.objective + VIOLATION_PRICE * self.violation
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,13 +187,15 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
         ends = here & loads.at_end
         if np.isfinite(limit):
             excess = (loads.line_load[ends] - limit) / reference
-            conditions.append(excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - MARGIN)
+            conditions.append(
+                excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - LIMIT_MARGIN
+            )
         if np.isfinite(goal.transmission_error):
             now = loads.rotation_cycle == cycle
             level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error
             error = level + reach / goal.transmission_error * loads.rotation_slope[now] @ step
-            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - MARGIN + violation)
-    programme = cvxpy.Problem(cvxpy.Minimize(worst + PRICE * violation), conditions)
+            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - LIMIT_MARGIN + violation)
+    programme = cvxpy.Problem(cvxpy.Minimize(worst + VIOLATION_PRICE * violation), conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

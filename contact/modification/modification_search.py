@@ -21,17 +21,17 @@ from .load_response import LinearLoads
 
 Array = NDArray[np.float64]
 
-#: Of the promised gain, what must come true for the step to be taken, and for the next one to reach farther.
-TAKEN, GOOD = 0.1, 0.75
-#: First and shortest reach [um].
-REACH, SHORTEST_REACH = 8.0, 0.01
+#: Least ratios of the gain to the promised one for a step to be taken, and for the next one to reach farther.
+TAKEN_GAIN_RATIO, GOOD_GAIN_RATIO = 0.1, 0.75
+#: Reach of the first programme, and reach at which a search ends [um].
+FIRST_REACH, REACH_LIMIT = 8.0, 0.01
 #: A promise below this, or in proportion within a shorter reach than the first, ends the search.
-LEAST_GAIN = 1e-4
+GAIN_TOLERANCE = 1e-4
 #: Programmes that may mend a step which gained but broke a limit, and how far they reach in proportion.
-MENDINGS, MENDING_REACH = 2, 0.25
+MENDING_LIMIT, MENDING_REACH_RATIO = 2, 0.25
 
 Start = Literal["full_contact", "present"]
-NOTHING = Value(np.nan, np.nan)
+NO_VALUE = Value(np.nan, np.nan)
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def search(
     *,
     coefficients: Array | None = None,
     programmes: int = 40,
-    reach: float = REACH,
+    reach: float = FIRST_REACH,
     progress: Callable[[], None] | None = None,
 ) -> Search:
     """Improve a modification until no convex programme promises a gain.
@@ -128,28 +128,28 @@ def search(
     best = _Point(first, start, judged(start, goal))
     steps: list[Step] = []
     converged = False
-    while len(steps) < programmes and not converged and reach >= SHORTEST_REACH:
+    while len(steps) < programmes and not converged and reach >= REACH_LIMIT:
         here, gain = best, 0.0
-        for mending in range(1 + MENDINGS):
-            span = reach * MENDING_REACH**mending
+        for mending in range(1 + MENDING_LIMIT):
+            span = reach * MENDING_REACH_RATIO**mending
             answer = solve_programme(here.loads, goal, here.coefficients, span)
             if mending == 0:
                 gain = best.value.merit - answer.value.merit
-                converged = answer.solved and gain < LEAST_GAIN * min(1.0, reach / REACH)
+                converged = answer.solved and gain < GAIN_TOLERANCE * min(1.0, reach / FIRST_REACH)
             found = None if converged or not answer.solved else solved(here.coefficients + answer.step)
-            fresh = NOTHING if found is None else judged(found, goal)
+            fresh = NO_VALUE if found is None else judged(found, goal)
             came_true = (best.value.merit - fresh.merit) / gain
-            steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN, mending > 0))
+            steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN_GAIN_RATIO, mending > 0))
             if progress is not None:
                 progress()
             if found is None:
                 break
             here = _Point(here.coefficients + answer.step, found, fresh)
-            if came_true > TAKEN or fresh.violation <= best.value.violation:
+            if came_true > TAKEN_GAIN_RATIO or fresh.violation <= best.value.violation:
                 break
         if steps[-1].accepted:
             best = here
-            reach *= 2.0 if came_true > GOOD and not steps[-1].mending else 1.0
+            reach *= 2.0 if came_true > GOOD_GAIN_RATIO and not steps[-1].mending else 1.0
         else:
             reach *= 0.25
     return Search(best.coefficients, best.loads, best.value, tuple(steps), converged)
@@ -182,7 +182,7 @@ def optimal_modification(
     whole = 2.0 * goal.largest
     answer = solve_programme(held, goal, none, whole)
     found = solved(answer.step) if answer.solved else None
-    fresh = NOTHING if found is None else judged(found, goal)
+    fresh = NO_VALUE if found is None else judged(found, goal)
     steps = [Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")]
     ends = [search(solved, start, goal, programmes=programmes, progress=progress)]
     if found is not None:

@@ -17,8 +17,8 @@ from ....core.errors import GeometryError
 from ..material import Material
 
 Array = NDArray[Any]
-GAUSS = 3  # points in each direction: exact for a brick with straight edges
-BATCH = 256  # bricks at a time, to bound the memory
+GAUSS_POINTS = 3  # in each direction: exact for a brick with straight edges
+BRICKS_PER_BATCH = 256  # bounds the memory
 ShapeFunctions = Callable[[Array], tuple[Array, Array]]
 
 
@@ -42,7 +42,7 @@ def shape_functions(points: Array) -> tuple[Array, Array]:
     return product(a, b, c), np.stack([product(da, b, c), product(a, db, c), product(a, b, dc)], axis=2)
 
 
-def gauss_rule(count: int = GAUSS) -> tuple[Array, Array]:
+def gauss_rule(count: int = GAUSS_POINTS) -> tuple[Array, Array]:
     """Points (count^3, 3) and weights of the cube from -1 to 1."""
     x, w = np.polynomial.legendre.leggauss(count)
     points = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -92,8 +92,8 @@ def stiffness(
     used = np.flatnonzero(np.abs(gradients).sum(axis=(0, 2)) > 0.0)
     size = 3 * used.size
     entries = np.empty((len(flat), size, size))
-    for start in range(0, len(flat), BATCH):
-        batch = slice(start, start + BATCH)
+    for start in range(0, len(flat), BRICKS_PER_BATCH):
+        batch = slice(start, start + BRICKS_PER_BATCH)
         spatial, determinant = brick_gradients(nodes[flat[batch]], gradients)
         inside_out = np.flatnonzero(np.any(determinant <= 0.0, axis=1))
         if inside_out.size:

@@ -86,14 +86,14 @@ def elastic_body(
     functions
         Shape functions of a brick.
     factoriser
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
         If a brick is turned inside out.
     MissingPackageError
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
     matrix = stiffness(nodes, cells, material, functions)
     movable = matrix.diagonal() > 0.0  # nodes that no brick uses stay where they are

@@ -30,8 +30,8 @@ from .stiffness_factor import Factoriser, solver_of
 Array = NDArray[Any]
 Counts = tuple[int, int, int]
 
-EXTRA_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up
-SHAPE_FUNCTIONS = (9, 3, 7)  # polynomials of the tooth's own shape
+EXTRA_GAUSS_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up
+SHAPE_POLYNOMIAL_LIMITS = (9, 3, 7)  # polynomials of the tooth's own shape
 
 
 @dataclass(frozen=True)
@@ -82,19 +82,19 @@ def solid_shell(
     counts
         Number of trial functions along, through and up the tooth.
     factoriser
-        Of the body, as ``factor.solver_of``.
+        Of the body, as ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
         If a brick of the body is turned inside out, or the tooth is.
     MissingPackageError
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
     tooth = lattice.column[:, :, lattice.root_row :]
-    places = (lattice.lengthwise, lattice.through, lattice.upward)
-    along, through, up = (legendre(p, c)[0] for p, c in zip(places, counts, strict=True))
-    whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], places), counts, material)
+    fractions = (lattice.lengthwise, lattice.through, lattice.upward)
+    along, through, up = (legendre(p, c)[0] for p, c in zip(fractions, counts, strict=True))
+    whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], fractions), counts, material)
     joint = np.einsum("ia,jb->ijab", along, through).reshape(tooth[:, :, 0].size, -1)
     body = body_stiffness(lattice, tooth[:, :, 0].ravel(), joint, material, factoriser)
     at_joint = legendre(np.zeros(1), counts[2])[0, 0]
@@ -107,11 +107,11 @@ def solid_shell(
     return SolidShell(tooth, functions, factor, scale)
 
 
-def tooth_shape(nodes: Array, places: tuple[Array, Array, Array]) -> Array:
-    """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at places from 0 to 1."""
+def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array]) -> Array:
+    """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at fractions from 0 to 1."""
     inverses = []
-    for place, most in zip(places, SHAPE_FUNCTIONS, strict=True):
-        inverses.append(np.linalg.pinv(legendre(place, min(most, place.size))[0]))
+    for fraction, most in zip(fractions, SHAPE_POLYNOMIAL_LIMITS, strict=True):
+        inverses.append(np.linalg.pinv(legendre(fraction, min(most, fraction.size))[0]))
     return np.asarray(np.einsum("ai,bj,ck,ijkx->abcx", *inverses, nodes, optimize=True))
 
 
@@ -135,7 +135,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     GeometryError
         If the solid is turned inside out somewhere.
     """
-    rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_POINTS, strict=True)]
+    rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_GAUSS_POINTS, strict=True)]
     points = [0.5 * (x + 1.0) for x, _ in rules]
     weights = np.einsum("i,j,k->ijk", *(0.5 * w for _, w in rules))
     series = [legendre(p, n, order=1) for p, n in zip(points, shape.shape, strict=False)]
@@ -190,7 +190,7 @@ def body_stiffness(
     material
         Its material.
     factoriser
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
     matrix = stiffness(lattice.nodes, lattice.cells[: lattice.body_bricks], material)
     on_joint = (3 * joint[:, None] + np.arange(3)).ravel()
