@@ -295,5 +295,5 @@ def test_search_ends_when_nothing_can_be_solved() -> None:
 
 
 def test_unknown_objective_is_named() -> None:
-    with pytest.raises(InputError, match=r"objective = 'noise': allowed are peak_load, peak_pressure, even_load"):
+    with pytest.raises(InputError, match=r"objective = 'noise': must be one of peak_load, peak_pressure, even_load"):
         checked_objective("noise")

@@ -91,5 +91,5 @@ def test_strips_without_an_edge_are_whole() -> None:
 
 @pytest.mark.parametrize("overhang", [-0.1, np.inf, -np.inf])
 def test_overhang_is_a_distance(overhang: float) -> None:
-    with pytest.raises(InputError, match="overhang must be zero, positive or NaN"):
+    with pytest.raises(InputError, match="must be zero, positive or NaN"):
         cut(overhang)

@@ -1,4 +1,4 @@
-"""The ease-off method beside conventional contact analysis: error, path, direction and length of the contact line.
+"""Ease-off method against conventional contact analysis: error, path, direction and length of the contact line.
 
 Conventional analysis knows the flanks and nothing of ease-off or roll angle: five equations give the point of contact,
 both members' curvatures the line through it, as the major axis of an ellipse. The ellipse is of second order: by the
@@ -35,7 +35,7 @@ BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 
 @dataclass(frozen=True)
 class BothMethods:
-    """A pair analysed both ways at n rotations, tooth pair by tooth pair.
+    """Analysis of a pair by both methods at n rotations, tooth pair by tooth pair.
 
     Parameters
     ----------

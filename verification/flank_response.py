@@ -1,4 +1,4 @@
-"""How a flank yields under pressures on it, indentation and bending in one, from the finite elements of its tooth.
+"""Compliance of a flank under pressures on it, indentation and bending in one, from finite elements.
 
 Between two points a distance r apart the compliance is that of a half space, (1 - nu^2) / (pi E r), plus what the real
 body adds. The latter is smooth and is interpolated between nodes; the former is integrated in closed form over the
@@ -32,7 +32,7 @@ STORE_VERSION = 1  # of what is kept; raise it when the same input gives other a
 
 @dataclass(frozen=True)
 class FlankResponse:
-    """What a tooth's body adds to the half space under normal forces on its loaded flank.
+    """Compliance that a tooth's body adds to the half space under normal forces on its loaded flank.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def cubic_shares(points: Array, wanted: Array) -> tuple[NDArray[np.int64], Array
 
 
 def thinner_edges(points: LatticePlaces, ratio: float) -> LatticePlaces:
-    """The same number of bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
+    """Points of as many bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
     heel = _thinner_end(points.lengthwise, ratio)
     both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
     return LatticePlaces(both, _thinner_end(points.upward, ratio), points.through)

@@ -1,4 +1,4 @@
-"""What a coordinate measuring machine finds on a flank: its distance from nominal points along their normals."""
+"""Distance of a flank from nominal points along their normals, as a coordinate measuring machine finds it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_ITERATIONS = 20
 
 
 def distance_along_normals(surface: GeneratingSurface, section: BlankSection, position: Array, normal: Array) -> Array:
-    """Where the normals of nominal points meet a flank.
+    """Distance from nominal points along their normals to a flank.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Random contact problems in sixteen classes, from the everyday to the degenerate: what to try a new solver on.
+"""Random contact problems in sixteen classes, from ordinary to degenerate, for tests of solvers.
 
 Each class is a function of a random generator; every problem has a solution. The classes were chosen to hurt: ties,
 duplicates, loads and separations over many decades, compliances that are numerically singular.
@@ -20,7 +20,7 @@ LOCAL_COMPLIANCE = 3e-6
 
 
 def problems(name: str, count: int, seed: int = 0) -> Iterator[ContactProblem]:
-    """Yield `count` problems of a class, the same for the same seed."""
+    """Yield ``count`` problems of a class, the same for the same seed."""
     generator = np.random.default_rng([seed, list(PROBLEM_CLASSES).index(name)])
     for _ in range(count):
         yield PROBLEM_CLASSES[name](generator)

@@ -28,7 +28,7 @@ FACING_COSINE_LIMIT = 0.9  # smallest cosine between the normals of flanks that 
 
 @dataclass(frozen=True)
 class FlanksInMesh:
-    """The flanks of a pair and where they meet.
+    """Flanks of a pair and splines of its ease-off.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class FlanksInMesh:
 
 
 def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
-    """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
+    """Flanks of a pair with the splines of its ease-off; raises as ``geometry.pair_geometry``."""
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
     surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)

@@ -1,4 +1,4 @@
-"""The compliance of a loaded surface with itself, the indentation included.
+"""Compliance of a loaded surface with itself, the indentation included.
 
 The displacement under a point force has no limit, and bricks of some millimetres know nothing of it. It is known in
 closed form, though: near the force the body is a half space. The finite elements solve for the rest alone. With the

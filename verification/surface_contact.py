@@ -1,4 +1,4 @@
-"""Contact of two teeth without a split into bending and indentation: pressures on cells of the flank as unknowns.
+"""Contact of two teeth without a split into bending and indentation, by pressures on cells of the flank.
 
 Find pressures p >= 0 and the rotation of the gear such that every gap
 

@@ -1,4 +1,4 @@
-"""Contact of a whole pair at one mesh position without the split: every tooth pair that can touch, edges included."""
+"""Contact of a whole pair at one mesh position without the split, for all tooth pairs, edges included."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def contact_of_flanks(
 
 
 def _lines_at(mesh: MeshLines, position: int, near: float) -> dict[int, Array]:
-    """A line for every tooth pair; within a part of a pitch before and after its passage the nearest it has."""
+    """Contact line of every tooth pair; shortly before and after its passage the nearest line it has."""
     count = mesh.rotations.size
     step = mesh.position - mesh.pair * count
     lines: dict[int, Array] = {}

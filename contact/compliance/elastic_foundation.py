@@ -1,4 +1,4 @@
-"""The elastic root: springs along the root line in place of the dissertation's fitted base rotation and translation.
+"""Elastic root: springs along the root line, for the dissertation's fitted base rotation and translation.
 
 The gear body yields under the moment and the shear force of the tooth. Per unit length of the root line, with root
 thickness t and a line load q at height l, the classical formulas (plane strain) give
@@ -82,6 +82,11 @@ class ElasticFoundation:
     ------
     InputError
         If the source is unknown or the factor is not positive. For a rigid root give the shell no foundation.
+
+    Examples
+    --------
+    >>> ElasticFoundation("weber").constants(0.3).rotation
+    5.2
     """
 
     source: FoundationSource = "weber"
@@ -90,10 +95,10 @@ class ElasticFoundation:
     def __post_init__(self) -> None:
         if self.source not in get_args(FoundationSource):
             known = ", ".join(get_args(FoundationSource))
-            raise InputError(f"unknown foundation source {self.source!r}; known: {known}")
+            raise InputError(f"source = {self.source!r}: must be one of {known}")
         if not (math.isfinite(self.factor) and self.factor > 0.0):
             raise InputError(
-                f"foundation factor must be positive and finite; got {self.factor!r} (no foundation means a rigid root)"
+                f"factor = {self.factor!r}: must be positive and finite; a shell without foundation has a rigid root"
             )
 
     def constants(self, poisson_ratio: float) -> FoundationConstants:

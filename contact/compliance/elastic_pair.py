@@ -1,4 +1,4 @@
-"""Bending compliance of a tooth pair loaded along the contact normals: shells on elastic roots, or finite elements."""
+"""Elastic model of a tooth pair, and its bending compliance under loads along the contact normals."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ DEFAULT_FOUNDATION = ElasticFoundation()
 
 @dataclass(frozen=True)
 class ElasticModel:
-    """How the teeth give way.
+    """Elastic model of both teeth: shells on elastic roots, or finite elements.
 
     Parameters
     ----------
     pinion, gear
         Materials.
     modes, shear_factor
-        See ``compliance.Shell``.
+        See ``Shell``.
     plate
         ``even``: a plate of even taper with parallel heights, as in the dissertation; ``fitted``: with the bulge and
         the fanning heights of the real tooth.
@@ -39,7 +39,14 @@ class ElasticModel:
     condensed
         Pinion and gear by finite elements, instead of the shells.
     foot_correction
-        Added to the line contact, see ``compliance.WeberLineContact``.
+        Added to the line contact, see ``WeberLineContact``.
+
+    Examples
+    --------
+    >>> from easeoff.contact.compliance import ElasticFoundation
+    >>> softer = ElasticModel(foundation=ElasticFoundation("odonnell", 0.8), plate="fitted")
+    >>> softer.modes
+    (5, 15)
     """
 
     pinion: Material = STEEL
@@ -89,7 +96,7 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
 
 
 def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth, ElasticTooth]:
-    """Pinion and gear as the model wants them: by finite elements if it has them, else as shells."""
+    """Pinion and gear by finite elements if the model has them, else as shells."""
     return shells(teeth, model) if model.condensed is None else model.condensed
 
 

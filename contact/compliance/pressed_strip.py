@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Strips of one shape of arrays.
+    """Pressed strips, in arrays of one shape.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ class Strip:
 
     @classmethod
     def of(cls, overhang: FloatArray, squared: FloatArray) -> Strip:
-        """Strips whose middle would lie ``overhang`` beyond an edge [mm], or which are whole where that is NaN.
+        """Strips cut by an edge, or whole where the overhang is NaN.
 
         Parameters
         ----------
         overhang
-            Zero, positive or NaN.
+            Distance of the strip's middle beyond the edge [mm]; zero, positive or NaN.
         squared
             Square of the half-width b of the whole strip under the same line load [mm^2].
         """

@@ -1,4 +1,4 @@
-"""The tooth as a Rayleigh-Ritz shell: factored once, then asked for the compliance between any loads.
+"""The tooth as a Rayleigh-Ritz shell, factored once for the compliance between any loads.
 
 The stiffness matrix is scaled to a unit diagonal and factored, K = D^1/2 L L^T D^1/2. Loads become load vectors Phi
 (one row each), whitened loads Y = L^-1 D^-1/2 Phi^T, and the compliance between loads i and j is column i times column
@@ -55,13 +55,24 @@ class Shell:
     Raises
     ------
     InputError
-        If a value is out of range, or the stiffness matrix is not positive definite to working precision (far too
-        many modes).
+        If a value is out of range, or so many modes are asked for that the stiffness matrix is not positive definite
+        to working precision.
 
     Notes
     -----
     The compliance of a single point with itself grows without limit, as a logarithm, with the number of modes: that is
     a property of the theory. Average the load and the deflection over a segment or patch, and keep the modes fixed.
+
+    Examples
+    --------
+    Deflection [um] of a clamped steel tooth under a radial force of 500 N at mid height in its middle:
+
+    >>> from easeoff.contact.compliance import Material, ToothDimensions
+    >>> tooth = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
+    >>> shell = Shell(tooth, Material(206000.0, 0.3), modes=(3, 5))
+    >>> load = shell.load_vectors(4.0, 18.0, (0.0, 0.0, 1.0))
+    >>> round(500e3 * float(shell.compliance(load[None])[0, 0]), 2)
+    0.45
     """
 
     dimensions: ToothDimensions
@@ -79,9 +90,9 @@ class Shell:
     def __post_init__(self) -> None:
         counts: tuple[int, ...] = tuple(self.modes)
         if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
-            raise InputError(f"modes must be two whole numbers from 1 up, (profile, lengthwise); got {self.modes!r}")
+            raise InputError(f"modes = {self.modes!r}: must be two whole numbers from 1 up, (profile, lengthwise)")
         if not (math.isfinite(self.shear_factor) and self.shear_factor > 0.0):
-            raise InputError(f"shear_factor must be positive and finite; got {self.shear_factor!r}")
+            raise InputError(f"shear_factor = {self.shear_factor!r}: must be positive and finite")
         kinematics = self.kinematics
         functions = TrialFunctions(
             reference_height=self.dimensions.largest_height,
@@ -191,13 +202,15 @@ class Shell:
         """
         direction = np.asarray(direction, dtype=np.float64)
         if direction.ndim == 0 or direction.shape[-1] != 3:
-            raise InputError(f"direction must have a last axis of length 3; got shape {direction.shape}")
+            raise InputError(f"direction of shape {direction.shape}: must have a last axis of length 3")
         x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
         z = np.asarray(0.0 if offset is None else offset, dtype=np.float64)
         points = np.broadcast_shapes(x.shape, y.shape, z.shape, direction.shape[:-1])
         if weights is not None:
             if not points:
-                raise InputError("weights sum the last axis of the points, but a single point was given")
+                raise InputError(
+                    "weights: must not be given for a single point, as they sum the last axis of the points"
+                )
             direction = direction * np.asarray(weights, dtype=np.float64)[..., None]
             points = np.broadcast_shapes(points, direction.shape[:-1])
         direction = np.broadcast_to(direction, (*points, 3))
@@ -238,7 +251,7 @@ class Shell:
         """
         vectors = np.asarray(load_vectors, dtype=np.float64)
         if vectors.ndim != 2 or vectors.shape[1] != self.size:
-            raise InputError(f"load_vectors must have shape (n, {self.size}); got {vectors.shape}")
+            raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
         if vectors.shape[0] == 0:
             return np.zeros((self.size, 0))
         idle = self.idle_size

@@ -38,7 +38,7 @@ THICKNESS_POINTS = 4
 
 @dataclass(frozen=True)
 class TrialFunctions:
-    """The Ritz trial space: which functions stand over the height and along the trace.
+    """Trial space of the Rayleigh-Ritz method: functions over the height and along the trace.
 
     Degrees of freedom are ordered (field, height function, lengthwise function), the last fastest.
 

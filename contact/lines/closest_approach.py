@@ -1,4 +1,4 @@
-"""The gap across a contact curve, and where next to the curve the flanks come closest."""
+"""Gap across a contact curve, and the closest approach of the flanks next to it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
-    """Whether the expansion of the gap at points holds over the rotation that is left to their conjugate contact.
+    """Whether the expansion of the gap at points is valid over the rotation left to their conjugate contact.
 
     Where it does the gap lies nowhere below the ease-off.
 
@@ -94,11 +94,11 @@ class AcrossLine:
         return np.asarray(by_roll * self.slope)
 
     def still_opens(self, left: Array) -> NDArray[np.bool_]:
-        """Where that expansion holds over the rotation left (...) [rad] to their conjugate contact."""
+        """Whether that expansion is valid over the rotation left (...) [rad] to their conjugate contact."""
         return still_opens(self.separation_curvature, self.separation_skew, left)
 
     def length_along(self, way: Array) -> Array:
-        """Length (...) [mm] along the curve of a short way, given as fractions (2, ...)."""
+        """Length (...) [mm] along the curve of a short displacement, given as fractions (2, ...)."""
         e, f, g = self.metric
 
         def product(one: Array, other: Array) -> Array:
@@ -170,7 +170,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
 
 @dataclass(frozen=True)
 class ClosestApproach:
-    """Where the flanks come closest next to points (...) of contact curves.
+    """Closest approach of the flanks next to points (...) of contact curves.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
 
 
 def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
-    """The closest approach by the expansion of the gap, wherever that leads.
+    """Closest approach by one step of the gap's expansion, valid or not.
 
     Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
     the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
@@ -257,7 +257,7 @@ def _gap_at(fields: FlankFields, points: Array, rotation: Array) -> tuple[Array,
 
 
 def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
-    """Least gap (n) [rad] on the straight ways across the curve through points (2, n), and the ways there (2, n)."""
+    """Least gap (n) [rad] on straight lines across the curve through points (2, n), and the shifts there (2, n)."""
     here = across_line(fields, points)
     unit = here.direction / np.max(np.abs(here.direction), axis=0)
     columns = np.arange(points.shape[1])

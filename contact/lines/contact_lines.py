@@ -28,7 +28,7 @@ CROSSING_ITERATIONS = 24  # false position on the boundary; eight are usual
 
 
 def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankFields:
-    """Splines of everything the contact needs on the gear flank.
+    """Splines of the fields on the gear flank that the contact needs.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class ContactLines:
 
 
 def boundary_distance(fields: FlankFields, points: Array) -> Array:
-    """Positive inside the common flank of gear and pinion, negative outside (...)."""
+    """Distance from the boundary of the common flank (...): positive inside, negative outside."""
     values = fields.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
     t, h = values["pinion_lengthwise"], values["pinion_profile"]
     inside = np.minimum(np.minimum(t, 1.0 - t), np.minimum(h, 1.0 - h))

@@ -1,4 +1,4 @@
-"""Edges of both teeth as points of contact beside the lines: tip, toe or heel of one tooth on the flank of the other.
+"""Edge contact beside the contact lines: tip, toe or heel of one tooth on the flank of the other.
 
 Across a contact line the gap grows both ways. Beyond the end of a line, and on a tooth that has no line yet or no
 longer, the way to the closest approach leaves a flank: the flanks come closest at the edge where it does. An edge of
@@ -152,7 +152,7 @@ class _Edge:
 
     @classmethod
     def of(cls, fields: FlankFields, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
-        """The edge where a fraction has a value."""
+        """Nodes of the edge on which one fraction has the given value."""
         along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
         nodes = np.full((2, along.size), value)
         nodes[1 - fraction] = along

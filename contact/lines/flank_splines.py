@@ -1,4 +1,4 @@
-"""Smooth functions on the gear flank, through the nodes of a grid: tensor splines of several fields at once."""
+"""Tensor splines of several fields on the gear flank, through the nodes of a grid."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SPLINE_DEGREE = 5
 
 @dataclass(frozen=True)
 class FlankFields:
-    """Named fields on the unit square (lengthwise, profile).
+    """Splines of named fields on the unit square (lengthwise, profile).
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class FlankFields:
 
 
 def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> FlankFields:
-    """Interpolate fields given on a grid.
+    """Splines through fields given on a grid.
 
     Parameters
     ----------
@@ -108,11 +108,13 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
     """
     shape = (lengthwise.size, profile.size)
     if min(shape) < 4:
-        raise InputError(f"the grid has {shape[0]} x {shape[1]} nodes: at least 4 are needed in each direction")
+        raise InputError(f"grid of {shape[0]} x {shape[1]} nodes: must have at least 4 in each direction")
     stacked = np.concatenate([np.reshape(v, (*shape, -1)) for v in fields.values()], axis=2)
     missing = ~np.all(np.isfinite(stacked), axis=2)
     if missing.mean() > 0.5:
-        raise InputError(f"only {100 * (1 - missing.mean()):.0f} % of the grid's nodes have values: too few to go on")
+        raise InputError(
+            f"{100 * (1 - missing.mean()):.0f} % of the grid's nodes have values, too few: must be at least 50 %"
+        )
     if np.any(missing):
         grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
         bridge = RBFInterpolator(grid[~missing], stacked[~missing], neighbors=40, degree=2)

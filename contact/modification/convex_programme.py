@@ -1,4 +1,4 @@
-"""The modification that makes loads small or even, as a convex programme (after Conry and Seireg 1973).
+"""Convex programme for the modification that makes loads small or even (after Conry and Seireg 1973).
 
 Loads and rotations being affine functions of the coefficients (see ``load_response``), the greatest line load, the
 greatest of other positive multiples of it, the sum of its squares, and the peak to peak of the rotation are convex
@@ -32,7 +32,7 @@ LIMIT_MARGIN = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What is asked for, and what must be kept.
+    """Objective and limits of a modification.
 
     The mesh cycles of the loads are numbered through the torques of the first assembly, then those of the next.
 
@@ -67,7 +67,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Value:
-    """How a modification fares.
+    """Objective and violation of the limits that a modification reaches.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class Value:
 
 @dataclass(frozen=True, eq=False)
 class ProgrammeAnswer:
-    """What came of one convex programme.
+    """Answer of one convex programme.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class ProgrammeAnswer:
     step
         Change of the coefficients (p) [um], NaN if there is none.
     value
-        What the programme promises.
+        Value that the programme predicts.
     """
 
     status: str
@@ -106,7 +106,7 @@ class ProgrammeAnswer:
 
     @property
     def solved(self) -> bool:
-        """Whether there is an answer."""
+        """Whether the programme gave a step."""
         return bool(np.isfinite(self.step).all())
 
 
@@ -141,7 +141,7 @@ def worst_assembly(values: Array, torques: int) -> Array:
 
 
 def judged(loads: LinearLoads, goal: Goal) -> Value:
-    """How solved loads fare."""
+    """Value of solved loads."""
     torques = goal.reference.size
     reached = worst_assembly(figures(loads, goal.objective), torques) / goal.reference
     end = (worst_assembly(end_loads(loads), torques) - goal.end_load) / goal.load_reference
@@ -224,12 +224,12 @@ def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Go
 
 
 def _squared(goal: Goal) -> bool:
-    """Whether the programme sees the square of the objective: that of the pressure is affine in the line load."""
+    """Whether the programme works with the square of the objective: the squared pressure is affine in the line load."""
     return goal.objective == "peak_pressure"
 
 
 def _multiple(loads: LinearLoads, objective: Objective) -> Array:
-    """What line loads are multiplied by in the objective (n): the squared pressure goes with load times curvature."""
+    """Factor of the line loads in the objective (n): the squared pressure is proportional to load times curvature."""
     return loads.curvature if objective == "peak_pressure" else np.ones(loads.line_load.size)
 
 
@@ -248,4 +248,4 @@ def checked_objective(name: str) -> Objective:
     for objective in OBJECTIVES:
         if objective == name:
             return objective
-    raise InputError(f"objective = {name!r}: allowed are {', '.join(OBJECTIVES)}")
+    raise InputError(f"objective = {name!r}: must be one of {', '.join(OBJECTIVES)}")

@@ -1,4 +1,4 @@
-"""How loads and rotation answer to a change of the separation, as long as the same segments touch.
+"""Response of loads and rotation to a change of the separation, while the same segments touch.
 
 On the segments A in contact the gap is zero, elsewhere the force is. With the separation S + B m the conditions
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Derivatives of a contact problem's solution by p coefficients of its separation, the contact region held.
+    """Derivatives of a contact problem's solution by p coefficients of its separation, for a fixed contact region.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separ
 
 
 def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torque: float) -> tuple[Array, float]:
-    """Forces [N], also pulling ones, and rotation [rad] that close the gap of all segments (n).
+    """Forces [N], pulling ones allowed, and rotation [rad] that close the gap of all segments (n).
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class LinearLoads:
 
 
 def stacked(parts: Sequence[LinearLoads]) -> LinearLoads:
-    """All parts one after the other."""
+    """Concatenate the loads of many contact problems."""
     return LinearLoads(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(LinearLoads)))
 
 

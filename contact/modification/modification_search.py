@@ -1,4 +1,4 @@
-"""One convex programme after another, each at the contact regions of the last accepted modification.
+"""Search for the best modification by convex programmes, each at the contact regions of the last accepted one.
 
 A programme is exact while its contact regions hold. Where they change it promises too much or too little, so its
 answer is solved afresh, and taken only if it is better; else the next programme may not reach as far.
@@ -36,7 +36,7 @@ NO_VALUE = Value(np.nan, np.nan)
 
 @dataclass(frozen=True)
 class Step:
-    """One programme and what came of it.
+    """One programme of a search and its outcome.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The end of a search.
+    """Result of a search.
 
     Parameters
     ----------

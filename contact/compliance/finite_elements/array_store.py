@@ -1,4 +1,4 @@
-"""Arrays kept on disk under a key, so that no tooth is factored twice; the least used go when the folder is full."""
+"""Arrays kept on disk under a key, so that no tooth is factored twice; a full folder loses those longest unused."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ KEY_LENGTH = 40
 
 
 def cache_folder() -> Path | None:
-    """Where arrays are kept: ``EASEOFF_CACHE``, else the user's cache folder; ``None`` if that variable is empty."""
+    """Folder of the arrays: ``EASEOFF_CACHE``, else the user's cache folder; ``None`` if that variable is empty."""
     named = os.environ.get(FOLDER_VARIABLE)
     if named is not None:
         return Path(named) if named else None
@@ -33,7 +33,7 @@ def cache_folder() -> Path | None:
 
 
 def key_of(*parts: Any) -> str:
-    """Hexadecimal key of arrays and of everything else by its ``repr``."""
+    """Hexadecimal key of arrays by their values and of anything else by its ``repr``."""
     digest = hashlib.sha256()
     for part in parts:
         if isinstance(part, np.ndarray):
@@ -45,7 +45,7 @@ def key_of(*parts: Any) -> str:
 
 
 def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
-    """Arrays by name, read if they are there, else made and kept.
+    """Arrays by name, read from disk if they are there, else made and kept.
 
     Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file that cannot be read is
     made anew. If it cannot be written, a warning says so, and the arrays are returned all the same.
@@ -80,7 +80,7 @@ def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
 
 
 def _make_room(folder: Path, newest: Path) -> None:
-    """Delete the files longest unused, but for the newest, until the rest fits."""
+    """Delete the files longest unused, except the newest, until the rest fits."""
     files = []
     for path in folder.glob(f"{'[0-9a-f]' * KEY_LENGTH}.npz"):
         with contextlib.suppress(OSError):  # another run may have deleted it just now

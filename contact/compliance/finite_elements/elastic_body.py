@@ -1,4 +1,4 @@
-"""One tooth on its body: held, factored once, and asked for the work of loads on each other's displacements."""
+"""Finite elements of a tooth on its body, factored once for the response to any loads."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction:
 
 @dataclass(frozen=True)
 class ElasticBody:
-    """Bricks with some nodes held.
+    """Factored body of bricks with some nodes held.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class ElasticBody:
     solve: Callable[[Array], Array]
 
     def response(self, loads: csc_array, wanted: csc_array) -> Array:
-        """What the loads (3 n, k) do to the wanted functionals (3 n, m) of the displacements: (m, k)."""
+        """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k)."""
         return solve_in_parts(self.solve, loads.tocsr()[self.free].tocsc(), wanted.tocsr()[self.free].tocsc())
 
 

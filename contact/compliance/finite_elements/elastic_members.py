@@ -41,7 +41,7 @@ UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
 
 @dataclass(frozen=True)
 class FiniteElementTooth:
-    """What the contact needs to know of one member's tooth.
+    """Compliance and root stress of one member's tooth by finite elements.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class FiniteElementTooth:
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
-    """Number of bricks that leaves about 1 % in the compliance.
+    """Number of bricks that leaves an error of about 1 % in the compliance.
 
     A third of the tooth's height long; and through the tooth no fewer than the brick lengths by which its sections,
     at right angles to the blank, slant against its normal.
@@ -116,7 +116,7 @@ def finite_element_tooth(
 
 
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
-    """Bricks of the body, and functions along, through and up the tooth, that leave 2 to 4 % in the compliance."""
+    """Bricks of the body and functions along, through and up the tooth that leave an error of 2 to 4 %."""
     usual = usual_size(pair, member)
     functions = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
     along, through, up = (max(round(fineness * n), 2) for n in functions)
@@ -178,7 +178,7 @@ def _long_enough(size: LatticeSize) -> LatticeSize:
 
 
 def unfilled(member: str, error: GeometryError) -> GeometryError:
-    """What to say of a member whose lattice has a brick turned inside out."""
+    """Error for a member whose lattice has a brick turned inside out."""
     return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
 
 

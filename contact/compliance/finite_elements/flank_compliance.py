@@ -1,4 +1,4 @@
-"""The compliance of a tooth condensed to its loaded flank: what is left to know of the finite elements.
+"""Compliance of a tooth between points of its loaded flank, condensed from its finite elements.
 
 A unit force along the flank's normal acts at a node of the flank; the displacement along the normal of another node is
 read at the foot of *its* normal, on the middle surface of the tooth. Between lies the local indentation, which the line
@@ -45,7 +45,7 @@ class FlankCompliance:
     factor: Array
 
     def whitened(self, points: Array, weights: Array) -> Array:
-        """Unit loads on segments, as vectors whose inner products are their compliances.
+        """Whitened unit loads on segments: their inner products are the compliances.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ def share_of_three(point: Array, count: int) -> tuple[NDArray[np.int64], Array, 
 
 
 def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
-    """Nodes and their shares (n, 9 each) of forces at points (2, n) of the flank; beyond its ends the ends."""
+    """Nodes and their shares (n, 9 each) of forces at points (2, n) of the flank; points beyond its ends move there."""
     rows = profile.shape[1]
     along = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, np.arange(lengthwise.size))
     sections, section_shares, _ = share_of_three(along, lengthwise.size)
@@ -95,7 +95,7 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDAr
 
 @dataclass(frozen=True)
 class Feet:
-    """Where the normals of n flank nodes meet the middle surface of the tooth.
+    """Points at which the normals of n flank nodes meet the middle surface of the tooth.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class Feet:
 
 
 def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
-    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest there is.
+    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest points.
 
     Normals in the fillet may lead down into the body; if ``in_tooth``, not below the tooth's lowest nodes.
     """
@@ -158,7 +158,7 @@ def foot_displacements(lattice: ToothLattice, *, in_tooth: bool = False) -> csc_
 
 
 def square_root(compliance: Array) -> Array:
-    """Z with Z^T Z the positive semidefinite matrix nearest to the symmetric part of a compliance (k, k)."""
+    """Factor Z such that Z^T Z is the positive semidefinite matrix nearest to a compliance (k, k), made symmetric."""
     values, vectors = np.linalg.eigh(0.5 * (compliance + compliance.T))
     kept = values > EIGENVALUE_RATIO_LIMIT * values[-1]
     return np.ascontiguousarray((vectors[:, kept] * np.sqrt(values[kept])).T)

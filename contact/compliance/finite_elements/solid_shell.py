@@ -1,4 +1,4 @@
-"""A tooth of polynomials on a body of bricks: the shell's own method without the plate.
+"""Rayleigh-Ritz model of the solid tooth on its body of bricks.
 
 As in the shell, Legendre polynomials along the face and up the tooth are the trial functions of a Rayleigh-Ritz system;
 but they stand for all three displacements, there are more of them through the thickness, and the strain energy is that
@@ -36,7 +36,7 @@ SHAPE_POLYNOMIAL_LIMITS = (9, 3, 7)  # polynomials of the tooth's own shape
 
 @dataclass(frozen=True)
 class SolidShell:
-    """A tooth of polynomials on its body, factored.
+    """Factored Rayleigh-Ritz model of a solid tooth on its body.
 
     Degrees of freedom are ordered (along, through, up, xyz), the last fastest.
 
@@ -56,7 +56,7 @@ class SolidShell:
     scale: Array
 
     def whiten(self, functionals: csc_array) -> Array:
-        """Displacements at nodes of the tooth (3 n, k) as vectors (3 m, k) whose inner products are compliances."""
+        """Whitened functionals (3 m, k) of displacements (3 n, k) of the tooth: inner products are compliances."""
         rows = functionals.tocsr()
         nodes = self.tooth.ravel()
         parts = np.stack([rows[3 * nodes + axis].T @ self.functions for axis in range(3)], axis=-1)
@@ -64,7 +64,7 @@ class SolidShell:
         return np.asarray(solve_triangular(self.factor, vectors * self.scale[:, None], lower=True))
 
     def response(self, loads: csc_array, wanted: csc_array) -> Array:
-        """What loads (3 n, k) on the tooth do to wanted displacements (3 n, m) of it: (m, k)."""
+        """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k) on the tooth."""
         return np.asarray(self.whiten(wanted).T @ self.whiten(loads))
 
 

@@ -1,4 +1,4 @@
-"""Stress in the root of the loaded side by unit forces on the flank.
+"""Stress in the root of the loaded side under unit forces on the flank.
 
 Stresses of quadratic bricks are most exact at the 2 x 2 x 2 Gauss points. They are read at the four points of each
 surface face that lie above these points, carried on to the surface along the line through both points beneath.
@@ -25,7 +25,7 @@ STRESS_COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 @dataclass(frozen=True)
 class RootStress:
-    """Stress at the root of the loaded side.
+    """Stress at the root of the loaded side under unit forces on the nodes of the flank.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class RootStress:
 
 
 def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:
-    """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and at which end it is."""
+    """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and the end it is at."""
     rows = 2 * max(round(ROOT_BRICK_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
     # Not the bricks at toe and heel: the sharp corner where the tooth ends on its body has no stress of its own.
     on_flank = np.isin(lattice.cells[:, :, 0, :], lattice.flank[1:-1, :rows]).all(axis=(1, 2))
