@@ -91,7 +91,7 @@ def in_mesh(name: str) -> tuple[FlanksInMesh, MeshLines]:
     read = easeoff.read_case(case)
     pair = gear_pair(read).misaligned(misalignment)
     flanks = flanks_in_mesh(pair, (read.contact.lengthwise_nodes, read.contact.profile_nodes))
-    return flanks, lines_in_mesh(flanks.fields, pair.assembly.pinion_pitch, read.contact.mesh_positions)
+    return flanks, lines_in_mesh(flanks.splines, pair.assembly.pinion_pitch, read.contact.mesh_positions)
 
 
 def solved(

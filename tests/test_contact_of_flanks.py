@@ -27,7 +27,7 @@ FEW = LatticeSize(lengthwise=9, upward=5, through=3, slot=1, beside=1, deep=2, o
 @cache
 def in_mesh() -> tuple[FlanksInMesh, MeshLines]:
     flanks = flanks_in_mesh(gear_pair(read_case(NAME)), (17, 13))
-    return flanks, lines_in_mesh(flanks.fields, flanks.pair.assembly.pinion_pitch, POSITIONS)
+    return flanks, lines_in_mesh(flanks.splines, flanks.pair.assembly.pinion_pitch, POSITIONS)
 
 
 @cache

@@ -65,7 +65,7 @@ def exact(name: str) -> tuple[np.ndarray, np.ndarray]:
         own = elements.level == level
         places = elements.points[:, own]
         gear = solve_flank(pair.gear.loaded, pair.gear.section, *pair.gear.section.points(*places))
-        start = flanks.fields("pinion_parameters", places)
+        start = flanks.splines("pinion_parameters", places)
         turned = rotations[level] + flanks.motion.center
         there = flank_gap(flanks.motion, gear.position, gear.normal, turned, flanks.first_contact, start)
         arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])

@@ -41,7 +41,7 @@ class BothMethods:
     ----------
     motion
         The conjugate motion of the ease-off method.
-    fields, mesh
+    splines, mesh
         Its splines and contact lines.
     contact
         Conventional points of contact; NaN where they did not converge.
@@ -54,7 +54,7 @@ class BothMethods:
     """
 
     motion: ConjugateMotion
-    fields: FlankFields
+    splines: FlankFields
     mesh: MeshLines
     contact: PointContact
     relative: RelativeCurvature
@@ -63,7 +63,7 @@ class BothMethods:
 
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
         """The ease-off method's unloaded contact, lines ending at a separation [um]."""
-        return unloaded_contact(self.fields, self.mesh, separation=separation)
+        return unloaded_contact(self.splines, self.mesh, separation=separation)
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
@@ -86,8 +86,8 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     geometry = pair_geometry(pair, nodes)
     gear = pair.gear.flank(*grid(nodes))
     surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, mesh_positions)
+    splines = contact_fields(geometry.flanks, geometry.ease_off)
+    mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)
     rotation = (mesh.rotations[None, :] - pairs[:, None] * pair.assembly.pinion_pitch).ravel()
     contact = path_of_contact(gear, surface, rotation)
@@ -96,7 +96,7 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     inside = contact.converged & on_gear & on_pinion
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
     zero = geometry.ease_off.attrs["first_contact_rad"]
-    return BothMethods(surface.motion, fields, mesh, contact, relative, inside, zero)
+    return BothMethods(surface.motion, splines, mesh, contact, relative, inside, zero)
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
@@ -115,7 +115,7 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
     """
     own = both.unloaded()
     error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
-    point = both.fields("position", np.stack([t, h]))
+    point = both.splines("position", np.stack([t, h]))
     away = np.linalg.norm(point - both.contact.gear_position, axis=0)
     difference = 1e-6 * error - (both.contact.closing_angle - both.first_contact)
     return np.where(both.inside, difference, np.nan), np.where(both.inside, away, np.nan)
@@ -140,10 +140,10 @@ def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array
     own = both.unloaded(separation)
     ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])
     smallest, length = 1e-6 * _flat(own, "transmission_error")[0], _flat(own, "line_length")[0]
-    closest = closest_approach(both.fields, ends)
+    closest = closest_approach(both.splines, ends)
     gap = 1e3 * (closest.separation_angle - smallest) * closest.lever_arm
     whole = both.inside & np.all(np.abs(gap / separation - 1.0) < 0.01, axis=0)
-    start, end = both.fields("position", ends + closest.shift).swapaxes(0, 1)
+    start, end = both.splines("position", ends + closest.shift).swapaxes(0, 1)
     chord = end - start
     relative = both.relative
     with np.errstate(invalid="ignore"):

@@ -36,7 +36,7 @@ class FlanksInMesh:
         The pair.
     motion
         Axes, senses and the pinion flank.
-    fields
+    splines
         Splines of ``curves.contact_fields``, and of the ``pinion_parameters`` of conjugate points.
     first_contact
         Closing angle at which the transmission error counts zero [rad].
@@ -44,7 +44,7 @@ class FlanksInMesh:
 
     pair: GearPair
     motion: ConjugateMotion
-    fields: FlankFields
+    splines: FlankFields
     first_contact: float
 
 
@@ -57,12 +57,12 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
     flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
     parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)
     usable = np.isfinite(surface.angle).reshape(t.size, h.size, 1)
-    fields = contact_fields(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
-    return FlanksInMesh(pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
+    splines = contact_fields(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
+    return FlanksInMesh(pair, surface.motion, splines, float(ease_off.attrs["first_contact_rad"]))
 
 
 @dataclass(frozen=True)
-class Cells:
+class SurfaceCells:
     """Cells (n) of one tooth pair at one mesh position.
 
     Parameters
@@ -109,7 +109,7 @@ def cells_on_line(
     half_band: float,
     reach: float,
     widest_gap: float,
-) -> Cells:
+) -> SurfaceCells:
     """Cells around one contact line.
 
     Parameters
@@ -129,7 +129,7 @@ def cells_on_line(
     widest_gap
         Cells with a wider gap are left out [mm].
     """
-    middle, slope = _stations(flanks.fields, line, step[0], reach)
+    middle, slope = _stations(flanks.splines, line, step[0], reach)
     half = int(np.ceil(half_band / step[1]))
     across = step[1] * np.arange(-half, half + 1)
     points = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
@@ -140,7 +140,7 @@ def cells_on_line(
     position = found.position.reshape(3, *shape)
     sides = [np.gradient(position, axis=1), np.gradient(position, axis=2)]
     lengths = [np.linalg.norm(side, axis=0) for side in sides]
-    start = flanks.fields("pinion_parameters", np.clip(points, 0.0, 1.0)).reshape(2, -1)
+    start = flanks.splines("pinion_parameters", np.clip(points, 0.0, 1.0)).reshape(2, -1)
     gap = flank_gap(
         flanks.motion,
         found.position,
@@ -162,7 +162,7 @@ def cells_on_line(
 
     station, row = np.indices(shape).reshape(2, -1)[:, chosen]
     along, across_line = (flat(side / length) for side, length in zip(sides, lengths, strict=True))
-    return Cells(
+    return SurfaceCells(
         station,
         row - half,
         along,
@@ -176,16 +176,16 @@ def cells_on_line(
     )
 
 
-def _stations(fields: FlankFields, points: Array, step: float, reach: float) -> tuple[Array, Array]:
+def _stations(splines: FlankFields, points: Array, step: float, reach: float) -> tuple[Array, Array]:
     """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
-    closest = np.clip(points + closest_approach(fields, points).shift, 0.0, 1.0)
-    length = arc_length(fields, closest[:, None])[0]
+    closest = np.clip(points + closest_approach(splines, points).shift, 0.0, 1.0)
+    length = arc_length(splines, closest[:, None])[0]
     count = max(int(np.ceil((length[-1] + 2.0 * reach) / step)), 2)
     wanted = 0.5 * length[-1] + step * (np.arange(count) - 0.5 * (count - 1))
     inside = np.clip(wanted, 0.0, length[-1])
     middle = np.stack([np.interp(inside, length, one) for one in closest])
     tangent = np.stack([np.interp(inside, length, np.gradient(one, length)) for one in closest])
-    surface = [fields("position", middle, d) for d in ((1, 0), (0, 1))]
+    surface = [splines("position", middle, d) for d in ((1, 0), (0, 1))]
     along = tangent[0] * surface[0] + tangent[1] * surface[1]
     # In the tangent plane, at right angles to the line: one fraction follows from the other.
     dots = [np.sum(along * one, axis=0) for one in surface]

@@ -12,7 +12,7 @@ from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
 from ..core.errors import InputError
 from .flank_response import FlankResponse
-from .surface_cells import Cells, FlanksInMesh, cells_on_line
+from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
 
 Array = NDArray[Any]
@@ -40,7 +40,7 @@ class FlankContact:
 
     rotation: float
     pairs: list[int]
-    cells: list[Cells]
+    cells: list[SurfaceCells]
     force: list[Array]
 
     @property
@@ -103,7 +103,7 @@ def contact_of_flanks(
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
     step = (CELL_LENGTH_FACTOR / cells_per_half_width, across)
-    greatest_arm = float(np.max(flanks.fields.spline.c[..., flanks.fields.columns["lever_arm"][0]]))
+    greatest_arm = float(np.max(flanks.splines.spline.c[..., flanks.splines.columns["lever_arm"][0]]))
     band, allowed = FIRST_BAND_RATIO * half_width, 1.15 * rotation
     while True:
         found = {

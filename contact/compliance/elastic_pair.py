@@ -112,16 +112,16 @@ def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     return fields
 
 
-def member_points(fields: FlankFields, member: str, points: Array) -> Array:
+def member_points(splines: FlankFields, member: str, points: Array) -> Array:
     """Lengthwise and profile fractions (2, ...) on one member of points (2, ...) on the gear."""
     if member == "gear":
         return points
-    return np.stack(list(fields.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
+    return np.stack(list(splines.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
 
 
 def whitened_loads(
     elastic: tuple[ElasticTooth, ElasticTooth],
-    fields: FlankFields,
+    splines: FlankFields,
     points: Array,
     weights: Array,
 ) -> NDArray[np.float64]:
@@ -131,7 +131,7 @@ def whitened_loads(
     ----------
     elastic
         Pinion and gear from ``elastic_teeth``.
-    fields
+    splines
         Splines that include ``tooth_fields``.
     points
         Quadrature points (2, n, g) of n segments, as fractions on the gear.
@@ -146,10 +146,10 @@ def whitened_loads(
     stacked = []
     for member, tooth in zip(MEMBERS, elastic, strict=True):
         if isinstance(tooth, FlankCompliance):
-            stacked.append(tooth.whitened(member_points(fields, member, points), weights))
+            stacked.append(tooth.whitened(member_points(splines, member, points), weights))
             continue
         names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
-        height, arc, direction = fields.evaluate(names, points).values()
+        height, arc, direction = splines.evaluate(names, points).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)

@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Strip:
+class PressedStrip:
     """Pressed strips, in arrays of one shape.
 
     Parameters
@@ -44,7 +44,7 @@ class Strip:
     cut_slope: FloatArray
 
     @classmethod
-    def of(cls, overhang: FloatArray, squared: FloatArray) -> Strip:
+    def of(cls, overhang: FloatArray, squared: FloatArray) -> PressedStrip:
         """Strips cut by an edge, or whole where the overhang is NaN.
 
         Parameters

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
 from .material import Material
-from .pressed_strip import Strip
+from .pressed_strip import PressedStrip
 
 FloatArray = NDArray[np.float64]
 
@@ -53,9 +53,9 @@ class _Bodies:
     flexibility: float
     correction: float
 
-    def strip(self, line_load: FloatArray) -> Strip:
+    def strip(self, line_load: FloatArray) -> PressedStrip:
         """The pressed strip."""
-        return Strip.of(self.overhang, self.width_squared * line_load)
+        return PressedStrip.of(self.overhang, self.width_squared * line_load)
 
     def secant(self, line_load: FloatArray) -> FloatArray:
         """Deflection per line load [mm/(N/mm)]."""

@@ -119,19 +119,19 @@ class AcrossLine:
         return np.where(self.stiffness > 0.0, self.lever_arm * self.stiffness * self.slope**2, 0.0)
 
 
-def across_line(fields: FlankFields, points: Array) -> AcrossLine:
+def across_line(splines: FlankFields, points: Array) -> AcrossLine:
     """Gap and roll angle across the contact curves through points (2, ...) of the gear flank.
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``curves.contact_fields``.
     points
         Lengthwise and profile fractions (2, ...).
     """
-    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], points)
-    first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
-    second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
+    value = splines.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], points)
+    first = [splines.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
+    second = [splines.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
 
     # Unit length across the curve on the flank, as a direction (lengthwise, profile).
     metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
@@ -193,7 +193,7 @@ class ClosestApproach:
     expanded: NDArray[np.bool_]
 
 
-def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
+def closest_approach(splines: FlankFields, points: Array) -> ClosestApproach:
     """Gap, position and curvature of the closest approach next to points of a contact curve.
 
     By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
@@ -202,22 +202,22 @@ def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``curves.contact_fields``.
     points
         Points of contact curves (2, ...).
     """
-    step = one_step(fields, points)
+    step = one_step(splines, points)
     if np.all(step.expanded):
         return step
     lost = ~step.expanded
     gap, shift, curvature = step.separation_angle.copy(), step.shift.copy(), step.curvature.copy()
-    gap[lost], shift[:, lost] = _searched(fields, points[:, lost])
-    curvature[lost] = across_line(fields, points[:, lost] + shift[:, lost]).curvature
+    gap[lost], shift[:, lost] = _searched(splines, points[:, lost])
+    curvature[lost] = across_line(splines, points[:, lost] + shift[:, lost]).curvature
     return ClosestApproach(gap, shift, step.lever_arm, curvature, step.expanded)
 
 
-def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
+def one_step(splines: FlankFields, points: Array) -> ClosestApproach:
     """Closest approach by one step of the gap's expansion, valid or not.
 
     Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
@@ -229,36 +229,36 @@ def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``curves.contact_fields``.
     points
         Points of contact curves (2, ...).
     """
-    here = across_line(fields, points)
+    here = across_line(splines, points)
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
     opens = here.stiffness > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(opens, -here.ease_off_slope / here.stiffness, 0.0)
     wanted = points + here.direction * step / here.slope
     closest = np.clip(wanted, 0.0, 1.0)
-    gap, holds = _gap_at(fields, closest, here.roll_angle)
+    gap, holds = _gap_at(splines, closest, here.roll_angle)
     promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
     near = np.max(np.abs(closest - points), axis=0) <= FARTHEST
     kept = here.ease_off_angle - gap > GAIN_RATIO_LIMIT * promised - GAIN_TOLERANCE
     return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
 
 
-def _gap_at(fields: FlankFields, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _gap_at(splines: FlankFields, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Gap (...) [rad] at points (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
-    there = fields.evaluate(["roll_angle", "ease_off_angle", *SEPARATION_FIELDS], points)
+    there = splines.evaluate(["roll_angle", "ease_off_angle", *SEPARATION_FIELDS], points)
     curvature, skew = curvature_and_skew(*(there[name] for name in SEPARATION_FIELDS))
     left = rotation - there["roll_angle"]
     return gap_beside(there["ease_off_angle"], curvature, skew, left), still_opens(curvature, skew, left)
 
 
-def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
+def _searched(splines: FlankFields, points: Array) -> tuple[Array, Array]:
     """Least gap (n) [rad] on straight lines across the curve through points (2, n), and the shifts there (2, n)."""
-    here = across_line(fields, points)
+    here = across_line(splines, points)
     unit = here.direction / np.max(np.abs(here.direction), axis=0)
     columns = np.arange(points.shape[1])
     best, reach = np.zeros(columns.size), FARTHEST
@@ -266,8 +266,8 @@ def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
         # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
         way = best + reach * np.linspace(-1.0, 1.0, SAMPLES_PER_ROUND)[:, None]
         tried = points[:, None] + unit[:, None] * way
-        gap, holds = _gap_at(fields, np.clip(tried, 0.0, 1.0), here.roll_angle)
-        usable = holds & np.all((tried >= 0.0) & (tried <= 1.0), axis=0) & ~fields.in_hole(np.clip(tried, 0.0, 1.0))
+        gap, holds = _gap_at(splines, np.clip(tried, 0.0, 1.0), here.roll_angle)
+        usable = holds & np.all((tried >= 0.0) & (tried <= 1.0), axis=0) & ~splines.in_hole(np.clip(tried, 0.0, 1.0))
         usable |= way == 0.0
         least = np.argmin(np.where(usable, gap, np.inf), axis=0)
         best, reach = way[least, columns], 2.0 * reach / (SAMPLES_PER_ROUND - 1)

@@ -86,20 +86,20 @@ class ContactLines:
     length: Array
 
 
-def boundary_distance(fields: FlankFields, points: Array) -> Array:
+def boundary_distance(splines: FlankFields, points: Array) -> Array:
     """Distance from the boundary of the common flank (...): positive inside, negative outside."""
-    values = fields.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
+    values = splines.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
     t, h = values["pinion_lengthwise"], values["pinion_profile"]
     inside = np.minimum(np.minimum(t, 1.0 - t), np.minimum(h, 1.0 - h))
     inside = np.minimum(inside, values["blade_distance"])
-    return np.where(fields.in_hole(points), -1.0, inside)
+    return np.where(splines.in_hole(points), -1.0, inside)
 
 
-def _onto_level(fields: FlankFields, points: Array, level: Array, steps: int = 3) -> Array:
+def _onto_level(splines: FlankFields, points: Array, level: Array, steps: int = 3) -> Array:
     """Move points (2, ...) along the gradient of the roll angle onto their level (...)."""
     for _ in range(steps):
-        value = fields("roll_angle", points)
-        slope = np.stack([fields("roll_angle", points, (1, 0)), fields("roll_angle", points, (0, 1))])
+        value = splines("roll_angle", points)
+        slope = np.stack([splines("roll_angle", points, (1, 0)), splines("roll_angle", points, (0, 1))])
         step = (level - value) * slope / np.sum(slope**2, axis=0)
         points = np.clip(points + step, 0.0, 1.0)
     return points
@@ -111,13 +111,13 @@ def _resample(points: Array, measure: Array, count: int) -> Array:
     return np.stack([np.interp(target, measure, points[0]), np.interp(target, measure, points[1])])
 
 
-def arc_length(fields: FlankFields, points: Array) -> Array:
+def arc_length(splines: FlankFields, points: Array) -> Array:
     """Length (m, k) [mm] along curves (2, m, k) on the gear flank, from their first point.
 
     Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order. Where
     points nearly coincide, as a short curve's do in a corner of the flank, there is no bend to speak of: chords alone.
     """
-    position = fields("position", points)
+    position = splines("position", points)
     chord = np.linalg.norm(np.diff(position, axis=-1), axis=0)
     second = np.zeros_like(position)
     second[..., 1:-1] = position[..., 2:] - 2.0 * position[..., 1:-1] + position[..., :-2]
@@ -129,12 +129,12 @@ def arc_length(fields: FlankFields, points: Array) -> Array:
     return np.concatenate([np.zeros((*chord.shape[:-1], 1)), np.cumsum(step, axis=-1)], axis=-1)
 
 
-def trace(fields: FlankFields, levels: Array) -> ContactLines:
+def trace(splines: FlankFields, levels: Array) -> ContactLines:
     """Trace and clip the contact curves at the given roll angles.
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``contact_fields``.
     levels
         Roll angles (k) [rad].
@@ -146,7 +146,7 @@ def trace(fields: FlankFields, levels: Array) -> ContactLines:
     """
     coarse_t, coarse_h = np.linspace(0, 1, 41), np.linspace(0, 1, 25)
     grid = np.stack(np.meshgrid(coarse_t, coarse_h, indexing="ij"))
-    generator = contourpy.contour_generator(coarse_t, coarse_h, fields("roll_angle", grid).T)
+    generator = contourpy.contour_generator(coarse_t, coarse_h, splines("roll_angle", grid).T)
     index, raw = [], []
     for i, level in enumerate(levels):
         for piece in generator.lines(float(level)):
@@ -158,13 +158,13 @@ def trace(fields: FlankFields, levels: Array) -> ContactLines:
                 raw.append(_resample(polyline, measure, POINTS_PER_LINE))
     if not raw:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
-    return _clip(fields, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
+    return _clip(splines, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
 
 
-def _clip(fields: FlankFields, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
+def _clip(splines: FlankFields, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
-    points = _onto_level(fields, points, levels[index][:, None])
-    distance = boundary_distance(fields, points)
+    points = _onto_level(splines, points, levels[index][:, None])
+    distance = boundary_distance(splines, points)
     kept_index, starts, ends = [], [], []
     for row, inside in enumerate(distance > 0.0):
         edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
@@ -175,13 +175,13 @@ def _clip(fields: FlankFields, levels: Array, index: NDArray[np.int64], points: 
     if not kept_index:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
     rows = np.array(kept_index)
-    parameter = np.stack([_crossing(fields, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
+    parameter = np.stack([_crossing(splines, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
     # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
-    pieces = _onto_level(fields, _between(points, rows, along), levels[index[rows]][:, None])
-    length = arc_length(fields, pieces)
+    pieces = _onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
+    length = arc_length(splines, pieces)
     even = np.stack([_resample(pieces[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)], axis=1)
-    even = _onto_level(fields, even, levels[index[rows]][:, None], steps=2)
+    even = _onto_level(splines, even, levels[index[rows]][:, None], steps=2)
     long_enough = length[:, -1] > LENGTH_RATIO_LIMIT * float(np.max(length))
     return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough, -1])
 
@@ -194,15 +194,15 @@ def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
 
 
 def _crossing(
-    fields: FlankFields, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
+    splines: FlankFields, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
 ) -> Array:
     """Fractional index (m) where each curve crosses the boundary between an inside and an outside point."""
     inside, outside = pairs[:, 0].astype(float), pairs[:, 1].astype(float)
     cut = inside != outside
 
     def distance(parameter: Array) -> Array:
-        here = _onto_level(fields, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
-        return boundary_distance(fields, here)[:, 0]
+        here = _onto_level(splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
+        return boundary_distance(splines, here)[:, 0]
 
     if np.any(cut):
         a, b = inside[cut], outside[cut]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .closest_approach import AcrossLine, across_line
 from .flank_splines import FlankFields
 from .mesh_lines import MeshLines
-from .opposite_points import Opposite, conjugate_points, points_below, solved
+from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
 Array = NDArray[Any]
 
@@ -74,12 +74,12 @@ class MeshEdges:
     pair: NDArray[np.int64]
 
 
-def edges_in_mesh(fields: FlankFields, mesh: MeshLines, widest: Array) -> MeshEdges:
+def edges_in_mesh(splines: FlankFields, mesh: MeshLines, widest: Array) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``loaded.loaded_fields``.
     mesh
         Contact lines from ``lines_in_mesh``; a tooth pair before the first and one after the last is looked at
@@ -89,24 +89,24 @@ def edges_in_mesh(fields: FlankFields, mesh: MeshLines, widest: Array) -> MeshEd
     """
     pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
     levels = mesh.rotations[:, None] - pairs * mesh.pinion_pitch
-    elements = edge_elements(fields, levels.ravel(), np.repeat(widest, pairs.size))
+    elements = edge_elements(splines, levels.ravel(), np.repeat(widest, pairs.size))
     return MeshEdges(elements, elements.level // pairs.size, pairs[elements.level % pairs.size])
 
 
-def edge_elements(fields: FlankFields, rotations: Array, widest: Array) -> EdgeElements:
+def edge_elements(splines: FlankFields, rotations: Array, widest: Array) -> EdgeElements:
     """Pieces of the edges of one tooth pair that may touch.
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``loaded.loaded_fields``.
     rotations
         Pinion rotations (q) [rad], counted as the roll angle.
     widest
         Gap (q) above which nothing touches, as a gear rotation [rad].
     """
-    edges = [_Edge.of(fields, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True)]
-    parts = [_touching(fields, edge, rotations, widest) for edge in edges]
+    edges = [_Edge.of(splines, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True)]
+    parts = [_touching(splines, edge, rotations, widest) for edge in edges]
     return EdgeElements(
         *(np.concatenate([getattr(p, field.name) for p in parts], axis=-1) for field in dataclass_fields(EdgeElements))
     )
@@ -144,21 +144,21 @@ class _Edge:
     nodes: Array
     points: Array
     here: AcrossLine
-    opposite: Opposite
+    opposite: OppositePoints
     moving: Array
     nearing: Array
     leaving: Array
     blade_distance: Array
 
     @classmethod
-    def of(cls, fields: FlankFields, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
+    def of(cls, splines: FlankFields, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
         """Nodes of the edge on which one fraction has the given value."""
         along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
         nodes = np.full((2, along.size), value)
         nodes[1 - fraction] = along
-        points = conjugate_points(fields, nodes) if of_pinion else nodes
-        here = across_line(fields, points)
-        opposite = Opposite.of(fields, points)
+        points = conjugate_points(splines, nodes) if of_pinion else nodes
+        here = across_line(splines, points)
+        opposite = OppositePoints.of(splines, points)
         passing = opposite.slopes - opposite.rate[:, None] * here.gradient[None]
         moving = -solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
         leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
@@ -173,11 +173,11 @@ class _Edge:
             moving,
             1.0 - np.sum(moving * here.gradient, axis=0),
             leaving,
-            fields("blade_distance", np.clip(points, 0.0, 1.0)),
+            splines("blade_distance", np.clip(points, 0.0, 1.0)),
         )
 
 
-def _touching(fields: FlankFields, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
+def _touching(splines: FlankFields, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
     """Elements of one edge at all rotations."""
     row, element, low, high = _candidates(edge, rotations, widest)
     middle = 0.5 * (low + high)
@@ -189,15 +189,15 @@ def _touching(fields: FlankFields, edge: _Edge, rotations: Array, widest: Array)
     first, last = (edge.points[:, element + i] + edge.moving[:, element + i] * away[i] for i in (0, 1))
     points = first + middle * (last - first)
     if edge.of_pinion:
-        points = points_below(fields, between(edge.nodes), points, rotations[row])
+        points = points_below(splines, between(edge.nodes), points, rotations[row])
     points = np.clip(points, 0.0, 1.0)
-    here = across_line(fields, points)
+    here = across_line(splines, points)
     left = rotations[row] - here.roll_angle
     gap, curvature = here.gap(left), here.curvature
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
     length = (high - low) * here.length_along(last - first)
-    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~fields.in_hole(points)
+    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~splines.in_hole(points)
     found = EdgeElements(row, points, gap, here.lever_arm, length, curvature, overhang)
     return EdgeElements(*(getattr(found, field.name)[..., kept] for field in dataclass_fields(EdgeElements)))
 

@@ -26,7 +26,7 @@ PASSING = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name
 
 
 @dataclass(frozen=True)
-class Opposite:
+class OppositePoints:
     """Fractions on the pinion flank opposite points (n) of the gear.
 
     Parameters
@@ -45,10 +45,10 @@ class Opposite:
     acceleration: Array
 
     @classmethod
-    def of(cls, fields: FlankFields, points: Array) -> Opposite:
+    def of(cls, splines: FlankFields, points: Array) -> OppositePoints:
         """Opposite points (2, n)."""
-        value = np.stack(list(fields.evaluate([*PINION_FRACTIONS, *PASSING], points).values()))
-        by_fraction = [fields.evaluate(list(PINION_FRACTIONS), points, d) for d in ((1, 0), (0, 1))]
+        value = np.stack(list(splines.evaluate([*PINION_FRACTIONS, *PASSING], points).values()))
+        by_fraction = [splines.evaluate(list(PINION_FRACTIONS), points, d) for d in ((1, 0), (0, 1))]
         slopes = np.stack([[slope[name] for slope in by_fraction] for name in PINION_FRACTIONS])
         return cls(value[:2], slopes, value[2:4], value[4:])
 
@@ -60,25 +60,25 @@ class Opposite:
         return np.asarray(first + rate * left + 0.5 * second * left**2)
 
 
-def conjugate_points(fields: FlankFields, nodes: Array) -> Array:
+def conjugate_points(splines: FlankFields, nodes: Array) -> Array:
     """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none."""
     lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
-    there = Opposite.of(fields, lattice).fractions
+    there = OppositePoints.of(splines, lattice).fractions
     near = np.argmin(np.sum((there[:, :, None] - nodes[:, None, :]) ** 2, axis=0), axis=0)
     points = lattice[:, near]
     for _ in range(SEARCH_ITERATIONS):
-        opposite = Opposite.of(fields, points)
+        opposite = OppositePoints.of(splines, points)
         points = _near_flank(points + solved(opposite.slopes, nodes - opposite.fractions))
-    found = np.max(np.abs(nodes - Opposite.of(fields, points).fractions), axis=0) < POSITION_TOLERANCE
+    found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
     return np.where(found, points, np.nan)
 
 
-def points_below(fields: FlankFields, wanted: Array, points: Array, rotations: Array) -> Array:
+def points_below(splines: FlankFields, wanted: Array, points: Array, rotations: Array) -> Array:
     """Points (2, n) on the gear opposite pinion points (2, n) at pinion rotations (n), from points near them."""
     for _ in range(CORRECTION_ITERATIONS):
-        opposite = Opposite.of(fields, points)
-        gradient = np.stack([fields("roll_angle", points, d) for d in ((1, 0), (0, 1))])
-        left = rotations - fields("roll_angle", points)
+        opposite = OppositePoints.of(splines, points)
+        gradient = np.stack([splines("roll_angle", points, d) for d in ((1, 0), (0, 1))])
+        left = rotations - splines("roll_angle", points)
         passing = opposite.rate + opposite.acceleration * left
         slopes = opposite.slopes - passing[:, None] * gradient[None]
         points = _near_flank(points + solved(slopes, wanted - opposite.after(left)))
