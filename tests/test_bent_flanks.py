@@ -48,7 +48,7 @@ def flanks(depth: float) -> FlanksInMesh:
 @cache
 def points(depth: float) -> Array:
     here = flanks(depth)
-    return gauss_points(lines_in_mesh(here.fields, here.pair.assembly.pinion_pitch, 8).lines, 15)[0].reshape(2, -1)
+    return gauss_points(lines_in_mesh(here.splines, here.pair.assembly.pinion_pitch, 8).lines, 15)[0].reshape(2, -1)
 
 
 @cache
@@ -59,9 +59,9 @@ def found(depth: float) -> ClosestApproach:
 def least_gap(depth: float, chosen: Array) -> Array:
     """Least gap [rad] between the surfaces across the contact curve through points (2, n), by rays along the normal."""
     here = flanks(depth)
-    rotation = here.fields("roll_angle", chosen)
-    slope = np.stack([here.fields("roll_angle", chosen, d) for d in ((1, 0), (0, 1))])
-    position = [here.fields("position", chosen, d) for d in ((1, 0), (0, 1))]
+    rotation = here.splines("roll_angle", chosen)
+    slope = np.stack([here.splines("roll_angle", chosen, d) for d in ((1, 0), (0, 1))])
+    position = [here.splines("position", chosen, d) for d in ((1, 0), (0, 1))]
     e, f, g = (np.sum(position[i] * position[j], axis=0) for i, j in ((0, 0), (0, 1), (1, 1)))
     across = np.stack([g * slope[0] - f * slope[1], e * slope[1] - f * slope[0]])
     across /= np.max(np.abs(across), axis=0)
@@ -72,7 +72,7 @@ def least_gap(depth: float, chosen: Array) -> Array:
         place = place[:, np.all((place >= 0.0) & (place <= 1.0), axis=0)]
         gear = here.pair.gear
         surface = solve_flank(gear.loaded, gear.section, *gear.section.points(place[0], place[1]))
-        start = here.fields("pinion_parameters", place)
+        start = here.splines("pinion_parameters", place)
         turned = rotation[n] + here.motion.center
         gap = flank_gap(here.motion, surface.position, surface.normal, turned, here.first_contact, start)
         arm = np.abs(surface.position[0] * surface.normal[1] - surface.position[1] * surface.normal[0])
@@ -110,9 +110,9 @@ def test_elsewhere_the_step_is_kept_to_the_last_digit() -> None:
         kept = found(9.0).expanded
         np.testing.assert_array_equal(whole[..., kept], step[..., kept])
     designed = flanks_in_mesh(prepared_pair(small_case(), "drive", None))
-    mesh = lines_in_mesh(designed.fields, designed.pair.assembly.pinion_pitch, 8)
-    assert np.all(closest_approach(designed.fields, mesh.lines.points).expanded)
-    assert lost_contact(designed.fields, mesh) == 0.0
+    mesh = lines_in_mesh(designed.splines, designed.pair.assembly.pinion_pitch, 8)
+    assert np.all(closest_approach(designed.splines, mesh.lines.points).expanded)
+    assert lost_contact(designed.splines, mesh) == 0.0
 
 
 def test_the_loaded_contact_stays_as_it_is_next_to_such_a_place() -> None:

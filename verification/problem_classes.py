@@ -20,7 +20,14 @@ LOCAL_COMPLIANCE = 3e-6
 
 
 def problems(name: str, count: int, seed: int = 0) -> Iterator[ContactProblem]:
-    """Yield ``count`` problems of a class, the same for the same seed."""
+    """Yield ``count`` problems of a class, the same for the same seed.
+
+    Examples
+    --------
+    >>> from easeoff.contact import solve
+    >>> [solve(problem).certified for problem in problems("lattice", 3)]
+    [True, True, True]
+    """
     generator = np.random.default_rng([seed, list(PROBLEM_CLASSES).index(name)])
     for _ in range(count):
         yield PROBLEM_CLASSES[name](generator)

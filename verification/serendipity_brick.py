@@ -14,7 +14,14 @@ Array = NDArray[Any]
 
 
 def serendipity_functions(points: Array) -> tuple[Array, Array]:
-    """Shape functions and gradients as ``bricks.shape_functions``, zero for the seven nodes that the brick lacks."""
+    """Shape functions and gradients as ``bricks.shape_functions``, zero for the seven nodes that the brick lacks.
+
+    Examples
+    --------
+    >>> values, _ = serendipity_functions(np.zeros((1, 3)))
+    >>> float(values.sum()), int(np.count_nonzero(values))
+    (1.0, 20)
+    """
     values, gradients = shape_functions(points)
     fewer = _serendipity()
     return values @ fewer, np.einsum("nak,ab->nbk", gradients, fewer)

@@ -45,6 +45,13 @@ def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
     ------
     InputError
         If the heights fan out.
+
+    Examples
+    --------
+    >>> from easeoff.contact.compliance import Material, Shell, ToothDimensions
+    >>> tooth = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
+    >>> Shell(tooth, Material(206000.0, 0.3), (5, 3), assumption=thesis_kinematics).size
+    45
     """
     if fanning:
         raise InputError(f"fanning = {fanning!r}: must be 0, the dissertation's shell has parallel heights only")
@@ -77,6 +84,11 @@ def monomials(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray
     """Values and derivatives of plain powers; parameters and result as ``trial_polynomials.legendre``.
 
     They span the space of the Legendre polynomials, and lose all digits beyond about (5, 5) modes.
+
+    Examples
+    --------
+    >>> monomials(np.array([0.5]), 3)[0]
+    array([[1.  , 0.5 , 0.25]])
     """
     values = np.zeros((order + 1, *relative.shape, count))
     for derivative in range(order + 1):
