@@ -14,7 +14,7 @@ from scipy.sparse import csc_array
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact.compliance import Shell
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     flank_loads,
@@ -22,7 +22,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.elastic_members import solid_shell_size, usual_size
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_size, usual_size
 from easeoff.contact.compliance.finite_elements.solid_shell import SolidShell, solid_shell
 from easeoff.geometry import GearPair
 from easeoff.geometry.flanks.flank import solve_flank

@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 from tabulate import tabulate
 
-from easeoff.contact.compliance.elastic_pair import ElasticModel, shells
+from easeoff.contact.compliance.elastic_model import ElasticModel, shells
 from easeoff.contact.compliance import ElasticFoundation
-from easeoff.contact.compliance.finite_elements.elastic_members import usual_size
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import usual_size
 from easeoff.contact.compliance.shell_kinematics import five_field
 from easeoff.core.files import whole_file
 from easeoff.geometry import pair_geometry

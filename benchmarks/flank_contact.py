@@ -20,7 +20,7 @@ import numpy as np
 from tabulate import tabulate
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.bricks import quadratic
 from easeoff.verification.flank_response import flank_response

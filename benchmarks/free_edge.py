@@ -10,7 +10,7 @@ import numpy as np
 from finite_element_teeth import FORCE, MEMBERS, PATCH, Array, pair_of, shell_of, solid_tooth, tooth
 from tabulate import tabulate
 
-from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel, shells
+from easeoff.contact.compliance.elastic_model import STEEL, ElasticModel, shells
 from easeoff.contact.compliance import ElasticFoundation, Shell, ToothDimensions
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import flank_shares

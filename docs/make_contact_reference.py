@@ -42,9 +42,9 @@ from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
+from easeoff.verification.flank_contact import FlankContact, contact_of_flanks
 from easeoff.verification.flank_response import FlankResponse, flank_response
 from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
-from easeoff.verification.whole_contact import FlankContact, contact_of_flanks
 
 IMAGE = Path(__file__).parent / "images" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions

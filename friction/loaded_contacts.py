@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..core.errors import InputError
 from ..geometry.vectors import dot
 from .line_radius import radii_along_line
-from .surface_velocities import SurfaceVelocities, action_fields, axes_of, surface_velocities
+from .surface_velocities import SurfaceVelocities, action_splines, axes_of, surface_velocities
 
 Array = NDArray[Any]
 RadiusDirection = Literal["across", "along"]
@@ -130,7 +130,7 @@ def potential_segments(tree: xr.DataTree, radius_direction: RadiusDirection = "a
     places = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
     exists = np.isfinite(places[0])
     points = places[:, exists]
-    velocities = surface_velocities(axes_of(ease_off), action_fields(ease_off), points)
+    velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), points)
     return PotentialSegments(
         exists, velocities, radii_along_line(tree, points) if radius_direction == "along" else None
     )

@@ -21,7 +21,7 @@ from easeoff.contact.modification.convex_programme import (
     solve_programme,
 )
 from easeoff.contact.modification.load_response import slopes
-from easeoff.contact.modification.modification_search import Search, optimal_modification, search
+from easeoff.contact.modification.modification_search import ModificationSearch, optimal_modification, search
 from easeoff.core.errors import InputError
 
 
@@ -31,7 +31,7 @@ def free_bed(seed: int, *, winkler: bool, torques: tuple[float, ...] = (4e5,)) -
     return replace(bed, basis=1e-3 * np.eye(bed.length.size)[None])
 
 
-def improved(bed: Bed, goal: Goal, **options: Any) -> Search:
+def improved(bed: Bed, goal: Goal, **options: Any) -> ModificationSearch:
     none = np.zeros(bed.basis.shape[2])
     return optimal_modification(bed.solved, bed.solved(none), bed.held(none), goal, **options)
 

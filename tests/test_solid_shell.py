@@ -15,9 +15,9 @@ from easeoff.cases import Case, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
 from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.cases.writing import case_toml
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements import array_store as store
-from easeoff.contact.compliance.finite_elements import elastic_members as members
+from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.bricks import stiffness
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.geometry.tooth.lattice_spacing import with_middles
 from easeoff.verification.flank_response import FlankResponse, cubic_shares
 from easeoff.verification.surface_cells import SurfaceCells

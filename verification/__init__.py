@@ -20,6 +20,7 @@ tooth surface                     ``tooth``: both sides and the thickness as a d
 
 from .conventional_analysis import BothMethods, both_methods, line_differences, point_differences
 from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
+from .flank_contact import FlankContact, contact_of_flanks
 from .flank_gap import FlankGap, flank_gap
 from .flank_response import FlankResponse, flank_response
 from .measured_distance import distance_along_normals
@@ -32,7 +33,6 @@ from .surface_cells import FlanksInMesh, flanks_in_mesh
 from .surface_contact import half_space_compliance
 from .thesis_shell import monomials, thesis_kinematics
 from .tooth_dataset import tooth
-from .whole_contact import FlankContact, contact_of_flanks
 
 __all__ = [
     "PROBLEM_CLASSES",

@@ -16,8 +16,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.lines.closest_approach import closest_approach
-from ..contact.lines.contact_lines import contact_fields
-from ..contact.lines.flank_splines import FlankFields
+from ..contact.lines.contact_lines import contact_splines
+from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
 from ..geometry.flanks.flank import seed_lattice
@@ -54,7 +54,7 @@ class BothMethods:
     """
 
     motion: ConjugateMotion
-    splines: FlankFields
+    splines: FlankSplines
     mesh: MeshLines
     contact: PointContact
     relative: RelativeCurvature
@@ -86,7 +86,7 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     geometry = pair_geometry(pair, nodes)
     gear = pair.gear.flank(*grid(nodes))
     surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    splines = contact_fields(geometry.flanks, geometry.ease_off)
+    splines = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)
     rotation = (mesh.rotations[None, :] - pairs[:, None] * pair.assembly.pinion_pitch).ravel()

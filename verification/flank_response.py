@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..contact.compliance.finite_elements.array_store import kept, key_of
-from ..contact.compliance.finite_elements.elastic_members import unfilled
+from ..contact.compliance.finite_elements.finite_element_tooth import unfilled
 from ..contact.compliance.material import Material
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import GearPair

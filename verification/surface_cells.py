@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.lines.closest_approach import closest_approach
-from ..contact.lines.contact_lines import arc_length, contact_fields
-from ..contact.lines.flank_splines import FlankFields
+from ..contact.lines.contact_lines import arc_length, contact_splines
+from ..contact.lines.flank_splines import FlankSplines
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.datasets import ease_off_dataset, flanks_dataset
@@ -37,19 +37,27 @@ class FlanksInMesh:
     motion
         Axes, senses and the pinion flank.
     splines
-        Splines of ``curves.contact_fields``, and of the ``pinion_parameters`` of conjugate points.
+        Splines of ``contact_splines``, and of the ``pinion_parameters`` of conjugate points.
     first_contact
         Closing angle at which the transmission error counts zero [rad].
     """
 
     pair: GearPair
     motion: ConjugateMotion
-    splines: FlankFields
+    splines: FlankSplines
     first_contact: float
 
 
 def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
-    """Flanks of a pair with the splines of its ease-off; raises as ``geometry.pair_geometry``."""
+    """Flanks of a pair with the splines of its ease-off; raises as ``geometry.pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> flanks = flanks_in_mesh(gear_pair(read_case("fm-11x41")), (13, 9))
+    >>> flanks.splines("lever_arm", np.array([[0.5], [0.5]])).round(1)
+    array([72.9])
+    """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
     surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
@@ -57,7 +65,7 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
     flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
     parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)
     usable = np.isfinite(surface.angle).reshape(t.size, h.size, 1)
-    splines = contact_fields(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
+    splines = contact_splines(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
     return FlanksInMesh(pair, surface.motion, splines, float(ease_off.attrs["first_contact_rad"]))
 
 
@@ -176,7 +184,7 @@ def cells_on_line(
     )
 
 
-def _stations(splines: FlankFields, points: Array, step: float, reach: float) -> tuple[Array, Array]:
+def _stations(splines: FlankSplines, points: Array, step: float, reach: float) -> tuple[Array, Array]:
     """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
     closest = np.clip(points + closest_approach(splines, points).shift, 0.0, 1.0)
     length = arc_length(splines, closest[:, None])[0]

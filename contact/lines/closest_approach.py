@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_lines import curvature_and_skew
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
 SEPARATION_FIELDS = ("separation_bend", "separation_bend_slope")  # give separation curvature and skew
-FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
+SEARCH_RADIUS_LIMIT = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
 CURVATURE_SHARE_LIMIT = 0.2  # least share of its curvature that a gap must keep for its expansion to be used
 GAIN_RATIO_LIMIT = 0.5  # least ratio of what a step closes of the gap to what it promises; designed pairs: 0.99 to 1.03
 GAIN_TOLERANCE = 1e-6  # [rad]; a smaller shortfall is ignored, as where a step ends at the border of the flank
@@ -119,13 +119,13 @@ class AcrossLine:
         return np.where(self.stiffness > 0.0, self.lever_arm * self.stiffness * self.slope**2, 0.0)
 
 
-def across_line(splines: FlankFields, points: Array) -> AcrossLine:
+def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
     """Gap and roll angle across the contact curves through points (2, ...) of the gear flank.
 
     Parameters
     ----------
     splines
-        Splines from ``curves.contact_fields``.
+        Splines from ``contact_splines``.
     points
         Lengthwise and profile fractions (2, ...).
     """
@@ -193,17 +193,17 @@ class ClosestApproach:
     expanded: NDArray[np.bool_]
 
 
-def closest_approach(splines: FlankFields, points: Array) -> ClosestApproach:
+def closest_approach(splines: FlankSplines, points: Array) -> ClosestApproach:
     """Gap, position and curvature of the closest approach next to points of a contact curve.
 
     By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
-    way, the least gap across the curve is searched for, at most ``FARTHEST`` away on the flank; the curvature is that
-    of the point found.
+    way, the least gap across the curve is searched for within ``SEARCH_RADIUS_LIMIT``; the curvature is that of the
+    point found.
 
     Parameters
     ----------
     splines
-        Splines from ``curves.contact_fields``.
+        Splines from ``contact_splines``.
     points
         Points of contact curves (2, ...).
     """
@@ -217,7 +217,7 @@ def closest_approach(splines: FlankFields, points: Array) -> ClosestApproach:
     return ClosestApproach(gap, shift, step.lever_arm, curvature, step.expanded)
 
 
-def one_step(splines: FlankFields, points: Array) -> ClosestApproach:
+def one_step(splines: FlankSplines, points: Array) -> ClosestApproach:
     """Closest approach by one step of the gap's expansion, valid or not.
 
     Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
@@ -230,7 +230,7 @@ def one_step(splines: FlankFields, points: Array) -> ClosestApproach:
     Parameters
     ----------
     splines
-        Splines from ``curves.contact_fields``.
+        Splines from ``contact_splines``.
     points
         Points of contact curves (2, ...).
     """
@@ -243,12 +243,12 @@ def one_step(splines: FlankFields, points: Array) -> ClosestApproach:
     closest = np.clip(wanted, 0.0, 1.0)
     gap, holds = _gap_at(splines, closest, here.roll_angle)
     promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
-    near = np.max(np.abs(closest - points), axis=0) <= FARTHEST
+    near = np.max(np.abs(closest - points), axis=0) <= SEARCH_RADIUS_LIMIT
     kept = here.ease_off_angle - gap > GAIN_RATIO_LIMIT * promised - GAIN_TOLERANCE
     return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
 
 
-def _gap_at(splines: FlankFields, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _gap_at(splines: FlankSplines, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Gap (...) [rad] at points (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
     there = splines.evaluate(["roll_angle", "ease_off_angle", *SEPARATION_FIELDS], points)
     curvature, skew = curvature_and_skew(*(there[name] for name in SEPARATION_FIELDS))
@@ -256,12 +256,12 @@ def _gap_at(splines: FlankFields, points: Array, rotation: Array) -> tuple[Array
     return gap_beside(there["ease_off_angle"], curvature, skew, left), still_opens(curvature, skew, left)
 
 
-def _searched(splines: FlankFields, points: Array) -> tuple[Array, Array]:
+def _searched(splines: FlankSplines, points: Array) -> tuple[Array, Array]:
     """Least gap (n) [rad] on straight lines across the curve through points (2, n), and the shifts there (2, n)."""
     here = across_line(splines, points)
     unit = here.direction / np.max(np.abs(here.direction), axis=0)
     columns = np.arange(points.shape[1])
-    best, reach = np.zeros(columns.size), FARTHEST
+    best, reach = np.zeros(columns.size), SEARCH_RADIUS_LIMIT
     for _ in range(SEARCH_ROUNDS):
         # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
         way = best + reach * np.linspace(-1.0, 1.0, SAMPLES_PER_ROUND)[:, None]

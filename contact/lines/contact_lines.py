@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from .flank_splines import FlankFields, fit
+from .flank_splines import FlankSplines, fit
 
 Array = NDArray[Any]
 
@@ -27,7 +27,7 @@ SEPARATION_CURVATURE_SCALE = 0.1  # [1/rad], of ordinary pairs; matters for the 
 CROSSING_ITERATIONS = 24  # false position on the boundary; eight are usual
 
 
-def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankFields:
+def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankSplines:
     """Splines of the fields on the gear flank that the contact needs.
 
     Parameters
@@ -86,7 +86,7 @@ class ContactLines:
     length: Array
 
 
-def boundary_distance(splines: FlankFields, points: Array) -> Array:
+def boundary_distance(splines: FlankSplines, points: Array) -> Array:
     """Distance from the boundary of the common flank (...): positive inside, negative outside."""
     values = splines.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
     t, h = values["pinion_lengthwise"], values["pinion_profile"]
@@ -95,7 +95,7 @@ def boundary_distance(splines: FlankFields, points: Array) -> Array:
     return np.where(splines.in_hole(points), -1.0, inside)
 
 
-def _onto_level(splines: FlankFields, points: Array, level: Array, steps: int = 3) -> Array:
+def _onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 3) -> Array:
     """Move points (2, ...) along the gradient of the roll angle onto their level (...)."""
     for _ in range(steps):
         value = splines("roll_angle", points)
@@ -111,7 +111,7 @@ def _resample(points: Array, measure: Array, count: int) -> Array:
     return np.stack([np.interp(target, measure, points[0]), np.interp(target, measure, points[1])])
 
 
-def arc_length(splines: FlankFields, points: Array) -> Array:
+def arc_length(splines: FlankSplines, points: Array) -> Array:
     """Length (m, k) [mm] along curves (2, m, k) on the gear flank, from their first point.
 
     Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order. Where
@@ -129,13 +129,13 @@ def arc_length(splines: FlankFields, points: Array) -> Array:
     return np.concatenate([np.zeros((*chord.shape[:-1], 1)), np.cumsum(step, axis=-1)], axis=-1)
 
 
-def trace(splines: FlankFields, levels: Array) -> ContactLines:
+def trace(splines: FlankSplines, levels: Array) -> ContactLines:
     """Trace and clip the contact curves at the given roll angles.
 
     Parameters
     ----------
     splines
-        Splines from ``contact_fields``.
+        Splines from ``contact_splines``.
     levels
         Roll angles (k) [rad].
 
@@ -161,7 +161,7 @@ def trace(splines: FlankFields, levels: Array) -> ContactLines:
     return _clip(splines, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
 
 
-def _clip(splines: FlankFields, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
+def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
     points = _onto_level(splines, points, levels[index][:, None])
     distance = boundary_distance(splines, points)
@@ -194,7 +194,7 @@ def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
 
 
 def _crossing(
-    splines: FlankFields, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
+    splines: FlankSplines, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
 ) -> Array:
     """Fractional index (m) where each curve crosses the boundary between an inside and an outside point."""
     inside, outside = pairs[:, 0].astype(float), pairs[:, 1].astype(float)

@@ -17,7 +17,7 @@ SPLINE_DEGREE = 5
 
 
 @dataclass(frozen=True)
-class FlankFields:
+class FlankSplines:
     """Splines of named fields on the unit square (lengthwise, profile).
 
     Parameters
@@ -85,7 +85,7 @@ class FlankFields:
         return np.asarray(self.holes[i, j], dtype=bool)
 
 
-def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> FlankFields:
+def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> FlankSplines:
     """Splines through fields given on a grid.
 
     Parameters
@@ -98,7 +98,7 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
 
     Returns
     -------
-    FlankFields
+    FlankSplines
         The fields as splines of degree five (less on small grids).
 
     Raises
@@ -130,4 +130,4 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
         columns[name] = (slice(start, start + count), shape_of_field)
         start += count
     holes = missing[:-1, :-1] | missing[1:, :-1] | missing[:-1, 1:] | missing[1:, 1:]
-    return FlankFields(spline, columns, holes, np.asarray(lengthwise), np.asarray(profile))
+    return FlankSplines(spline, columns, holes, np.asarray(lengthwise), np.asarray(profile))

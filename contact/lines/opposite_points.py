@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
@@ -21,8 +21,8 @@ CORRECTION_ITERATIONS = 3  # of Newton's method from an estimate of second order
 SEARCH_ITERATIONS = 12
 POSITION_TOLERANCE = 1e-6  # fraction of the flank
 PINION_FRACTIONS = ("pinion_lengthwise", "pinion_profile")
-#: Of the geometry's ``ease_off``, beside what ``contact_fields`` takes: how the pinion passes a point of the gear.
-PASSING = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in PINION_FRACTIONS)
+#: Of the geometry's ``ease_off``, beside what ``contact_splines`` takes: how the pinion passes a point of the gear.
+PASSING_FIELDS = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in PINION_FRACTIONS)
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ class OppositePoints:
     acceleration: Array
 
     @classmethod
-    def of(cls, splines: FlankFields, points: Array) -> OppositePoints:
+    def of(cls, splines: FlankSplines, points: Array) -> OppositePoints:
         """Opposite points (2, n)."""
-        value = np.stack(list(splines.evaluate([*PINION_FRACTIONS, *PASSING], points).values()))
+        value = np.stack(list(splines.evaluate([*PINION_FRACTIONS, *PASSING_FIELDS], points).values()))
         by_fraction = [splines.evaluate(list(PINION_FRACTIONS), points, d) for d in ((1, 0), (0, 1))]
         slopes = np.stack([[slope[name] for slope in by_fraction] for name in PINION_FRACTIONS])
         return cls(value[:2], slopes, value[2:4], value[4:])
@@ -60,7 +60,7 @@ class OppositePoints:
         return np.asarray(first + rate * left + 0.5 * second * left**2)
 
 
-def conjugate_points(splines: FlankFields, nodes: Array) -> Array:
+def conjugate_points(splines: FlankSplines, nodes: Array) -> Array:
     """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none."""
     lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
     there = OppositePoints.of(splines, lattice).fractions
@@ -73,7 +73,7 @@ def conjugate_points(splines: FlankFields, nodes: Array) -> Array:
     return np.where(found, points, np.nan)
 
 
-def points_below(splines: FlankFields, wanted: Array, points: Array, rotations: Array) -> Array:
+def points_below(splines: FlankSplines, wanted: Array, points: Array, rotations: Array) -> Array:
     """Points (2, n) on the gear opposite pinion points (2, n) at pinion rotations (n), from points near them."""
     for _ in range(CORRECTION_ITERATIONS):
         opposite = OppositePoints.of(splines, points)

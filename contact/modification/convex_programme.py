@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from .load_response import LinearLoads
+from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
 Objective = Literal["peak_load", "peak_pressure", "even_load"]
@@ -110,7 +110,7 @@ class ProgrammeAnswer:
         return bool(np.isfinite(self.step).all())
 
 
-def figures(loads: LinearLoads, objective: Objective) -> Array:
+def figures(loads: LoadResponse, objective: Objective) -> Array:
     """The objective of each mesh cycle (c), in its own units.
 
     N/mm for the load, its root over mm for the pressure, which is proportional to it, and N/mm^0.5 for the evenness.
@@ -123,14 +123,14 @@ def figures(loads: LinearLoads, objective: Objective) -> Array:
     return np.sqrt(values) if objective == "peak_pressure" else values
 
 
-def end_loads(loads: LinearLoads) -> Array:
+def end_loads(loads: LoadResponse) -> Array:
     """Greatest line load at the ends of the contact lines in each mesh cycle (c) [N/mm]; negative if all are clear."""
     values = np.full(1 + loads.cycle.max(), -np.inf)
     np.maximum.at(values, loads.cycle[loads.at_end], loads.line_load[loads.at_end])
     return values
 
 
-def peak_to_peaks(loads: LinearLoads) -> Array:
+def peak_to_peaks(loads: LoadResponse) -> Array:
     """Peak to peak of the rotation in each mesh cycle (c) [urad]."""
     return np.array([np.ptp(loads.rotation[loads.rotation_cycle == c]) for c in range(1 + loads.cycle.max())])
 
@@ -140,7 +140,7 @@ def worst_assembly(values: Array, torques: int) -> Array:
     return np.asarray(values.reshape(-1, torques).max(axis=0))
 
 
-def judged(loads: LinearLoads, goal: Goal) -> Value:
+def judged(loads: LoadResponse, goal: Goal) -> Value:
     """Value of solved loads."""
     torques = goal.reference.size
     reached = worst_assembly(figures(loads, goal.objective), torques) / goal.reference
@@ -149,7 +149,7 @@ def judged(loads: LinearLoads, goal: Goal) -> Value:
     return Value(float(reached.max()), max(float(end.max()), float(ripple.max()), 0.0))
 
 
-def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: float) -> ProgrammeAnswer:
+def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach: float) -> ProgrammeAnswer:
     """Find the best change of the coefficients while the same segments touch.
 
     Parameters
@@ -209,7 +209,7 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
     return ProgrammeAnswer(str(programme.status), reach * np.asarray(step.value, dtype=np.float64), promise)
 
 
-def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
+def _objective(cvxpy: Any, loads: LoadResponse, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
     """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
     reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
     if goal.objective == "even_load":
@@ -228,7 +228,7 @@ def _squared(goal: Goal) -> bool:
     return goal.objective == "peak_pressure"
 
 
-def _multiple(loads: LinearLoads, objective: Objective) -> Array:
+def _multiple(loads: LoadResponse, objective: Objective) -> Array:
     """Factor of the line loads in the objective (n): the squared pressure is proportional to load times curvature."""
     return loads.curvature if objective == "peak_pressure" else np.ones(loads.line_load.size)
 

@@ -84,7 +84,7 @@ def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torq
 
 
 @dataclass(frozen=True, eq=False)
-class LinearLoads:
+class LoadResponse:
     """Line loads (n) and rotations (m) of many contact problems as affine functions of p coefficients.
 
     Where there is no contact the line load is negative: minus the gap over what the segment yields. It turns positive
@@ -127,12 +127,12 @@ class LinearLoads:
         return np.maximum(self.line_load, 0.0)
 
 
-def stacked(parts: Sequence[LinearLoads]) -> LinearLoads:
+def stacked(parts: Sequence[LoadResponse]) -> LoadResponse:
     """Concatenate the loads of many contact problems."""
-    return LinearLoads(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(LinearLoads)))
+    return LoadResponse(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(LoadResponse)))
 
 
-def linear_loads(
+def load_response(
     compliance: Array,
     lever_arm: Array,
     force: Array,
@@ -145,7 +145,7 @@ def linear_loads(
     at_end: NDArray[np.bool_],
     cycle: int,
     held: bool = False,
-) -> LinearLoads:
+) -> LoadResponse:
     """One solved contact problem as affine functions of the coefficients.
 
     Parameters
@@ -159,7 +159,7 @@ def linear_loads(
     separation
         Derivatives of the separation (n, p) [mm per unit].
     length, curvature, at_end, cycle
-        See ``LinearLoads``.
+        See ``LoadResponse``.
     held
         Whether all segments are held in contact, by pulling if need be, see ``held_in_contact``.
     """
@@ -167,7 +167,7 @@ def linear_loads(
     slope = slopes(compliance, lever_arm, active, separation)
     would_be = np.where(active, force, -np.maximum(gap, 0.0) / slope.yielding)
     would_be_slope = np.where(active[:, None], slope.force, -slope.gap / slope.yielding[:, None])
-    return LinearLoads(
+    return LoadResponse(
         line_load=would_be / length,
         line_load_slope=would_be_slope / length[:, None],
         touching=active,

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .convex_programme import Goal, Value, judged, solve_programme
-from .load_response import LinearLoads
+from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class ModificationSearch:
     """Result of a search.
 
     Parameters
@@ -84,22 +84,22 @@ class Search:
     """
 
     coefficients: Array
-    loads: LinearLoads
+    loads: LoadResponse
     value: Value
     steps: tuple[Step, ...]
     converged: bool
 
 
 def search(
-    solved: Callable[[Array], LinearLoads | None],
-    start: LinearLoads,
+    solved: Callable[[Array], LoadResponse | None],
+    start: LoadResponse,
     goal: Goal,
     *,
     coefficients: Array | None = None,
     programmes: int = 40,
     reach: float = FIRST_REACH,
     progress: Callable[[], None] | None = None,
-) -> Search:
+) -> ModificationSearch:
     """Improve a modification until no convex programme promises a gain.
 
     Parameters
@@ -121,7 +121,7 @@ def search(
 
     Returns
     -------
-    Search
+    ModificationSearch
         Never of a higher merit than the start: if that keeps the limits, no torque fares worse.
     """
     first = np.zeros(goal.surface.shape[1]) if coefficients is None else coefficients
@@ -152,18 +152,18 @@ def search(
             reach *= 2.0 if came_true > GOOD_GAIN_RATIO and not steps[-1].mending else 1.0
         else:
             reach *= 0.25
-    return Search(best.coefficients, best.loads, best.value, tuple(steps), converged)
+    return ModificationSearch(best.coefficients, best.loads, best.value, tuple(steps), converged)
 
 
 def optimal_modification(
-    solved: Callable[[Array], LinearLoads | None],
-    start: LinearLoads,
-    held: LinearLoads,
+    solved: Callable[[Array], LoadResponse | None],
+    start: LoadResponse,
+    held: LoadResponse,
     goal: Goal,
     *,
     programmes: int = 40,
     progress: Callable[[], None] | None = None,
-) -> Search:
+) -> ModificationSearch:
     """Search from the programme of full contact and from no modification, and keep the better end.
 
     Parameters
@@ -175,7 +175,7 @@ def optimal_modification(
 
     Returns
     -------
-    Search
+    ModificationSearch
         Never of a higher merit than the start; with the steps of both searches.
     """
     none = np.zeros(goal.surface.shape[1])
@@ -198,5 +198,5 @@ class _Point:
     """A modification, solved."""
 
     coefficients: Array
-    loads: LinearLoads
+    loads: LoadResponse
     value: Value

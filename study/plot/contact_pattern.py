@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
-from ...contact.lines.flank_splines import FlankFields
+from ...contact.lines.flank_splines import FlankSplines
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
 from .tooth_passage import Passage, passage
 from .tooth_view import ToothView, draw_flank
@@ -70,7 +70,7 @@ class Pattern:
     ranges: tuple[CarryingRange, ...]
 
 
-def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
+def contact_pattern(unloaded: xr.Dataset, fields: FlankSplines) -> Pattern:
     """The contact pattern of a result.
 
     Parameters
@@ -102,7 +102,7 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> Pattern:
     return Pattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
 
 
-def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
+def on_common_flank(fields: FlankSplines, path: Array, ends: Array) -> Array:
     """The path (m, 2), with points beyond the common flank moved onto its boundary.
 
     In edge contact the flanks would approach most closely beyond the edge. The gap is a valley along the contact line,
@@ -135,7 +135,7 @@ def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
     return result
 
 
-def _outside(fields: FlankFields, points: Array) -> NDArray[np.bool_]:
+def _outside(fields: FlankSplines, points: Array) -> NDArray[np.bool_]:
     """Whether points (2, ...) lie beyond the common flank (...)."""
     beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
     return np.asarray(beyond_gear | (boundary_distance(fields, points) < 0.0))
@@ -151,7 +151,7 @@ def _transfer(error: Passage, step: int, direction: int) -> Array:
     return np.array([step + direction * here / (here - beyond)])
 
 
-def bent_lines(fields: FlankFields, ends: Array, steps: int = 3) -> Array:
+def bent_lines(fields: FlankSplines, ends: Array, steps: int = 3) -> Array:
     """Contact lines (m, 2, POINTS) between their ends (m, end, 2), as fractions.
 
     The chord between the ends is moved along the gradient of the roll angle onto the level of the ends.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .closest_approach import AcrossLine, across_line
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 from .mesh_lines import MeshLines
 from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
@@ -74,13 +74,13 @@ class MeshEdges:
     pair: NDArray[np.int64]
 
 
-def edges_in_mesh(splines: FlankFields, mesh: MeshLines, widest: Array) -> MeshEdges:
+def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
     Parameters
     ----------
     splines
-        Splines from ``loaded.loaded_fields``.
+        Splines from ``loaded_splines``.
     mesh
         Contact lines from ``lines_in_mesh``; a tooth pair before the first and one after the last is looked at
         as well.
@@ -93,13 +93,13 @@ def edges_in_mesh(splines: FlankFields, mesh: MeshLines, widest: Array) -> MeshE
     return MeshEdges(elements, elements.level // pairs.size, pairs[elements.level % pairs.size])
 
 
-def edge_elements(splines: FlankFields, rotations: Array, widest: Array) -> EdgeElements:
+def edge_elements(splines: FlankSplines, rotations: Array, widest: Array) -> EdgeElements:
     """Pieces of the edges of one tooth pair that may touch.
 
     Parameters
     ----------
     splines
-        Splines from ``loaded.loaded_fields``.
+        Splines from ``loaded_splines``.
     rotations
         Pinion rotations (q) [rad], counted as the roll angle.
     widest
@@ -151,7 +151,7 @@ class _Edge:
     blade_distance: Array
 
     @classmethod
-    def of(cls, splines: FlankFields, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
+    def of(cls, splines: FlankSplines, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
         """Nodes of the edge on which one fraction has the given value."""
         along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
         nodes = np.full((2, along.size), value)
@@ -177,7 +177,7 @@ class _Edge:
         )
 
 
-def _touching(splines: FlankFields, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
+def _touching(splines: FlankSplines, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
     """Elements of one edge at all rotations."""
     row, element, low, high = _candidates(edge, rotations, widest)
     middle = 0.5 * (low + high)

@@ -24,7 +24,7 @@ STRESS_COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
 @dataclass(frozen=True)
-class RootStress:
+class StressResponse:
     """Stress at the root of the loaded side under unit forces on the nodes of the flank.
 
     Parameters
@@ -101,8 +101,10 @@ def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_a
     return wanted, station
 
 
-def by_station(stress: Array, station: Array) -> RootStress:
+def by_station(stress: Array, station: Array) -> StressResponse:
     """Stresses (6 q, k) by unit forces, put in the order of their lengthwise fractions (q)."""
     levels, which = np.unique(np.round(station, 9), return_inverse=True)
     order = np.argsort(which, kind="stable")
-    return RootStress(levels, stress.reshape(station.size, 6, -1)[order].reshape(levels.size, -1, 6, stress.shape[1]))
+    return StressResponse(
+        levels, stress.reshape(station.size, 6, -1)[order].reshape(levels.size, -1, 6, stress.shape[1])
+    )

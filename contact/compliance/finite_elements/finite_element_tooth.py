@@ -26,7 +26,7 @@ from .array_store import kept, key_of
 from .elastic_body import elastic_body
 from .flank_compliance import FlankCompliance, flank_loads, foot_displacements, square_root
 from .solid_shell import Counts, solid_shell
-from .stress_functionals import RootStress, by_station, stress_functionals
+from .stress_response import StressResponse, by_station, stress_functionals
 
 Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
@@ -52,7 +52,7 @@ class FiniteElementTooth:
     """
 
     flank: FlankCompliance
-    root: RootStress | None
+    root: StressResponse | None
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
@@ -112,7 +112,7 @@ def finite_element_tooth(
     key = key_of(STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _condensed(lattice, material, member))
     flank = FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"])
-    return FiniteElementTooth(flank, RootStress(found["stations"], found["stress"]))
+    return FiniteElementTooth(flank, StressResponse(found["stations"], found["stress"]))
 
 
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:

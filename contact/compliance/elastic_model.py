@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..lines.flank_splines import FlankFields
+from ..lines.flank_splines import FlankSplines
 from . import ElasticFoundation, Material, Shell, ToothDimensions
 from .finite_elements.flank_compliance import FlankCompliance
 
@@ -112,7 +112,7 @@ def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     return fields
 
 
-def member_points(splines: FlankFields, member: str, points: Array) -> Array:
+def member_points(splines: FlankSplines, member: str, points: Array) -> Array:
     """Lengthwise and profile fractions (2, ...) on one member of points (2, ...) on the gear."""
     if member == "gear":
         return points
@@ -121,7 +121,7 @@ def member_points(splines: FlankFields, member: str, points: Array) -> Array:
 
 def whitened_loads(
     elastic: tuple[ElasticTooth, ElasticTooth],
-    splines: FlankFields,
+    splines: FlankSplines,
     points: Array,
     weights: Array,
 ) -> NDArray[np.float64]:
