@@ -53,7 +53,7 @@ def points(depth: float) -> Array:
 
 @cache
 def found(depth: float) -> ClosestApproach:
-    return closest_approach(flanks(depth).fields, points(depth))
+    return closest_approach(flanks(depth).splines, points(depth))
 
 
 def least_gap(depth: float, chosen: Array) -> Array:
@@ -83,13 +83,13 @@ def least_gap(depth: float, chosen: Array) -> Array:
 @pytest.mark.parametrize("depth", DEEP.values(), ids=DEEP)
 def test_one_step_goes_wild_and_is_not_taken(depth: float) -> None:
     """The step alone is wrong by hundreds of microradians or even far below zero; the search is between bounds."""
-    step = one_step(flanks(depth).fields, points(depth))
+    step = one_step(flanks(depth).splines, points(depth))
     lost = ~step.expanded
     assert 2 <= np.count_nonzero(lost) <= 20
     assert 1e6 * np.abs(step.separation_angle - found(depth).separation_angle).max() > 100.0
-    on_curve = flanks(depth).fields("ease_off_angle", points(depth))
+    on_curve = flanks(depth).splines("ease_off_angle", points(depth))
     corner = np.linspace(0.0, 1.0, 201)
-    least = flanks(depth).fields("ease_off_angle", np.stack(np.meshgrid(corner, corner, indexing="ij"))).min()
+    least = flanks(depth).splines("ease_off_angle", np.stack(np.meshgrid(corner, corner, indexing="ij"))).min()
     assert np.all(found(depth).separation_angle[lost] <= on_curve[lost])
     assert np.all(found(depth).separation_angle > least - 1e-6)
 
@@ -97,7 +97,7 @@ def test_one_step_goes_wild_and_is_not_taken(depth: float) -> None:
 @pytest.mark.parametrize("depth", DEEP.values(), ids=DEEP)
 def test_the_gap_found_is_that_between_the_surfaces(depth: float) -> None:
     """Rays from flank to flank, which know nothing of ease-off and roll angle, find the same gap; the step does not."""
-    step = one_step(flanks(depth).fields, points(depth))
+    step = one_step(flanks(depth).splines, points(depth))
     lost = ~step.expanded
     exact = least_gap(depth, points(depth)[:, lost])
     np.testing.assert_allclose(found(depth).separation_angle[lost], exact, rtol=0.01)
@@ -106,7 +106,7 @@ def test_the_gap_found_is_that_between_the_surfaces(depth: float) -> None:
 
 def test_elsewhere_the_step_is_kept_to_the_last_digit() -> None:
     for name in ("separation_angle", "shift", "curvature"):
-        step, whole = (getattr(one, name) for one in (one_step(flanks(9.0).fields, points(9.0)), found(9.0)))
+        step, whole = (getattr(one, name) for one in (one_step(flanks(9.0).splines, points(9.0)), found(9.0)))
         kept = found(9.0).expanded
         np.testing.assert_array_equal(whole[..., kept], step[..., kept])
     designed = flanks_in_mesh(prepared_pair(small_case(), "drive", None))
