@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from easeoff.cases import gear_pair, read_case
 from easeoff.cases.conversion import elastic_model
-from easeoff.contact import lines_in_mesh, loaded_fields, unloaded_contact
+from easeoff.contact import lines_in_mesh, loaded_splines, unloaded_contact
 from easeoff.contact.loaded import all_segments, solve_all
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
@@ -41,7 +41,7 @@ def stages(name: str) -> dict[str, Callable[[dict[str, Any]], Any]]:
     nodes = (settings.lengthwise_nodes, settings.profile_nodes)
     return {
         "geometry": lambda r: pair_geometry(pair, nodes),
-        "splines": lambda r: loaded_fields(r["geometry"].flanks, r["geometry"].ease_off, r["geometry"].teeth),
+        "splines": lambda r: loaded_splines(r["geometry"].flanks, r["geometry"].ease_off, r["geometry"].teeth),
         "contact lines": lambda r: lines_in_mesh(r["splines"], pitch, settings.mesh_positions),
         "unloaded": lambda r: unloaded_contact(r["splines"], r["contact lines"]),
         "compliance": lambda r: all_segments(

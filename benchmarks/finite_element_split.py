@@ -11,7 +11,7 @@ from tabulate import tabulate
 
 from easeoff.cases import read_case
 from easeoff.cases.conversion import elastic_model
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance import ElasticFoundation
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
@@ -20,8 +20,8 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.elastic_members import solid_shell_tooth, usual_size
-from easeoff.contact.loaded import loaded_contact, loaded_fields
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_tooth, usual_size
+from easeoff.contact.loaded import loaded_contact, loaded_splines
 from easeoff.contact.lines.mesh_lines import lines_in_mesh
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry
 from easeoff.geometry.tooth.tooth_lattice import tooth_lattice
@@ -33,7 +33,7 @@ def split() -> None:
     for name in CASES:
         case, pair = read_case(name), pair_of(name)
         geometry = pair_geometry(pair, (case.contact.lengthwise_nodes, case.contact.profile_nodes))
-        fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+        fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
         mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, case.contact.mesh_positions)
         kernels: dict[str, list[FlankCompliance]] = {"foot": [], "same": [], "flank": []}
         for member in MEMBERS:
@@ -68,7 +68,7 @@ def split() -> None:
             ("shell, clamped", replace(base, foundation=None), None),
         ]
         for label, model, teeth in variants:
-            splines = fields if teeth is None else loaded_fields(geometry.flanks, geometry.ease_off, teeth)
+            splines = fields if teeth is None else loaded_splines(geometry.flanks, geometry.ease_off, teeth)
             loaded, _ = loaded_contact(
                 splines,
                 geometry.teeth,

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel, shells
+from easeoff.contact.compliance import Shell
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     flank_loads,
@@ -21,9 +22,9 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.elastic_members import solid_shell_size, usual_size
+from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_size, usual_size
 from easeoff.contact.compliance.finite_elements.solid_shell import SolidShell, solid_shell
-from easeoff.geometry import GearPair, pair_geometry
+from easeoff.geometry import GearPair
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
@@ -147,11 +148,9 @@ def free_edge(lattice: ToothLattice) -> csc_array:
     return functionals(len(lattice.nodes), middle[:, -1:], np.ones((len(normal), 1)), normal)
 
 
-def shell_of(name: str, member: MemberName, model: ElasticModel, lengthwise: Array) -> tuple[Array, Array]:
+def shell_of(name: str, member: MemberName, shell: Shell, lengthwise: Array) -> tuple[Array, Array]:
     """Compliance between the same patches, and deflection of the free edge, of the shell."""
-    which = MEMBERS.index(member)
-    body = bodies(pair_of(name))[which]
-    shell = shells(pair_geometry(pair_of(name), (7, 7)).teeth, model)[which]
+    body = bodies(pair_of(name))[MEMBERS.index(member)]
 
     def vectors(where: tuple[Array, Array]) -> Array:
         points, weights, flank = patches(name, member, *where)

@@ -20,11 +20,11 @@ import numpy as np
 from tabulate import tabulate
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.bricks import quadratic
 from easeoff.verification.flank_response import flank_response
-from easeoff.verification.surface_cells import Cells
+from easeoff.verification.surface_cells import SurfaceCells
 from easeoff.verification.surface_contact import half_space_compliance
 from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize, tooth_lattice
@@ -164,7 +164,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
     widths = np.linalg.norm(across, axis=1)
     nothing = np.zeros(len(cells))
     place = np.array([c[3:] for c in cells]).T
-    flat = Cells(
+    flat = SurfaceCells(
         *(nothing.astype(np.int64),) * 2,
         along,
         across / widths[:, None],

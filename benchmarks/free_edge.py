@@ -7,14 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from finite_element_teeth import FORCE, PATCH, Array, shell_of, solid_tooth, tooth
+from finite_element_teeth import FORCE, MEMBERS, PATCH, Array, pair_of, shell_of, solid_tooth, tooth
 from tabulate import tabulate
 
-from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel
+from easeoff.contact.compliance.elastic_model import STEEL, ElasticModel, shells
 from easeoff.contact.compliance import ElasticFoundation, Shell, ToothDimensions
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import flank_shares
+from easeoff.geometry import pair_geometry
 from easeoff.geometry.tooth.tooth_flanks import MemberName
+from easeoff.verification.thesis_shell import thesis_kinematics
 
 IMAGE = Path(__file__).parents[1] / "docs" / "images" / "free_edge.png"
 # Of about the height and thickness that the deflections of figure 3.4 call for; length and radius are the thesis's.
@@ -56,7 +58,7 @@ def slim_tooth(bricks: tuple[int, int, int] = (30, 8, 4)) -> tuple[Array, Array,
 def slim_shell(modes: tuple[int, int], along: Array) -> tuple[Array, float]:
     """Free edge [mm] of the same tooth as the dissertation's clamped shell, and CPU time [s]."""
     start = time.process_time()
-    tooth_ = Shell(SLIM, STEEL, modes, form="thesis")
+    tooth_ = Shell(SLIM, STEEL, modes, assumption=thesis_kinematics)
     point, weight = np.polynomial.legendre.leggauss(5)
     y = (0.5 * SLIM.trace_length + 0.5 * PATCH * point)[:, None]
     x = 0.5 * SLIM.height(y) + 0.5 * PATCH * point
@@ -102,7 +104,8 @@ def figure() -> None:
     for modes in ((5, 3), (5, 5), (5, 9), (5, 15)):
         start = time.process_time()
         model = ElasticModel(modes=modes, foundation=ElasticFoundation("odonnell", 0.8))
-        _, edge = shell_of(name, member, model, along)
+        shell = shells(pair_geometry(pair_of(name), (7, 7)).teeth, model)[MEMBERS.index(member)]
+        _, edge = shell_of(name, member, shell, along)
         shown(real, f"shell {modes[0]} x {modes[1]}", along, edge, time.process_time() - start, "--")
     solid = solid_tooth(name, member)
     shown(real, "solid shell", solid.lattice.lengthwise, solid.edge, sum(solid.seconds.values()), "-.")

@@ -6,8 +6,8 @@ import math
 from typing import Any, Literal
 
 from ..contact.compliance import ElasticFoundation, Material
-from ..contact.compliance.elastic_pair import ElasticModel
-from ..contact.compliance.finite_elements.elastic_members import (
+from ..contact.compliance.elastic_model import ElasticModel
+from ..contact.compliance.finite_elements.finite_element_tooth import (
     FiniteElementTooth,
     finite_element_tooth,
     solid_shell_tooth,

@@ -3,10 +3,10 @@
 The contact problem stands on its own: ``ContactProblem``, ``solve`` and ``certify`` need no gear.
 """
 
-from .compliance.elastic_pair import ElasticModel
+from .compliance.elastic_model import ElasticModel
 from .line_contact.line_contact_solution import solve_line_contact
 from .lines.mesh_lines import lines_in_mesh
-from .loaded import loaded_contact, loaded_fields
+from .loaded import loaded_contact, loaded_splines
 from .problem.certificate import Certificate, certify
 from .problem.complementarity_form import LCP, lcp
 from .problem.contact_problem import ContactProblem
@@ -33,7 +33,7 @@ __all__ = [
     "lifted_qp",
     "lines_in_mesh",
     "loaded_contact",
-    "loaded_fields",
+    "loaded_splines",
     "read_labels",
     "read_npz",
     "read_problems",

@@ -23,7 +23,7 @@ from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
 from ..core.errors import GeometryError
-from .lines.flank_splines import FlankFields, fit
+from .lines.flank_splines import FlankSplines, fit
 
 Array = NDArray[Any]
 GRID = ("lengthwise", "profile")
@@ -33,7 +33,7 @@ INTERVALS = (16, 10)  # of the spline that what passes over a flank is brought o
 EVENNESS = 1e-4  # weight of even continuation, against that of the samples
 
 
-def rolling_fields(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> FlankFields:
+def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> FlankSplines:
     """Splines on the gear flank of what wear needs to know of the motion.
 
     Parameters
@@ -74,7 +74,7 @@ class Engagement:
 
 
 def engagement(
-    loaded: xr.Dataset, fields: FlankFields, pinion_pitch: float, segments_per_line: int, torque: int = 0
+    loaded: xr.Dataset, fields: FlankSplines, pinion_pitch: float, segments_per_line: int, torque: int = 0
 ) -> Engagement:
     """What the loaded contact of one mesh cycle means for the wear of one tooth.
 
@@ -83,7 +83,7 @@ def engagement(
     loaded
         Result of ``loaded_contact``.
     fields
-        From ``rolling_fields``.
+        From ``rolling_splines``.
     pinion_pitch
         Angular pitch of the pinion [rad].
     segments_per_line

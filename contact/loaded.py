@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from .compliance import WeberLineContact
-from .compliance.elastic_pair import MEMBERS, ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
+from .compliance.elastic_model import MEMBERS, ElasticModel, ElasticTooth, elastic_teeth, tooth_fields, whitened_loads
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
 from .line_contact.line_contact_solution import solve_on_bending
 from .lines.closest_approach import closest_approach
-from .lines.contact_lines import contact_fields
-from .lines.edges import MeshEdges, edges_in_mesh
-from .lines.flank_splines import FlankFields
+from .lines.contact_lines import contact_splines
+from .lines.flank_splines import FlankSplines
+from .lines.mesh_edges import MeshEdges, edges_in_mesh
 from .lines.mesh_lines import MeshLines, gauss_points
-from .lines.opposite_points import PASSING
+from .lines.opposite_points import PASSING_FIELDS
 from .loaded_cases import LoadedCase, Segments, loaded_dataset
 from .problem.modal_basis import basis_of_blocks
 from .solvers import Status, require_solver
@@ -33,7 +33,7 @@ SMALLEST_CURVATURE = 1e-5  # [1/mm]; flanks that fit closer than this make no li
 
 
 def all_segments(
-    fields: FlankFields,
+    fields: FlankSplines,
     teeth: xr.Dataset,
     model: ElasticModel,
     mesh: MeshLines,
@@ -45,17 +45,17 @@ def all_segments(
     Parameters
     ----------
     fields
-        Splines of ``loaded_fields``.
+        Splines of ``loaded_splines``.
     teeth
         The geometry's ``teeth``.
     model
         How the teeth give way.
     mesh
-        Contact lines from ``segments.lines_in_mesh``.
+        Contact lines from ``lines_in_mesh``.
     count
         Segments per contact line.
     elastic
-        ``bending.elastic_teeth`` of these teeth, where they are known.
+        ``elastic_teeth`` of these teeth, where they are known.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def _by_position(rows: dict[str, Array], model: ElasticModel, positions: int) ->
 
 
 def _on_lines(
-    fields: FlankFields, elastic: tuple[ElasticTooth, ElasticTooth], mesh: MeshLines, count: int
+    fields: FlankSplines, elastic: tuple[ElasticTooth, ElasticTooth], mesh: MeshLines, count: int
 ) -> dict[str, Array]:
     """Table of the segments on contact lines, their number last; ``load`` has their whitened unit loads."""
     lines = mesh.lines
@@ -121,7 +121,7 @@ def _on_lines(
     }
 
 
-def _on_edges(fields: FlankFields, elastic: tuple[ElasticTooth, ElasticTooth], edges: MeshEdges) -> dict[str, Array]:
+def _on_edges(fields: FlankSplines, elastic: tuple[ElasticTooth, ElasticTooth], edges: MeshEdges) -> dict[str, Array]:
     """The same of the pieces of edges."""
     found = edges.elements
     names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
@@ -179,14 +179,14 @@ def solve_all(
     return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))
 
 
-def loaded_fields(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) -> FlankFields:
+def loaded_splines(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) -> FlankSplines:
     """Splines of everything the loaded contact needs on the gear flank."""
-    passing = {name: ease_off[name].transpose("lengthwise", "profile").values for name in PASSING}
-    return contact_fields(flanks, ease_off, tooth_fields(teeth) | passing)
+    passing = {name: ease_off[name].transpose("lengthwise", "profile").values for name in PASSING_FIELDS}
+    return contact_splines(flanks, ease_off, tooth_fields(teeth) | passing)
 
 
 def loaded_contact(
-    fields: FlankFields,
+    fields: FlankSplines,
     teeth: xr.Dataset,
     mesh: MeshLines,
     *,
@@ -204,11 +204,11 @@ def loaded_contact(
     Parameters
     ----------
     fields
-        Splines from ``loaded_fields``.
+        Splines from ``loaded_splines``.
     teeth
         The geometry's ``teeth``.
     mesh
-        Contact lines from ``segments.lines_in_mesh``.
+        Contact lines from ``lines_in_mesh``.
     ratio
         Gear teeth over pinion teeth.
     torques

@@ -11,10 +11,10 @@ from scipy.sparse import csc_array
 
 from ..core.attributes import labelled
 from ..core.errors import InputError
-from .compliance.elastic_pair import MEMBERS, member_points
-from .compliance.finite_elements.elastic_members import FiniteElementTooth
+from .compliance.elastic_model import MEMBERS, member_points
+from .compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from .compliance.finite_elements.flank_compliance import flank_shares
-from .lines.flank_splines import FlankFields
+from .lines.flank_splines import FlankSplines
 from .loaded_cases import LoadedCase
 from .solvers import Status
 
@@ -23,7 +23,7 @@ STATIONS = 41
 
 
 def root_stress(
-    fields: FlankFields,
+    fields: FlankSplines,
     teeth: tuple[FiniteElementTooth, FiniteElementTooth],
     cases: list[LoadedCase],
     loaded: xr.Dataset,
@@ -36,7 +36,7 @@ def root_stress(
     Parameters
     ----------
     fields
-        Splines of ``loaded.loaded_fields``.
+        Splines of ``loaded_splines``.
     teeth
         Pinion and gear by finite elements.
     cases

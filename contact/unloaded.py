@@ -13,7 +13,7 @@ from ..core.attributes import labelled
 from .harmonics import harmonics, peak_to_peak, rms
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.contact_lines import ContactLines
-from .lines.flank_splines import FlankFields
+from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 
 Array = NDArray[Any]
@@ -91,15 +91,15 @@ def _least(values: Array) -> Array:
     return np.where(np.isfinite(least), least, np.nan)
 
 
-def unloaded_contact(fields: FlankFields, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
+def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
     """Unloaded contact over one mesh cycle.
 
     Parameters
     ----------
     fields
-        Splines from ``curves.contact_fields``.
+        Splines from ``contact_splines``.
     mesh
-        Contact lines from ``segments.lines_in_mesh``.
+        Contact lines from ``lines_in_mesh``.
     separation
         A contact line ends where the flanks are this far apart [um].
 

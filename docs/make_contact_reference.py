@@ -42,9 +42,9 @@ from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
+from easeoff.verification.flank_contact import FlankContact, contact_of_flanks
 from easeoff.verification.flank_response import FlankResponse, flank_response
 from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
-from easeoff.verification.whole_contact import FlankContact, contact_of_flanks
 
 IMAGE = Path(__file__).parent / "images" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions
@@ -91,7 +91,7 @@ def in_mesh(name: str) -> tuple[FlanksInMesh, MeshLines]:
     read = easeoff.read_case(case)
     pair = gear_pair(read).misaligned(misalignment)
     flanks = flanks_in_mesh(pair, (read.contact.lengthwise_nodes, read.contact.profile_nodes))
-    return flanks, lines_in_mesh(flanks.fields, pair.assembly.pinion_pitch, read.contact.mesh_positions)
+    return flanks, lines_in_mesh(flanks.splines, pair.assembly.pinion_pitch, read.contact.mesh_positions)
 
 
 def solved(
@@ -185,9 +185,10 @@ def stations(pair: GearPair, contact: FlankContact) -> np.ndarray:
             own = np.flatnonzero(cells.station == station)
             top = own[np.argmax(pressure[own])]
             load = float(pressure[own] @ cells.sides[own, 1])
-            place = cells.gear_place[:, top]
+            place = cells.gear_fractions[:, top]
             edge = min(
-                edge_distance(pair.gear.section, place), edge_distance(pair.pinion.section, cells.pinion_place[:, top])
+                edge_distance(pair.gear.section, place),
+                edge_distance(pair.pinion.section, cells.pinion_fractions[:, top]),
             )
             columns.append((tooth, *place, pressure[top], load, edge))
     return np.array(columns).T.reshape(len(STATION), -1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.errors import InputError
 from ..geometry.vectors import dot
-from .surface_velocities import SurfaceVelocities, action_fields, axes_of, surface_velocities
+from .surface_velocities import SurfaceVelocities, action_splines, axes_of, surface_velocities
 
 Array = NDArray[Any]
 
@@ -122,7 +122,7 @@ def potential_segments(tree: xr.DataTree) -> PotentialSegments:
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
     points = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
     exists = np.isfinite(points[0])
-    velocities = surface_velocities(axes_of(ease_off), action_fields(ease_off), points[:, exists])
+    velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), points[:, exists])
     return PotentialSegments(exists, velocities)
 
 

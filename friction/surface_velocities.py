@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..contact.lines.flank_splines import FlankFields, fit
+from ..contact.lines.flank_splines import FlankSplines, fit
 from ..core.errors import InputError
 from ..geometry.newton import cramers_rule, determinant
 from ..geometry.vectors import column, cross, dot
@@ -130,7 +130,7 @@ def axes_of(ease_off: xr.Dataset) -> Axes:
     return Axes(pinion_axis, 1e-3 * pinion_origin, gear_axis, 1e-3 * gear_origin, float(ease_off.attrs["ratio"]))
 
 
-def action_fields(ease_off: xr.Dataset) -> FlankFields:
+def action_splines(ease_off: xr.Dataset) -> FlankSplines:
     """Splines of the points of action [m], normals and roll angle, over the gear's flank."""
     order = ("lengthwise", "profile")
     fields = {
@@ -141,7 +141,7 @@ def action_fields(ease_off: xr.Dataset) -> FlankFields:
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, fields)
 
 
-def surface_velocities(axes: Axes, fields: FlankFields, points: Array) -> SurfaceVelocities:
+def surface_velocities(axes: Axes, fields: FlankSplines, points: Array) -> SurfaceVelocities:
     """Surface velocities at points of the gear's flank, each at its conjugate position.
 
     Parameters
@@ -149,7 +149,7 @@ def surface_velocities(axes: Axes, fields: FlankFields, points: Array) -> Surfac
     axes
         From ``axes_of``.
     fields
-        From ``action_fields``.
+        From ``action_splines``.
     points
         Lengthwise and profile fractions (2, ...).
     """

@@ -14,7 +14,7 @@ from ..cases.conversion import edges_touch, elastic_model, finite_elements, gear
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
 from ..contact.lines.mesh_lines import lines_in_mesh, lost_contact
-from ..contact.loaded import loaded_contact, loaded_fields
+from ..contact.loaded import loaded_contact, loaded_splines
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
@@ -102,7 +102,7 @@ def analyze_in_full(
     geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
     if modification is not None:
         geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
     if departures:
         require_line_contact(lost_contact(fields, mesh), departures)

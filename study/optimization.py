@@ -23,8 +23,8 @@ from ..contact.modification.convex_programme import (
     peak_to_peaks,
     worst_assembly,
 )
-from ..contact.modification.load_response import LinearLoads, stacked
-from ..contact.modification.modification_search import Search, optimal_modification
+from ..contact.modification.load_response import LoadResponse, stacked
+from ..contact.modification.modification_search import ModificationSearch, optimal_modification
 from ..contact.modification.modified_contact import ModifiedContact
 from ..contact.solvers import require_solver
 from ..core.attributes import labelled
@@ -110,7 +110,7 @@ def optimize(
     assemblies = [prepared_pair(checked, flank, other) for other in (None, *misalignments)]
     contacts = [_contact(checked, pair, torque, names, solver) for pair in assemblies]
 
-    def solved(coefficients: Array) -> LinearLoads | None:
+    def solved(coefficients: Array) -> LoadResponse | None:
         parts = [contact.loads(coefficients, i * torque.size) for i, contact in enumerate(contacts)]
         known = [part for part in parts if part is not None]
         return stacked(known) if len(known) == len(parts) else None
@@ -168,7 +168,7 @@ def _contact(case: Case, pair: GearPair, torques: Array, names: tuple[str, ...],
 
 
 def _goal(
-    start: LinearLoads,
+    start: LoadResponse,
     objective: Objective,
     torques: int,
     names: tuple[str, ...],
@@ -191,14 +191,14 @@ def _goal(
 
 
 def _compared(
-    case: Case, start: LinearLoads, found: Search, before: xr.Dataset, assemblies: Sequence[GearPair]
+    case: Case, start: LoadResponse, found: ModificationSearch, before: xr.Dataset, assemblies: Sequence[GearPair]
 ) -> xr.Dataset:
     """The group ``optimization``."""
     torque = before["torque"].values
     stages = (start, found.loads)
     shape = (len(assemblies), torque.size)
 
-    def both(of: Callable[[LinearLoads], Array]) -> Array:
+    def both(of: Callable[[LoadResponse], Array]) -> Array:
         return np.stack([of(loads).reshape(shape) for loads in stages])
 
     model = elastic_model(case)

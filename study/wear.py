@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ..cases.conversion import elastic_model, finite_elements
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
-from ..contact.archard_wear import MEMBERS, engagement, integral, on_flank, rolling_fields, touched
+from ..contact.archard_wear import MEMBERS, engagement, integral, on_flank, rolling_splines, touched
 from ..contact.lines.mesh_lines import lines_in_mesh, lost_contact
-from ..contact.loaded import loaded_contact, loaded_fields
+from ..contact.loaded import loaded_contact, loaded_splines
 from ..contact.solvers import Status
 from ..core.attributes import labelled
 from ..core.errors import GeometryError
@@ -143,7 +143,7 @@ class _Run:
             pair.gear.flank(*grid(self.nodes)), pair.pinion.loaded, pair.pinion.section, pair.assembly
         )
         motion = {name: value.reshape(self.nodes) for name, value in vars(rolling(surface)).items()}
-        self.motion = rolling_fields(self.designed.ease_off, motion)
+        self.motion = rolling_splines(self.designed.ease_off, motion)
         self.t, self.h = grid(WEAR_NODES)
         flanks = {name: named_member(pair, name).flank(self.t, self.h) for name in MEMBERS}
         self.positions = {n: np.moveaxis(f.position.reshape(3, *WEAR_NODES), 0, -1) for n, f in flanks.items()}
@@ -167,7 +167,7 @@ class _Run:
         settings, designed = self.case.contact, self.designed
         now = {name: self._deviation(name) for name in MEMBERS}
         ease_off = deviated_ease_off(self.pair, designed.ease_off, pinion=now["pinion"], gear=now["gear"])
-        fields = loaded_fields(designed.flanks, ease_off, designed.teeth)
+        fields = loaded_splines(designed.flanks, ease_off, designed.teeth)
         pitch = self.pair.assembly.pinion_pitch
         mesh = lines_in_mesh(fields, pitch, settings.mesh_positions)
         lost = lost_contact(fields, mesh)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from easeoff.contact import ContactProblem, Status, solve
 from easeoff.contact.modification.convex_programme import Goal, Objective, figures, worst_assembly
-from easeoff.contact.modification.load_response import LinearLoads, held_in_contact, linear_loads, stacked
+from easeoff.contact.modification.load_response import LoadResponse, held_in_contact, load_response, stacked
 
 Array = NDArray[np.float64]
 
@@ -37,11 +37,11 @@ class Bed:
             separation, self.lever_arm[position], float(self.torques[torque]), self.compliance[position]
         )
 
-    def held(self, coefficients: Array) -> LinearLoads:
+    def held(self, coefficients: Array) -> LoadResponse:
         """All segments held in contact."""
         return self.solved(coefficients, held=True)
 
-    def solved(self, coefficients: Array, *, held: bool = False) -> LinearLoads:
+    def solved(self, coefficients: Array, *, held: bool = False) -> LoadResponse:
         parts = []
         ends = np.zeros(self.length.size, dtype=bool)
         ends[[0, -1]] = True
@@ -58,7 +58,7 @@ class Bed:
                     assert solution.status is Status.CERTIFIED
                     force, rotation, gap = solution.force, solution.rotation, solution.gap
                 parts.append(
-                    linear_loads(
+                    load_response(
                         self.compliance[k],
                         self.lever_arm[k],
                         force,

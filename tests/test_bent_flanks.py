@@ -48,20 +48,20 @@ def flanks(depth: float) -> FlanksInMesh:
 @cache
 def points(depth: float) -> Array:
     here = flanks(depth)
-    return gauss_points(lines_in_mesh(here.fields, here.pair.assembly.pinion_pitch, 8).lines, 15)[0].reshape(2, -1)
+    return gauss_points(lines_in_mesh(here.splines, here.pair.assembly.pinion_pitch, 8).lines, 15)[0].reshape(2, -1)
 
 
 @cache
 def found(depth: float) -> ClosestApproach:
-    return closest_approach(flanks(depth).fields, points(depth))
+    return closest_approach(flanks(depth).splines, points(depth))
 
 
 def least_gap(depth: float, chosen: Array) -> Array:
     """Least gap [rad] between the surfaces across the contact curve through points (2, n), by rays along the normal."""
     here = flanks(depth)
-    rotation = here.fields("roll_angle", chosen)
-    slope = np.stack([here.fields("roll_angle", chosen, d) for d in ((1, 0), (0, 1))])
-    position = [here.fields("position", chosen, d) for d in ((1, 0), (0, 1))]
+    rotation = here.splines("roll_angle", chosen)
+    slope = np.stack([here.splines("roll_angle", chosen, d) for d in ((1, 0), (0, 1))])
+    position = [here.splines("position", chosen, d) for d in ((1, 0), (0, 1))]
     e, f, g = (np.sum(position[i] * position[j], axis=0) for i, j in ((0, 0), (0, 1), (1, 1)))
     across = np.stack([g * slope[0] - f * slope[1], e * slope[1] - f * slope[0]])
     across /= np.max(np.abs(across), axis=0)
@@ -72,7 +72,7 @@ def least_gap(depth: float, chosen: Array) -> Array:
         place = place[:, np.all((place >= 0.0) & (place <= 1.0), axis=0)]
         gear = here.pair.gear
         surface = solve_flank(gear.loaded, gear.section, *gear.section.points(place[0], place[1]))
-        start = here.fields("pinion_parameters", place)
+        start = here.splines("pinion_parameters", place)
         turned = rotation[n] + here.motion.center
         gap = flank_gap(here.motion, surface.position, surface.normal, turned, here.first_contact, start)
         arm = np.abs(surface.position[0] * surface.normal[1] - surface.position[1] * surface.normal[0])
@@ -83,13 +83,13 @@ def least_gap(depth: float, chosen: Array) -> Array:
 @pytest.mark.parametrize("depth", DEEP.values(), ids=DEEP)
 def test_one_step_goes_wild_and_is_not_taken(depth: float) -> None:
     """The step alone is wrong by hundreds of microradians or even far below zero; the search is between bounds."""
-    step = one_step(flanks(depth).fields, points(depth))
+    step = one_step(flanks(depth).splines, points(depth))
     lost = ~step.expanded
     assert 2 <= np.count_nonzero(lost) <= 20
     assert 1e6 * np.abs(step.separation_angle - found(depth).separation_angle).max() > 100.0
-    on_curve = flanks(depth).fields("ease_off_angle", points(depth))
+    on_curve = flanks(depth).splines("ease_off_angle", points(depth))
     corner = np.linspace(0.0, 1.0, 201)
-    least = flanks(depth).fields("ease_off_angle", np.stack(np.meshgrid(corner, corner, indexing="ij"))).min()
+    least = flanks(depth).splines("ease_off_angle", np.stack(np.meshgrid(corner, corner, indexing="ij"))).min()
     assert np.all(found(depth).separation_angle[lost] <= on_curve[lost])
     assert np.all(found(depth).separation_angle > least - 1e-6)
 
@@ -97,7 +97,7 @@ def test_one_step_goes_wild_and_is_not_taken(depth: float) -> None:
 @pytest.mark.parametrize("depth", DEEP.values(), ids=DEEP)
 def test_the_gap_found_is_that_between_the_surfaces(depth: float) -> None:
     """Rays from flank to flank, which know nothing of ease-off and roll angle, find the same gap; the step does not."""
-    step = one_step(flanks(depth).fields, points(depth))
+    step = one_step(flanks(depth).splines, points(depth))
     lost = ~step.expanded
     exact = least_gap(depth, points(depth)[:, lost])
     np.testing.assert_allclose(found(depth).separation_angle[lost], exact, rtol=0.01)
@@ -106,13 +106,13 @@ def test_the_gap_found_is_that_between_the_surfaces(depth: float) -> None:
 
 def test_elsewhere_the_step_is_kept_to_the_last_digit() -> None:
     for name in ("separation_angle", "shift", "curvature"):
-        step, whole = (getattr(one, name) for one in (one_step(flanks(9.0).fields, points(9.0)), found(9.0)))
+        step, whole = (getattr(one, name) for one in (one_step(flanks(9.0).splines, points(9.0)), found(9.0)))
         kept = found(9.0).expanded
         np.testing.assert_array_equal(whole[..., kept], step[..., kept])
     designed = flanks_in_mesh(prepared_pair(small_case(), "drive", None))
-    mesh = lines_in_mesh(designed.fields, designed.pair.assembly.pinion_pitch, 8)
-    assert np.all(closest_approach(designed.fields, mesh.lines.points).expanded)
-    assert lost_contact(designed.fields, mesh) == 0.0
+    mesh = lines_in_mesh(designed.splines, designed.pair.assembly.pinion_pitch, 8)
+    assert np.all(closest_approach(designed.splines, mesh.lines.points).expanded)
+    assert lost_contact(designed.splines, mesh) == 0.0
 
 
 def test_the_loaded_contact_stays_as_it_is_next_to_such_a_place() -> None:

@@ -10,14 +10,14 @@ import pytest
 import xarray as xr
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from easeoff.core.errors import InputError
 from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize
-from easeoff.verification.flank_response import FlankResponse, flank_response
+from easeoff.verification.flank_contact import FlankContact, contact_of_flanks
+from easeoff.verification.flank_response import FlankResponse, flank_response, thinner_edges
 from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
-from easeoff.verification.whole_contact import FlankContact, contact_of_flanks
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"
@@ -27,7 +27,7 @@ FEW = LatticeSize(lengthwise=9, upward=5, through=3, slot=1, beside=1, deep=2, o
 @cache
 def in_mesh() -> tuple[FlanksInMesh, MeshLines]:
     flanks = flanks_in_mesh(gear_pair(read_case(NAME)), (17, 13))
-    return flanks, lines_in_mesh(flanks.fields, flanks.pair.assembly.pinion_pitch, POSITIONS)
+    return flanks, lines_in_mesh(flanks.splines, flanks.pair.assembly.pinion_pitch, POSITIONS)
 
 
 @cache
@@ -53,7 +53,7 @@ def test_pressures_carry_the_torque_and_end_within_the_cells() -> None:
         assert found.load_share.sum() == pytest.approx(1.0, rel=1e-12)
         for cells, force in zip(found.cells, found.force, strict=True):
             assert force.min() >= 0.0
-            for place in (cells.gear_place, cells.pinion_place):
+            for place in (cells.gear_fractions, cells.pinion_fractions):
                 assert place.min() >= 0.0
                 assert place.max() <= 1.0
             loaded = np.abs(cells.row[force > 0.0])
@@ -89,7 +89,7 @@ def test_impossible_numbers_are_refused(name: str, value: float) -> None:
 
 def test_thin_bricks_at_the_edges() -> None:
     even = LatticeSpacing.of_size(LatticeSize(lengthwise=10, upward=6))
-    thin = even.thinner_edges(0.25)
+    thin = thinner_edges(even, 0.25)
     for before, after, ends in ((even.lengthwise, thin.lengthwise, 2), (even.upward, thin.upward, 1)):
         assert after.size == before.size
         assert (after[0], after[-1]) == (0.0, pytest.approx(1.0))

@@ -12,12 +12,12 @@ import pytest
 from easeoff import read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.cases.conversion import edges_touch
-from easeoff.contact.compliance.elastic_pair import ElasticModel
+from easeoff.contact.compliance.elastic_model import ElasticModel
 from easeoff.contact.lines.contact_lines import ContactLines
-from easeoff.contact.lines.edges import EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.lines.flank_splines import FlankFields
+from easeoff.contact.lines.flank_splines import FlankSplines
+from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
-from easeoff.contact.loaded import REACH, loaded_contact, loaded_fields
+from easeoff.contact.loaded import REACH, loaded_contact, loaded_splines
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import GearPair, PairGeometry
@@ -39,10 +39,10 @@ def misaligned(name: str) -> GearPair:
 
 
 @cache
-def prepared(name: str) -> tuple[PairGeometry, FlankFields, MeshLines]:
+def prepared(name: str) -> tuple[PairGeometry, FlankSplines, MeshLines]:
     pair = misaligned(name)
     geometry = pair_geometry(pair)
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     return geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 8)
 
 
@@ -65,7 +65,7 @@ def exact(name: str) -> tuple[np.ndarray, np.ndarray]:
         own = elements.level == level
         places = elements.points[:, own]
         gear = solve_flank(pair.gear.loaded, pair.gear.section, *pair.gear.section.points(*places))
-        start = flanks.fields("pinion_parameters", places)
+        start = flanks.splines("pinion_parameters", places)
         turned = rotations[level] + flanks.motion.center
         there = flank_gap(flanks.motion, gear.position, gear.normal, turned, flanks.first_contact, start)
         arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
@@ -137,7 +137,7 @@ def test_finer_elements_change_little(monkeypatch: pytest.MonkeyPatch) -> None:
     widest = np.full(rotations.size, WIDEST)
     values = {}
     for count in (40, 80, 640):
-        monkeypatch.setattr("easeoff.contact.lines.edges.ELEMENTS", count)
+        monkeypatch.setattr("easeoff.contact.lines.mesh_edges.ELEMENTS_PER_EDGE", count)
         values[count] = overlap(edge_elements(fields, rotations, widest))
     errors = {count: abs(value / values[640] - 1.0) for count, value in {**values, 160: overlap(elements)}.items()}
     assert errors[160] < 0.015

@@ -22,7 +22,7 @@ from easeoff.friction.feedback import friction_torques
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.lubricant import LUBRICANTS_FOLDER
 from easeoff.friction.operation import named_models
-from easeoff.friction.surface_velocities import action_fields, axes_of, surface_velocities
+from easeoff.friction.surface_velocities import action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
@@ -214,7 +214,7 @@ def test_equivalent_radius_is_that_of_the_conjugate_flanks_but_for_the_ease_off(
     loaded = tree["loaded"].to_dataset()
     points = np.stack([loaded[n].values[tuple(contacts.index)] for n in ("lengthwise", "profile")])
     across = contacts.velocities.across
-    pinion, gear = shape_operators(axes_of(ease_off), action_fields(ease_off), points)
+    pinion, gear = shape_operators(axes_of(ease_off), action_splines(ease_off), points)
     ratio = contacts.equivalent_radius * np.abs(dot(gear(across) - pinion(across), across))
     assert ratio.min() > 0.9
     assert ratio.max() < 1.1
@@ -225,7 +225,7 @@ def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree, 
     ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
     nodes = {"lengthwise": slice(6, -6), "profile": slice(4, -4)}
     points = np.stack(np.meshgrid(*(ease_off[n].values[within] for n, within in nodes.items()), indexing="ij"))
-    fields = action_fields(ease_off)
+    fields = action_splines(ease_off)
     line = surface_velocities(axes_of(ease_off), fields, points).along
     of_pinion = np.abs(dot(shape_operators(axes_of(ease_off), fields, points)[0](line), line))
     # The line's direction on the gear's own flank, by differences over the nodes.

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from easeoff.cases import parse_case, read_case
 from easeoff.cases.conversion import gear_pair
 from easeoff.cases.reading import case_text
-from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields
+from easeoff.contact import lines_in_mesh, loaded_contact, loaded_splines
 from easeoff.core.errors import InputError
 from easeoff.geometry import (
     Assembly,
@@ -143,7 +143,7 @@ def test_hobbed_pair_goes_through_the_whole_analysis() -> None:
     assert np.abs(fitted.residual).max() < 0.02  # a straight blade cannot give a hobbed flank every form
     crowned = replace(pair, pinion=replace(pair.pinion, loaded=fitted.surface))
     geometry = pair_geometry(crowned, (17, 13))
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
     loaded, _ = loaded_contact(fields, geometry.teeth, mesh, ratio=41 / 11, torques=np.array([100.0, 300.0]))
     assert np.all(loaded["status"].values == 0)

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 import easeoff
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.cases.schema.case_schema import ContactTable
-from easeoff.contact.compliance.elastic_pair import STEEL, ElasticModel, elastic_teeth, shells
+from easeoff.contact.compliance.elastic_model import STEEL, ElasticModel, elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store
-from easeoff.contact.compliance.finite_elements import elastic_members as members
+from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions
 from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
@@ -29,7 +29,7 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     foot_displacements,
     square_root,
 )
-from easeoff.contact.compliance.finite_elements.stress_functionals import RootStress, by_station, stress_functionals
+from easeoff.contact.compliance.finite_elements.stress_response import StressResponse, by_station, stress_functionals
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import GearPair, pair_geometry
 from easeoff.geometry.flanks.flank import solve_flank
@@ -173,7 +173,7 @@ def test_largest_tensile_stress_is_a_principal_stress() -> None:
     sigma = np.zeros((1, 1, 6, 2))
     sigma[0, 0, :, 0] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]  # plane: 1/2 + sqrt(1/4 + 1)
     sigma[0, 0, :, 1] = [-3.0, -2.0, -1.0, 0.0, 0.0, 0.0]
-    np.testing.assert_allclose(RootStress(np.zeros(1), sigma).largest(np.eye(2)), [[0.5 + np.sqrt(1.25), -1.0]])
+    np.testing.assert_allclose(StressResponse(np.zeros(1), sigma).largest(np.eye(2)), [[0.5 + np.sqrt(1.25), -1.0]])
 
 
 def test_root_stress_balances_the_bending_moment() -> None:
@@ -273,7 +273,7 @@ def test_store_lets_go_of_what_was_not_asked_for_the_longest(tmp_path: Path, mon
     for time, number in enumerate((0, 1, 2), start=1):
         ask(number, time)
     (tmp_path / "note.npz").write_bytes(b"not ours")
-    monkeypatch.setattr(store, "LARGEST_FOLDER", 3.5 * (tmp_path / f"{keys[0]}.npz").stat().st_size)
+    monkeypatch.setattr(store, "FOLDER_SIZE_LIMIT", 3.5 * (tmp_path / f"{keys[0]}.npz").stat().st_size)
     ask(0, 4.0)
     ask(3, 5.0)
     kept = {path.stem for path in tmp_path.iterdir()}

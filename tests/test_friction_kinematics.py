@@ -12,7 +12,7 @@ from pairs import conjugate_pair
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.core.errors import InputError
-from easeoff.friction.surface_velocities import Axes, SurfaceVelocities, action_fields, axes_of, surface_velocities
+from easeoff.friction.surface_velocities import Axes, SurfaceVelocities, action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.datasets import ease_off_dataset
 from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
@@ -53,7 +53,7 @@ def nodes(dataset: xr.Dataset) -> tuple[Array, Array]:
 
 
 def at_nodes(dataset: xr.Dataset) -> SurfaceVelocities:
-    return surface_velocities(axes_of(dataset), action_fields(dataset), nodes(dataset)[0])
+    return surface_velocities(axes_of(dataset), action_splines(dataset), nodes(dataset)[0])
 
 
 def test_both_members_have_the_same_normal_velocity(dataset: xr.Dataset) -> None:
@@ -66,7 +66,7 @@ def test_both_members_have_the_same_normal_velocity(dataset: xr.Dataset) -> None
     assert np.max(np.abs(dot(pinion - gear, normal)) / size) < 1e-13
     # Between the nodes, to the error of the interpolation.
     points = np.random.default_rng(0).uniform(0.3, 0.7, (2, 200))
-    between = surface_velocities(axes_of(dataset), action_fields(dataset), points)
+    between = surface_velocities(axes_of(dataset), action_splines(dataset), points)
     assert np.max(np.abs(dot(between.sliding, between.normal))) < 1e-6 * size.max()
 
 
@@ -111,7 +111,7 @@ def test_directions_are_an_orthonormal_frame_in_the_flank(dataset: xr.Dataset) -
     for pair in ((found.normal, found.along), (found.normal, found.across), (found.along, found.across)):
         assert np.max(np.abs(dot(*pair))) < 1e-12
     # Along: towards the heel. Across: the way the line moves, with the roll angle.
-    fields = action_fields(dataset)
+    fields = action_splines(dataset)
     points = np.random.default_rng(4).uniform(0.3, 0.7, (2, 50))
     here, step = surface_velocities(axes_of(dataset), fields, points), 1e-4
     ahead = fields("position", on_level(fields, points, fields("roll_angle", points) + step)) - fields(
@@ -134,7 +134,7 @@ def on_level(fields: Any, points: Array, level: Array) -> Array:
 
 def test_rolling_over_the_line_is_rolling_less_the_lines_own_motion(dataset: xr.Dataset) -> None:
     """Change of frame: the contact lines of two neighbouring moments tell how fast the line moves across itself."""
-    fields, axes = action_fields(dataset), axes_of(dataset)
+    fields, axes = action_splines(dataset), axes_of(dataset)
     points = np.random.default_rng(1).uniform(0.3, 0.7, (2, 50))
     here = surface_velocities(axes, fields, points)
     level, step = fields("roll_angle", points), 1e-4
@@ -152,7 +152,7 @@ def test_points_of_action_of_one_moment_lie_along_the_line() -> None:
     pair = conjugate_pair()
     found = exact_ease_off(pair.gear.flank(*grid()), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     data = ease_off_dataset(*grid(), found)
-    fields = action_fields(data)
+    fields = action_splines(data)
     points = np.random.default_rng(2).uniform(0.3, 0.7, (2, 20))
     here = surface_velocities(axes_of(data), fields, points)
     slope = np.stack([fields("roll_angle", points, d) for d in ((1, 0), (0, 1))])
@@ -195,7 +195,7 @@ def test_involute_spur_gears_roll_and_slide_as_in_the_textbook() -> None:
     radius, ratio, angle = 0.05, 2.5, 0.35
     data, s = spur(radius, ratio, angle)
     points = np.stack(np.meshgrid(data["lengthwise"], data["profile"], indexing="ij"))
-    found = surface_velocities(axes_of(data), action_fields(data), points)
+    found = surface_velocities(axes_of(data), action_splines(data), points)
     first = radius * np.sin(angle) + s
     second = (ratio * radius * np.sin(angle) - s) / ratio
     np.testing.assert_allclose(np.abs(found.sliding_along), 0.0, atol=1e-14)
@@ -237,7 +237,7 @@ def test_equivalent_radius_goes_with_the_rolling_velocity(dataset: xr.Dataset) -
 
     Along the contact line there is no relative curvature, across it one over the equivalent radius.
     """
-    axes, fields = axes_of(dataset), action_fields(dataset)
+    axes, fields = axes_of(dataset), action_splines(dataset)
     points = np.random.default_rng(7).uniform(0.3, 0.7, (2, 200))
     here = surface_velocities(axes, fields, points)
     pinion, gear = shape_operators(axes, fields, points)

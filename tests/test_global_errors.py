@@ -20,9 +20,10 @@ from easeoff.geometry.design.synthesis import FREE_SETTINGS
 from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE_SETTINGS, corrective_settings
 from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
 from easeoff.geometry.deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
-from easeoff.geometry.deviation.measurement import distance_along_normals, zeroed
+from easeoff.geometry.deviation.measurement import zeroed
 from easeoff.geometry.formats import cmm_points
 from easeoff.geometry.tooth.tooth_flanks import named_member
+from easeoff.verification.measured_distance import distance_along_normals
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ import xarray as xr
 
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import available_solvers
-from easeoff.contact.compliance.elastic_pair import ElasticModel, shells, tooth_dimensions
+from easeoff.contact.compliance.elastic_model import ElasticModel, shells, tooth_dimensions
 from easeoff.contact.lines.mesh_lines import lines_in_mesh
-from easeoff.contact.loaded import all_segments, loaded_contact, loaded_fields
+from easeoff.contact.loaded import all_segments, loaded_contact, loaded_splines
 from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry
 from easeoff.study.analysis import analyze, analyze_in_full
@@ -121,7 +121,7 @@ def test_softer_pieces_make_a_softer_pair() -> None:
     """Clamped root below springs; thin shear factor above none; steel below softer steel."""
     pair = gear_pair(read_case("nasa-12x36"))
     geometry = pair_geometry(pair, (17, 13))
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 3)
 
     def level(model: ElasticModel) -> float:
@@ -140,7 +140,7 @@ def test_softer_pieces_make_a_softer_pair() -> None:
 def test_segments_on_one_tooth_pair_are_coupled_and_others_are_not() -> None:
     pair = gear_pair(read_case("nasa-12x36"))
     geometry = pair_geometry(pair, (17, 13))
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 3)
     for here in all_segments(fields, geometry.teeth, ElasticModel(), mesh, 9):
         assert here is not None

@@ -11,7 +11,7 @@ import xarray as xr
 from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
-from easeoff.contact import lines_in_mesh, loaded_contact, loaded_fields, unloaded_contact
+from easeoff.contact import lines_in_mesh, loaded_contact, loaded_splines, unloaded_contact
 from easeoff.friction import Operation, friction
 from easeoff.geometry import EaseOffTarget, GearPair, Member, Misalignment, fit_pinion, pair_geometry
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface, Hand
@@ -54,7 +54,7 @@ def mirrored(pair: GearPair) -> GearPair:
 def analysed(pair: GearPair) -> dict[str, xr.Dataset]:
     """Every dataset of an analysis, on a coarse grid."""
     geometry = pair_geometry(pair, (17, 13))
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 4)
     loaded, _ = loaded_contact(
         fields,

@@ -21,7 +21,7 @@ from easeoff.contact.modification.convex_programme import (
     solve_programme,
 )
 from easeoff.contact.modification.load_response import slopes
-from easeoff.contact.modification.modification_search import Search, optimal_modification, search
+from easeoff.contact.modification.modification_search import ModificationSearch, optimal_modification, search
 from easeoff.core.errors import InputError
 
 
@@ -31,7 +31,7 @@ def free_bed(seed: int, *, winkler: bool, torques: tuple[float, ...] = (4e5,)) -
     return replace(bed, basis=1e-3 * np.eye(bed.length.size)[None])
 
 
-def improved(bed: Bed, goal: Goal, **options: Any) -> Search:
+def improved(bed: Bed, goal: Goal, **options: Any) -> ModificationSearch:
     none = np.zeros(bed.basis.shape[2])
     return optimal_modification(bed.solved, bed.solved(none), bed.held(none), goal, **options)
 
@@ -296,5 +296,5 @@ def test_search_ends_when_nothing_can_be_solved() -> None:
 
 
 def test_unknown_objective_is_named() -> None:
-    with pytest.raises(InputError, match=r"objective = 'noise': allowed are peak_load, peak_pressure, even_load"):
+    with pytest.raises(InputError, match=r"objective = 'noise': must be one of peak_load, peak_pressure, even_load"):
         checked_objective("noise")

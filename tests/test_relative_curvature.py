@@ -196,9 +196,9 @@ def test_gap_of_the_ease_off_method_has_the_relative_curvature_of_the_flanks(
     place = section.fractions(contact.gear_position[2], np.hypot(*contact.gear_position[:2]))
     points = np.stack(place)[:, inside]
     names = ["roll_angle", "ease_off_angle", "separation_bend", "separation_bend_slope", "lever_arm", "position"]
-    value = both.fields.evaluate(names, points)
-    first = [both.fields.evaluate(names, points, d) for d in ((1, 0), (0, 1))]
-    second = {d: both.fields.evaluate(names, points, d) for d in ((2, 0), (1, 1), (0, 2))}
+    value = both.splines.evaluate(names, points)
+    first = [both.splines.evaluate(names, points, d) for d in ((1, 0), (0, 1))]
+    second = {d: both.splines.evaluate(names, points, d) for d in ((2, 0), (1, 1), (0, 2))}
     left = contact.pinion_rotation[inside] - both.motion.center - value["roll_angle"]
     # Curvature and skew are functions of two fields: their derivatives by the chain rule.
     bend, slope = value["separation_bend"], value["separation_bend_slope"]

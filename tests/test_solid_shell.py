@@ -15,9 +15,9 @@ from easeoff.cases import Case, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
 from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.cases.writing import case_toml
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.contact.compliance.finite_elements import array_store as store
-from easeoff.contact.compliance.finite_elements import elastic_members as members
+from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.bricks import stiffness
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
@@ -32,7 +32,7 @@ from easeoff.contact.compliance.finite_elements.solid_shell import (
     tooth_shape,
     tooth_stiffness,
 )
-from easeoff.contact.compliance.trial_polynomials import polynomial_family
+from easeoff.contact.compliance.trial_polynomials import legendre
 from easeoff.contact.root_stress import root_stress
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
@@ -99,7 +99,7 @@ def test_polynomials_of_a_brick_have_its_stiffness() -> None:
     brick = stiffness(nodes.reshape(-1, 3), np.arange(27).reshape(1, 3, 3, 3), STEEL).toarray()
     place = even(1)
     found = tooth_stiffness(tooth_shape(nodes, (place, place, place)), (3, 3, 3), STEEL)
-    values = polynomial_family(place, 3)[0]
+    values = legendre(place, 3)[0]
     functions = np.kron(np.einsum("ia,jb,kc->ijkabc", values, values, values).reshape(27, 27), np.eye(3))
     expected = functions.T @ brick @ functions
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
@@ -140,7 +140,7 @@ def test_body_turns_under_a_moment_as_a_half_plane_does() -> None:
     )
     lattice = block_tooth(length, (-beside[::-1], fine, 1.0 + beside), -beside[::-1] * deep / wide, even(1), 6)
     joint = lattice.column[:, :, lattice.root_row].ravel()
-    through = polynomial_family(lattice.through, 6)[0]
+    through = legendre(lattice.through, 6)[0]
     functions = np.tile(through, (lattice.lengthwise.size, 1))
     body = body_stiffness(lattice, joint, functions, STEEL, "auto")
     np.testing.assert_allclose(body, body.T)

@@ -7,7 +7,7 @@ import pytest
 
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.pressed_strip import Strip
+from easeoff.contact.compliance.pressed_strip import PressedStrip
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.core.errors import InputError
 
@@ -83,7 +83,7 @@ def test_a_cut_strip_gives_way_more_than_a_whole_one() -> None:
 
 
 def test_strips_without_an_edge_are_whole() -> None:
-    strip = Strip.of(np.array([np.nan, 0.0]), np.array([0.04, 0.04]))
+    strip = PressedStrip.of(np.array([np.nan, 0.0]), np.array([0.04, 0.04]))
     np.testing.assert_allclose(strip.half_width, [0.2, 0.2 / np.sqrt(3.0)])
     np.testing.assert_array_equal(strip.growth, [0.5, 0.5])
     np.testing.assert_array_equal([strip.cut, strip.cut_slope], np.zeros((2, 2)))
@@ -91,5 +91,5 @@ def test_strips_without_an_edge_are_whole() -> None:
 
 @pytest.mark.parametrize("overhang", [-0.1, np.inf, -np.inf])
 def test_overhang_is_a_distance(overhang: float) -> None:
-    with pytest.raises(InputError, match="overhang must be zero, positive or NaN"):
+    with pytest.raises(InputError, match="must be zero, positive or NaN"):
         cut(overhang)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from easeoff.contact.compliance.elastic_pair import STEEL
+from easeoff.contact.compliance.elastic_model import STEEL
 from easeoff.geometry.tooth.lattice_spacing import with_middles
 from easeoff.verification.flank_response import FlankResponse, cubic_shares
-from easeoff.verification.surface_cells import Cells
+from easeoff.verification.surface_cells import SurfaceCells
 from easeoff.verification.surface_compliance import surface_compliance
 from easeoff.verification.surface_contact import (
     half_space_compliance,
@@ -27,13 +27,13 @@ UNIT = 1.0 / (np.pi * STEEL.plane_strain_modulus)
 Array = NDArray[np.float64]
 
 
-def plane_cells(counts: tuple[int, int], sides: tuple[float, float], radii: tuple[float, float]) -> Cells:
+def plane_cells(counts: tuple[int, int], sides: tuple[float, float], radii: tuple[float, float]) -> SurfaceCells:
     """Cells on the plane z = 0 (x along, y across), with the gap of two paraboloids."""
     axes = [side * (np.arange(n) - 0.5 * (n - 1)) for n, side in zip(counts, sides, strict=True)]
     x, y = (a.ravel() for a in np.meshgrid(*axes, indexing="ij"))
     i, j = (a.ravel() for a in np.indices(counts))
     every = np.ones((x.size, 1))
-    return Cells(
+    return SurfaceCells(
         i,
         j,
         every * [1.0, 0.0, 0.0],
@@ -47,7 +47,7 @@ def plane_cells(counts: tuple[int, int], sides: tuple[float, float], radii: tupl
     )
 
 
-def pressed(cells: Cells, compliance: Array, force: float) -> tuple[float, Array]:
+def pressed(cells: SurfaceCells, compliance: Array, force: float) -> tuple[float, Array]:
     """Approach of the bodies and pressure on the cells."""
     solved = solve_surface_contact([cells.separation], [cells.lever_arm], [compliance], force)
     assert solved.settled

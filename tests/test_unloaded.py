@@ -13,7 +13,7 @@ from test_ease_off import contact_path
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact.harmonics import harmonics, peak_to_peak, rms
 from easeoff.contact.lines.closest_approach import closest_approach
-from easeoff.contact.lines.contact_lines import arc_length, boundary_distance, contact_fields, trace
+from easeoff.contact.lines.contact_lines import arc_length, boundary_distance, contact_splines, trace
 from easeoff.contact.lines.flank_splines import fit
 from easeoff.contact.lines.mesh_lines import gauss_points, lines_in_mesh
 from easeoff.contact.unloaded import unloaded_contact
@@ -48,7 +48,7 @@ def test_agrees_with_conventional_contact_analysis(
     """Transmission error [urad] and path [mm] against the five-equation solution, wherever both flanks exist."""
     pair = gear_pair(read_case(name), flank)
     geometry = pair_geometry(pair)
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 24))
     own = result.sel(pair=0)
     rotations = np.degrees(own["pinion_rotation"].values)
@@ -68,7 +68,7 @@ def test_agrees_with_conventional_contact_analysis(
 def test_without_the_closest_approach_correction_it_would_not_agree(nasa: tuple[GearPair, PairGeometry]) -> None:
     """The correction next to the level set is worth microradians on a pair with a steep ease-off."""
     pair, geometry = nasa
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 8)
     plain = fields("ease_off_angle", mesh.lines.points)
     corrected = closest_approach(fields, mesh.lines.points).separation_angle
@@ -78,7 +78,7 @@ def test_without_the_closest_approach_correction_it_would_not_agree(nasa: tuple[
 
 def test_conjugate_pair_has_no_transmission_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = conjugate
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12))
     assert np.nanmax(np.abs(result["transmission_error"].values)) < 1e-6
     assert result.attrs["peak_to_peak"] < 1e-6
@@ -89,7 +89,7 @@ def test_parabolic_ease_off_gives_a_parabolic_error(conjugate: tuple[GearPair, P
     pair, geometry = conjugate
     roll = geometry.ease_off["roll_angle"].values
     k = 4e-4
-    fields = contact_fields(geometry.flanks, with_ease_off(geometry, 0.5 * k * roll**2))
+    fields = contact_splines(geometry.flanks, with_ease_off(geometry, 0.5 * k * roll**2))
     pitch = pair.assembly.pinion_pitch
     result = unloaded_contact(fields, lines_in_mesh(fields, pitch, 16))
     q = result["pinion_rotation"].values
@@ -104,7 +104,7 @@ def test_parabolic_ease_off_gives_a_parabolic_error(conjugate: tuple[GearPair, P
 def test_crossing_of_adjacent_pairs_is_the_largest_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = conjugate
     roll = geometry.ease_off["roll_angle"].values
-    fields = contact_fields(geometry.flanks, with_ease_off(geometry, 2e-4 * roll**2))
+    fields = contact_splines(geometry.flanks, with_ease_off(geometry, 2e-4 * roll**2))
     result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
     envelope = result["transmission_error_envelope"].values
     assert np.all(envelope <= np.nanmin(result["transmission_error"].values, axis=0) + 1e-12)
@@ -119,7 +119,7 @@ def test_error_converges_with_the_grid(nasa: tuple[GearPair, PairGeometry]) -> N
     levels = {}
     for nodes in ((9, 7), (13, 9), (17, 13), (31, 21), (61, 41)):
         geometry = pair_geometry(pair, nodes)
-        fields = contact_fields(geometry.flanks, geometry.ease_off)
+        fields = contact_splines(geometry.flanks, geometry.ease_off)
         result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
         levels[nodes] = result.attrs["peak_to_peak"]
     reference = levels.pop((61, 41))
@@ -130,7 +130,7 @@ def test_error_converges_with_the_grid(nasa: tuple[GearPair, PairGeometry]) -> N
 
 def test_lines_end_on_the_boundary(nasa: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = nasa
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     lines = lines_in_mesh(fields, pair.assembly.pinion_pitch, 9).lines
     for end in (0, -1):
         points = lines.points[:, :, end]
@@ -143,7 +143,7 @@ def test_lines_end_on_the_boundary(nasa: tuple[GearPair, PairGeometry]) -> None:
 
 def test_points_of_a_line_share_its_roll_angle_and_are_evenly_spaced(nasa: tuple[GearPair, PairGeometry]) -> None:
     _, geometry = nasa
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     levels = np.linspace(-0.5, 0.4, 7)
     lines = trace(fields, levels)
     roll = fields("roll_angle", lines.points)
@@ -200,7 +200,7 @@ def test_harmonics_of_a_known_cycle() -> None:
 
 def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = nasa
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12), separation=6.0)
     middle = result.sel(pair=0)
     ends = np.stack([middle["line_lengthwise"].values, middle["line_profile"].values])

@@ -11,8 +11,8 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import Case
-from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_fields, touched
-from easeoff.contact.lines.flank_splines import FlankFields
+from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
+from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.pair.ease_off import exact_ease_off
@@ -34,11 +34,11 @@ def small_case(mesh_positions: int = 8) -> Case:
 
 
 @cache
-def moving_fields() -> FlankFields:
+def moving_fields() -> FlankSplines:
     pair = prepared_pair(small_case(), "drive", None)
     surface = exact_ease_off(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
     motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
-    return rolling_fields(pair_geometry(pair, NODES).ease_off, motion)
+    return rolling_splines(pair_geometry(pair, NODES).ease_off, motion)
 
 
 @cache

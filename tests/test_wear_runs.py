@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from test_wear import small_case
 
 import easeoff
-from easeoff.contact.lines.contact_lines import arc_length, contact_fields
+from easeoff.contact.lines.contact_lines import arc_length, contact_splines
 from easeoff.contact.loaded import loaded_contact
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import Misalignment, pair_geometry
@@ -194,7 +194,7 @@ def test_a_corner_where_points_coincide_has_no_length() -> None:
     """One such curve once counted as 27 m, and all others as too short beside it."""
     pair = prepared_pair(small_case(), "drive", None)
     geometry = pair_geometry(pair, (21, 15))
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     along = np.array([0.2, 0.2, 0.2 + 1e-9, 0.2 + 1e-9, 0.21, 0.22])
     curve = np.stack([along, np.full(along.size, 0.5)])[:, None]
     length = arc_length(fields, curve)[0]

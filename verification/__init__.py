@@ -1,1 +1,64 @@
-"""Independent methods that check the product; the product imports nothing from here."""
+"""Independent methods that check the product; the product imports nothing from here.
+
+================================  =================================================================================
+what is checked                   by
+================================  =================================================================================
+ease-off, unloaded contact        ``both_methods``, ``point_contact``: conventional contact analysis, five equations
+gap beside a contact line         ``flank_gap``: along the normal between the generated flanks
+curvatures of a flank             ``directional_curvatures``: along two directions, by complex steps
+contact line and ellipse          ``relative_curvature``
+loaded contact                    ``contact_of_flanks``: pressures on cells of the flank, without a split into bending
+                                  and indentation, by ``flank_response`` and ``half_space_compliance``
+root stress                       ``shell_root_stress``: section forces in the shell's root springs
+measured deviations               ``distance_along_normals``
+solvers of the contact problem    ``problems`` of the ``PROBLEM_CLASSES``
+shell                             ``thesis_kinematics``, ``monomials``: the dissertation's own
+finite elements                   ``serendipity_functions``: the element of other programs
+================================  =================================================================================
+"""
+
+from .conventional_analysis import BothMethods, both_methods, line_differences, point_differences
+from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
+from .flank_contact import FlankContact, contact_of_flanks
+from .flank_gap import FlankGap, flank_gap
+from .flank_response import FlankResponse, flank_response
+from .measured_distance import distance_along_normals
+from .point_contact import PointContact, path_of_contact, point_contact
+from .problem_classes import PROBLEM_CLASSES, problems
+from .relative_curvature import RelativeCurvature, relative_curvature
+from .serendipity_brick import serendipity_functions
+from .shell_root_stress import shell_root_stress
+from .surface_cells import FlanksInMesh, flanks_in_mesh
+from .surface_contact import half_space_compliance
+from .thesis_shell import monomials, thesis_kinematics
+
+__all__ = [
+    "PROBLEM_CLASSES",
+    "BothMethods",
+    "DirectionalCurvatures",
+    "FlankContact",
+    "FlankGap",
+    "FlankResponse",
+    "FlanksInMesh",
+    "PointContact",
+    "RelativeCurvature",
+    "ShapeOperator",
+    "both_methods",
+    "contact_of_flanks",
+    "directional_curvatures",
+    "distance_along_normals",
+    "flank_gap",
+    "flank_response",
+    "flanks_in_mesh",
+    "half_space_compliance",
+    "line_differences",
+    "monomials",
+    "path_of_contact",
+    "point_contact",
+    "point_differences",
+    "problems",
+    "relative_curvature",
+    "serendipity_functions",
+    "shell_root_stress",
+    "thesis_kinematics",
+]

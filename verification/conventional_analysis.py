@@ -1,4 +1,4 @@
-"""The ease-off method beside conventional contact analysis: error, path, direction and length of the contact line.
+"""Ease-off method against conventional contact analysis: error, path, direction and length of the contact line.
 
 Conventional analysis knows the flanks and nothing of ease-off or roll angle: five equations give the point of contact,
 both members' curvatures the line through it, as the major axis of an ellipse. The ellipse is of second order: by the
@@ -16,8 +16,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.lines.closest_approach import closest_approach
-from ..contact.lines.contact_lines import contact_fields
-from ..contact.lines.flank_splines import FlankFields
+from ..contact.lines.contact_lines import contact_splines
+from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
 from ..geometry.flanks.flank import seed_lattice
@@ -29,19 +29,19 @@ from .point_contact import PointContact, path_of_contact
 from .relative_curvature import RelativeCurvature, relative_curvature
 
 Array = NDArray[Any]
-MARGIN = 0.02  # of face and profile; nearer to an edge the contact already leaves the clipped contact line
-BLADE_MARGIN = 0.1  # [mm]
+EDGE_MARGIN = 0.02  # fraction of face and profile; nearer to an edge the contact leaves the clipped contact line
+BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 
 
 @dataclass(frozen=True)
 class BothMethods:
-    """A pair analysed both ways at n rotations, tooth pair by tooth pair.
+    """Analysis of a pair by both methods at n rotations, tooth pair by tooth pair.
 
     Parameters
     ----------
     motion
         The conjugate motion of the ease-off method.
-    fields, mesh
+    splines, mesh
         Its splines and contact lines.
     contact
         Conventional points of contact; NaN where they did not converge.
@@ -54,7 +54,7 @@ class BothMethods:
     """
 
     motion: ConjugateMotion
-    fields: FlankFields
+    splines: FlankSplines
     mesh: MeshLines
     contact: PointContact
     relative: RelativeCurvature
@@ -63,7 +63,7 @@ class BothMethods:
 
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
         """The ease-off method's unloaded contact, lines ending at a separation [um]."""
-        return unloaded_contact(self.fields, self.mesh, separation=separation)
+        return unloaded_contact(self.splines, self.mesh, separation=separation)
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
@@ -86,8 +86,8 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     geometry = pair_geometry(pair, nodes)
     gear = pair.gear.flank(*grid(nodes))
     surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    fields = contact_fields(geometry.flanks, geometry.ease_off)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, mesh_positions)
+    splines = contact_splines(geometry.flanks, geometry.ease_off)
+    mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)
     rotation = (mesh.rotations[None, :] - pairs[:, None] * pair.assembly.pinion_pitch).ravel()
     contact = path_of_contact(gear, surface, rotation)
@@ -96,7 +96,7 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     inside = contact.converged & on_gear & on_pinion
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
     zero = geometry.ease_off.attrs["first_contact_rad"]
-    return BothMethods(surface.motion, fields, mesh, contact, relative, inside, zero)
+    return BothMethods(surface.motion, splines, mesh, contact, relative, inside, zero)
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
@@ -104,19 +104,19 @@ def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):
         valid_side = member.loaded.orientation(parameters) * seed_lattice(member.loaded, member.section)[1] > 0.0
-        cut = member.loaded.evaluate(parameters)[2] > BLADE_MARGIN
-    return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - MARGIN, axis=0) & valid_side & cut)
+        cut = member.loaded.evaluate(parameters)[2] > BLADE_DISTANCE_MARGIN
+    return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - EDGE_MARGIN, axis=0) & valid_side & cut)
 
 
 def point_differences(both: BothMethods) -> tuple[Array, Array]:
-    """Differences of transmission error (n) [rad] and of the place of contact on the gear flank (n) [mm].
+    """Differences of transmission error (n) [rad] and of the point of contact on the gear flank (n) [mm].
 
     NaN where the point of contact is not inside both flanks.
     """
     own = both.unloaded()
     error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
-    place = both.fields("position", np.stack([t, h]))
-    away = np.linalg.norm(place - both.contact.gear_position, axis=0)
+    point = both.splines("position", np.stack([t, h]))
+    away = np.linalg.norm(point - both.contact.gear_position, axis=0)
     difference = 1e-6 * error - (both.contact.closing_angle - both.first_contact)
     return np.where(both.inside, difference, np.nan), np.where(both.inside, away, np.nan)
 
@@ -134,16 +134,16 @@ def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array
     Returns
     -------
     tuple
-        Angle about the gear's normal (n) [rad] from the major axis to the chord between the places of closest approach
+        Angle about the gear's normal (n) [rad] from the major axis to the chord between the points of closest approach
         at both ends, and length over that of the major axis, less one (n). NaN where the edge of a flank ends the line.
     """
     own = both.unloaded(separation)
     ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])
     smallest, length = 1e-6 * _flat(own, "transmission_error")[0], _flat(own, "line_length")[0]
-    closest = closest_approach(both.fields, ends)
+    closest = closest_approach(both.splines, ends)
     gap = 1e3 * (closest.separation_angle - smallest) * closest.lever_arm
     whole = both.inside & np.all(np.abs(gap / separation - 1.0) < 0.01, axis=0)
-    start, end = both.fields("position", ends + closest.shift).swapaxes(0, 1)
+    start, end = both.splines("position", ends + closest.shift).swapaxes(0, 1)
     chord = end - start
     relative = both.relative
     with np.errstate(invalid="ignore"):

@@ -1,4 +1,4 @@
-"""How a flank yields under pressures on it, indentation and bending in one, from the finite elements of its tooth.
+"""Compliance of a flank under pressures on it, indentation and bending in one, from finite elements.
 
 Between two points a distance r apart the compliance is that of a half space, (1 - nu^2) / (pi E r), plus what the real
 body adds. The latter is smooth and is interpolated between nodes; the former is integrated in closed form over the
@@ -15,24 +15,24 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..contact.compliance.finite_elements.array_store import kept, key_of
-from ..contact.compliance.finite_elements.elastic_members import unfilled
+from ..contact.compliance.finite_elements.finite_element_tooth import unfilled
 from ..contact.compliance.material import Material
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import GearPair
-from ..geometry.tooth.lattice_spacing import LatticeSpacing
+from ..geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 from .surface_compliance import surface_compliance
 
 Array = NDArray[Any]
-EDGE = 0.2  # thickness of the bricks at tip, toe and heel over that of the others
-LOWEST_PROFILE = 0.02  # of the nodes that are loaded; the fillet below is too strongly curved for a half space
-FORMAT = 1  # of what is kept; raise it when the same input gives other arrays
+EDGE_BRICK_RATIO = 0.2  # thickness of the bricks at tip, toe and heel over that of the others
+LOADED_PROFILE_LIMIT = 0.02  # of the nodes that are loaded; the fillet below is too strongly curved for a half space
+STORE_VERSION = 1  # of what is kept; raise it when the same input gives other arrays
 
 
 @dataclass(frozen=True)
 class FlankResponse:
-    """What a tooth's body adds to the half space under normal forces on its loaded flank.
+    """Compliance that a tooth's body adds to the half space under normal forces on its loaded flank.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ class FlankResponse:
         return csr_array((values, (points_of, index.ravel())), shape=(points.shape[1], self.profile.size))
 
 
-def cubic_shares(places: Array, wanted: Array) -> tuple[NDArray[np.int64], Array]:
-    """Indices and shares (n, 4) of the four of each row's increasing places (n, m) around the wanted ones (n)."""
-    inside = np.clip(wanted, places[:, 0], places[:, -1])
-    first = np.clip(np.sum(places <= inside[:, None], axis=1) - 2, 0, places.shape[1] - 4)
+def cubic_shares(points: Array, wanted: Array) -> tuple[NDArray[np.int64], Array]:
+    """Indices and shares (n, 4) of the four of each row's increasing points (n, m) around the wanted ones (n)."""
+    inside = np.clip(wanted, points[:, 0], points[:, -1])
+    first = np.clip(np.sum(points <= inside[:, None], axis=1) - 2, 0, points.shape[1] - 4)
     index = first[:, None] + np.arange(4)
-    four = np.take_along_axis(places, index, axis=1)
+    four = np.take_along_axis(points, index, axis=1)
     shares = np.ones_like(four)
     for j in range(4):
         for m in range(4):
@@ -77,10 +77,23 @@ def cubic_shares(places: Array, wanted: Array) -> tuple[NDArray[np.int64], Array
     return index.astype(np.int64), shares
 
 
+def thinner_edges(points: LatticeSpacing, ratio: float) -> LatticeSpacing:
+    """Points of as many bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
+    heel = _thinner_end(points.lengthwise, ratio)
+    both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
+    return LatticeSpacing(both, _thinner_end(points.upward, ratio), points.through)
+
+
+def _thinner_end(points: Array, ratio: float) -> Array:
+    sizes = np.diff(points[::2])
+    sizes[-2:] *= np.array([np.sqrt(ratio), ratio])[-sizes.size :]
+    return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
+
+
 def flank_response(
     pair: GearPair, member: MemberName, material: Material, size: LatticeSize, rim_depth: float | None = None
 ) -> FlankResponse:
-    """Response of one member's loaded flank; made once and kept on disk, see ``store.cache_folder``.
+    """Response of one member's loaded flank; made once and kept on disk, see ``array_store.cache_folder``.
 
     Parameters
     ----------
@@ -100,22 +113,24 @@ def flank_response(
     GeometryError
         As ``tooth_lattice``, or if a brick is turned inside out.
     """
-    lattice = tooth_lattice(pair, member, size, rim_depth, LatticeSpacing.of_size(size).thinner_edges(EDGE))
-    key = key_of("flank_response", FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
+    lattice = tooth_lattice(
+        pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICK_RATIO)
+    )
+    key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _response(lattice, material, member))
     return FlankResponse(found["lengthwise"], found["profile"], found["beyond_half_space"])
 
 
 def _response(lattice: ToothLattice, material: Material, member: str) -> dict[str, Array]:
-    lowest = int(np.argmax(np.all(lattice.profile > LOWEST_PROFILE, axis=0)))
+    lowest = int(np.argmax(np.all(lattice.profile > LOADED_PROFILE_LIMIT, axis=0)))
     chosen = (slice(1, -1), slice(lowest, -1))  # nothing is known of a force on the edge itself
     loaded, normal = lattice.flank[chosen].ravel(), lattice.flank_normal[chosen].reshape(-1, 3)
     try:
         whole = surface_compliance(lattice.nodes, lattice.cells, lattice.held, material, loaded, normal)
     except GeometryError as error:
         raise unfilled(member, error) from error
-    place = lattice.nodes[loaded]
-    distance = np.linalg.norm(place[:, None] - place, axis=2)
+    position = lattice.nodes[loaded]
+    distance = np.linalg.norm(position[:, None] - position, axis=2)
     np.fill_diagonal(distance, np.inf)
     beyond = whole - 1.0 / (np.pi * material.plane_strain_modulus * distance)
     return {

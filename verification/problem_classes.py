@@ -1,4 +1,4 @@
-"""Random contact problems in sixteen classes, from the everyday to the degenerate: what to try a new solver on.
+"""Random contact problems in sixteen classes, from ordinary to degenerate, for tests of solvers.
 
 Each class is a function of a random generator; every problem has a solution. The classes were chosen to hurt: ties,
 duplicates, loads and separations over many decades, compliances that are numerically singular.
@@ -16,11 +16,18 @@ from ..contact.problem.contact_problem import ContactProblem
 Array = NDArray[np.float64]
 
 #: Local compliance of a segment [mm/N], order of magnitude.
-LOCAL = 3e-6
+LOCAL_COMPLIANCE = 3e-6
 
 
 def problems(name: str, count: int, seed: int = 0) -> Iterator[ContactProblem]:
-    """Yield `count` problems of a class, the same for the same seed."""
+    """Yield ``count`` problems of a class, the same for the same seed.
+
+    Examples
+    --------
+    >>> from easeoff.contact import solve
+    >>> [solve(problem).certified for problem in problems("lattice", 3)]
+    [True, True, True]
+    """
     generator = np.random.default_rng([seed, list(PROBLEM_CLASSES).index(name)])
     for _ in range(count):
         yield PROBLEM_CLASSES[name](generator)
@@ -31,13 +38,13 @@ def _parts(rng: np.random.Generator, *, signed: bool = False) -> tuple[Array, Ar
     n = int(rng.integers(1, 41))
     position = np.sort(rng.uniform(-1.0, 1.0, n))
     modes = int(rng.integers(1, 9))
-    factor = np.sqrt(LOCAL) * rng.uniform(0.3, 1.5, modes) * position[:, None] ** np.arange(modes)
+    factor = np.sqrt(LOCAL_COMPLIANCE) * rng.uniform(0.3, 1.5, modes) * position[:, None] ** np.arange(modes)
     factor = factor if signed else np.abs(factor)
     if signed:
-        factor = factor + 0.3 * np.sqrt(LOCAL) * rng.standard_normal((n, modes))
+        factor = factor + 0.3 * np.sqrt(LOCAL_COMPLIANCE) * rng.standard_normal((n, modes))
     separation = 0.03 * (position - rng.uniform(-0.5, 0.5)) ** 2 + 0.002 * rng.uniform(size=n)
     arm = rng.uniform(30.0, 55.0, n)
-    return separation, arm, float(10.0 ** rng.uniform(4.0, 6.0)), LOCAL * rng.uniform(0.5, 1.5, n), factor
+    return separation, arm, float(10.0 ** rng.uniform(4.0, 6.0)), LOCAL_COMPLIANCE * rng.uniform(0.5, 1.5, n), factor
 
 
 def _plain(rng: np.random.Generator) -> ContactProblem:
@@ -116,7 +123,7 @@ def _realistic(rng: np.random.Generator) -> ContactProblem:
         along = np.linspace(-1.0, 1.0, per_pair)
         height = np.clip(0.5 + 0.4 * along + 0.25 * (pair - 0.5 * (pairs - 1)), 0.0, 1.0)
         shapes = np.polynomial.legendre.legvander(along, 5) * (0.15 + height**1.5)[:, None]
-        blocks.append(np.sqrt(LOCAL) * shapes / (1.0 + np.arange(6)))
+        blocks.append(np.sqrt(LOCAL_COMPLIANCE) * shapes / (1.0 + np.arange(6)))
         mismatch = 0.032 * (along - 0.2) ** 2 + 0.018 * (2.0 * height - 1.0) ** 2 + 0.009 * along * (2.0 * height - 1.0)
         gaps.append(mismatch + 0.004 * (pair - 0.5 * (pairs - 1)) ** 2)
     factor = np.zeros((pairs * per_pair, 6 * pairs))
@@ -127,7 +134,7 @@ def _realistic(rng: np.random.Generator) -> ContactProblem:
         np.concatenate(gaps) + 1e-4 * rng.uniform(size=n),
         rng.normal(42.0, 1.0, n),
         float(rng.uniform(3e5, 9e5)),
-        (LOCAL * rng.uniform(0.7, 1.5, n), factor),
+        (LOCAL_COMPLIANCE * rng.uniform(0.7, 1.5, n), factor),
     )
 
 
@@ -144,7 +151,7 @@ def _interfering(rng: np.random.Generator) -> ContactProblem:
 def _random_dense(rng: np.random.Generator) -> ContactProblem:
     s, r, t, d, _ = _parts(rng)
     n = s.size
-    root = np.sqrt(LOCAL / n) * rng.standard_normal((n, int(rng.integers(1, n + 1))))
+    root = np.sqrt(LOCAL_COMPLIANCE / n) * rng.standard_normal((n, int(rng.integers(1, n + 1))))
     dense = root @ root.T
     dense[np.diag_indices(n)] += d * 10.0 ** rng.uniform(-10.0, -4.0)
     return ContactProblem(s, r, t, dense)

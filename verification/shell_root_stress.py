@@ -1,4 +1,4 @@
-"""A cheap estimate of the root stress from the shell: section forces in its root springs, with a notch factor.
+"""Estimate of the root stress from the shell: section forces in its root springs, times a notch factor.
 
 The springs along the root line carry moment M, shear force V and axial force N per length of it. The nominal stress of
 the plate's section on the loaded side is 6 M / t^2 + N / t; the fillet raises it by the factor of Dolan and Broghamer
@@ -43,7 +43,7 @@ def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
     Returns
     -------
     Array
-        (5, s, n), in the order of ``compliance.kinematics`` [N/mm and N].
+        (5, s, n), in the order of ``shell_kinematics`` [N/mm and N].
 
     Raises
     ------
@@ -51,7 +51,7 @@ def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
         If the root is clamped.
     """
     if shell.foundation is None:
-        raise InputError("a clamped root has no springs whose forces could be read")
+        raise InputError("foundation = None: must be springs, a clamped root has none whose forces could be read")
     functions = shell.functions
     along = functions.along_trace(arc)[0]
     shape = (NUMBER_OF_ROOT_QUANTITIES, arc.size, len(functions.root_powers))
@@ -92,7 +92,7 @@ def shell_root_stress(
         If the root is clamped or the fillet has no radius.
     """
     if not fillet_radius > 0.0:
-        raise InputError(f"tool_edge_radius = {fillet_radius!r}: a sharp root has no notch factor")
+        raise InputError(f"tool_edge_radius = {fillet_radius!r}: must be positive, a sharp root has no notch factor")
     forces = root_section_forces(shell, arc, load_vectors)
     thickness = shell.dimensions.thickness(0.0, arc)[:, None]
     moment, shear = np.abs(forces[ROOT_ROTATION]), np.abs(forces[ROOT_DEFLECTION])

@@ -1,6 +1,6 @@
 """Cells of a pressure field on the flank of the gear, around one potential contact line, with their gap.
 
-The line of the ease-off method only says where to lay the cells. Their places and normals are those of the generated
+The line of the ease-off method only says where to lay the cells. Their points and normals are those of the generated
 gear flank, their gap is that to the generated pinion flank, both at their position of the mesh.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.lines.closest_approach import closest_approach
-from ..contact.lines.contact_lines import arc_length, contact_fields
-from ..contact.lines.flank_splines import FlankFields
+from ..contact.lines.contact_lines import arc_length, contact_splines
+from ..contact.lines.flank_splines import FlankSplines
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.datasets import ease_off_dataset, flanks_dataset
@@ -23,12 +23,12 @@ from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, grid
 from .flank_gap import flank_gap
 
 Array = NDArray[Any]
-FACING = 0.9  # smallest cosine between the normals of flanks that meet
+FACING_COSINE_LIMIT = 0.9  # smallest cosine between the normals of flanks that meet
 
 
 @dataclass(frozen=True)
 class FlanksInMesh:
-    """The flanks of a pair and where they meet.
+    """Flanks of a pair and splines of its ease-off.
 
     Parameters
     ----------
@@ -36,20 +36,28 @@ class FlanksInMesh:
         The pair.
     motion
         Axes, senses and the pinion flank.
-    fields
-        Splines of ``curves.contact_fields``, and of the ``pinion_parameters`` of conjugate points.
+    splines
+        Splines of ``contact_splines``, and of the ``pinion_parameters`` of conjugate points.
     first_contact
         Closing angle at which the transmission error counts zero [rad].
     """
 
     pair: GearPair
     motion: ConjugateMotion
-    fields: FlankFields
+    splines: FlankSplines
     first_contact: float
 
 
 def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
-    """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
+    """Flanks of a pair with the splines of its ease-off; raises as ``geometry.pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> flanks = flanks_in_mesh(gear_pair(read_case("fm-11x41")), (13, 9))
+    >>> flanks.splines("lever_arm", np.array([[0.5], [0.5]])).round(1)
+    array([72.9])
+    """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
     surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
@@ -57,12 +65,12 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
     flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
     parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)
     usable = np.isfinite(surface.angle).reshape(t.size, h.size, 1)
-    fields = contact_fields(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
-    return FlanksInMesh(pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
+    splines = contact_splines(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
+    return FlanksInMesh(pair, surface.motion, splines, float(ease_off.attrs["first_contact_rad"]))
 
 
 @dataclass(frozen=True)
-class Cells:
+class SurfaceCells:
     """Cells (n) of one tooth pair at one mesh position.
 
     Parameters
@@ -75,7 +83,7 @@ class Cells:
         Its lengths along and across the line (n, 2) [mm].
     position
         Its middle (n, 3) in the gear's frame [mm].
-    gear_place, pinion_place
+    gear_fractions, pinion_fractions
         Lengthwise and profile fractions (2, n) on both members.
     separation
         Normal gap at first contact's closing angle [mm].
@@ -89,8 +97,8 @@ class Cells:
     across: Array
     sides: Array
     position: Array
-    gear_place: Array
-    pinion_place: Array
+    gear_fractions: Array
+    pinion_fractions: Array
     separation: Array
     lever_arm: Array
 
@@ -109,7 +117,7 @@ def cells_on_line(
     half_band: float,
     reach: float,
     widest_gap: float,
-) -> Cells:
+) -> SurfaceCells:
     """Cells around one contact line.
 
     Parameters
@@ -129,18 +137,18 @@ def cells_on_line(
     widest_gap
         Cells with a wider gap are left out [mm].
     """
-    middle, slope = _stations(flanks.fields, line, step[0], reach)
+    middle, slope = _stations(flanks.splines, line, step[0], reach)
     half = int(np.ceil(half_band / step[1]))
     across = step[1] * np.arange(-half, half + 1)
-    place = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
-    shape = place.shape[1:]
+    points = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
+    shape = points.shape[1:]
     gear = flanks.pair.gear
-    axial, radial = gear.section.points(place[0].ravel(), place[1].ravel())
+    axial, radial = gear.section.points(points[0].ravel(), points[1].ravel())
     found = solve_flank(gear.loaded, gear.section, axial, radial)
     position = found.position.reshape(3, *shape)
     sides = [np.gradient(position, axis=1), np.gradient(position, axis=2)]
     lengths = [np.linalg.norm(side, axis=0) for side in sides]
-    start = flanks.fields("pinion_parameters", np.clip(place, 0.0, 1.0)).reshape(2, -1)
+    start = flanks.splines("pinion_parameters", np.clip(points, 0.0, 1.0)).reshape(2, -1)
     gap = flank_gap(
         flanks.motion,
         found.position,
@@ -151,10 +159,10 @@ def cells_on_line(
     )
     pinion = flanks.pair.pinion.section
     on_pinion = np.stack(pinion.fractions(gap.pinion_position[2], np.hypot(*gap.pinion_position[:2])))
-    on_gear = place.reshape(2, -1)
+    on_gear = points.reshape(2, -1)
     with np.errstate(invalid="ignore"):
         both = np.all((on_gear >= 0) & (on_gear <= 1) & (on_pinion >= 0) & (on_pinion <= 1), axis=0)
-        chosen = found.inside & both & (gap.facing > FACING) & (gap.gap < widest_gap)
+        chosen = found.inside & both & (gap.facing > FACING_COSINE_LIMIT) & (gap.gap < widest_gap)
     arm = np.abs(found.position[0] * found.normal[1] - found.position[1] * found.normal[0])
 
     def flat(vectors: Array) -> Array:
@@ -162,7 +170,7 @@ def cells_on_line(
 
     station, row = np.indices(shape).reshape(2, -1)[:, chosen]
     along, across_line = (flat(side / length) for side, length in zip(sides, lengths, strict=True))
-    return Cells(
+    return SurfaceCells(
         station,
         row - half,
         along,
@@ -176,16 +184,16 @@ def cells_on_line(
     )
 
 
-def _stations(fields: FlankFields, points: Array, step: float, reach: float) -> tuple[Array, Array]:
+def _stations(splines: FlankSplines, points: Array, step: float, reach: float) -> tuple[Array, Array]:
     """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
-    closest = np.clip(points + closest_approach(fields, points).shift, 0.0, 1.0)
-    length = arc_length(fields, closest[:, None])[0]
+    closest = np.clip(points + closest_approach(splines, points).shift, 0.0, 1.0)
+    length = arc_length(splines, closest[:, None])[0]
     count = max(int(np.ceil((length[-1] + 2.0 * reach) / step)), 2)
     wanted = 0.5 * length[-1] + step * (np.arange(count) - 0.5 * (count - 1))
     inside = np.clip(wanted, 0.0, length[-1])
     middle = np.stack([np.interp(inside, length, one) for one in closest])
     tangent = np.stack([np.interp(inside, length, np.gradient(one, length)) for one in closest])
-    surface = [fields("position", middle, d) for d in ((1, 0), (0, 1))]
+    surface = [splines("position", middle, d) for d in ((1, 0), (0, 1))]
     along = tangent[0] * surface[0] + tangent[1] * surface[1]
     # In the tangent plane, at right angles to the line: one fraction follows from the other.
     dots = [np.sum(along * one, axis=0) for one in surface]

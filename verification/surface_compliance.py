@@ -1,4 +1,4 @@
-"""The compliance of a loaded surface with itself, the indentation included.
+"""Compliance of a loaded surface with itself, the indentation included.
 
 The displacement under a point force has no limit, and bricks of some millimetres know nothing of it. It is known in
 closed form, though: near the force the body is a half space. The finite elements solve for the rest alone. With the
@@ -20,14 +20,14 @@ from scipy.sparse import csc_array
 
 from ..contact.compliance.finite_elements.bricks import quadratic, stiffness
 from ..contact.compliance.finite_elements.elastic_body import elastic_body
-from ..contact.compliance.finite_elements.stiffness_factor import COLUMNS, Factoriser
+from ..contact.compliance.finite_elements.stiffness_factor import COLUMNS_PER_SOLVE, Factoriser
 from ..contact.compliance.material import Material
 from .half_space import point_force_displacement, point_force_traction
 
 Array = NDArray[Any]
-FACE_GAUSS = 6  # points in each direction of a face; an even number, which leaves its middle node out
-SMALLEST_CLEARANCE = 0.3  # (rho + z) / rho of bricks that take part in the field; less is near its singular ray
-TOO_NEAR = 0.02  # [mm]
+FACE_GAUSS_POINTS = 6  # points in each direction of a face; an even number, which leaves its middle node out
+RAY_CLEARANCE_LIMIT = 0.3  # (rho + z) / rho of bricks that take part in the field; less is near its singular ray
+LOAD_DISTANCE_LIMIT = 0.02  # [mm]
 
 
 def surface_compliance(
@@ -55,7 +55,7 @@ def surface_compliance(
     normal
         Outward unit normals (k, 3) there.
     factoriser
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def surface_compliance(
     GeometryError
         If a brick is turned inside out.
     MissingPackageError
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
     body = elastic_body(nodes, cells, held, material, factoriser=factoriser)
     free = body.free
@@ -79,8 +79,8 @@ def surface_compliance(
     direction = weighted_normals / area
     inside = np.unique(near)
     result = np.empty((loaded.size, loaded.size))
-    for start in range(0, loaded.size, COLUMNS):
-        part = slice(start, min(start + COLUMNS, loaded.size))
+    for start in range(0, loaded.size, COLUMNS_PER_SOLVE):
+        part = slice(start, min(start + COLUMNS_PER_SOLVE, loaded.size))
         count = part.stop - start
         known = np.zeros((len(nodes), 3, count))
         loads = np.zeros((3 * len(nodes), count))
@@ -91,7 +91,7 @@ def surface_compliance(
             offset = points - nodes[node]
             with np.errstate(divide="ignore", invalid="ignore"):
                 traction = area * point_force_traction(offset, inward, direction, material.poisson_ratio)
-            traction[np.linalg.norm(offset, axis=1) < TOO_NEAR] = 0.0
+            traction[np.linalg.norm(offset, axis=1) < LOAD_DISTANCE_LIMIT] = 0.0
             loads[:, k] = (onto_nodes @ traction).ravel()
         answer = np.zeros((3 * len(nodes), count))
         answer[free] = body.solve(np.asarray(field_matrix @ known.reshape(-1, count) - loads[free]))
@@ -106,7 +106,7 @@ def _near(nodes: Array, cells: NDArray[np.int64], loaded: NDArray[np.int64], nor
     clear = np.ones(len(cells), dtype=bool)
     for node, outward in zip(loaded, normal, strict=True):
         offset = middles - nodes[node]
-        clear &= 1.0 - offset @ outward / np.linalg.norm(offset, axis=1) > SMALLEST_CLEARANCE
+        clear &= 1.0 - offset @ outward / np.linalg.norm(offset, axis=1) > RAY_CLEARANCE_LIMIT
     return cells[clear]
 
 
@@ -118,8 +118,8 @@ def _faces(nodes: Array, cells: NDArray[np.int64]) -> tuple[Array, Array, csc_ar
     _, first, count = np.unique(np.sort(all_faces, axis=1), axis=0, return_index=True, return_counts=True)
     chosen = first[count == 1]
     faces, inner = all_faces[chosen], inner[chosen]
-    x, w = np.polynomial.legendre.leggauss(FACE_GAUSS)
-    (value, slope), count_points = quadratic(x), FACE_GAUSS**2
+    x, w = np.polynomial.legendre.leggauss(FACE_GAUSS_POINTS)
+    (value, slope), count_points = quadratic(x), FACE_GAUSS_POINTS**2
     shape = np.einsum("ia,jb->ijab", value, value).reshape(count_points, 9)
     along = [np.einsum("ia,jb->ijab", a, b).reshape(count_points, 9) for a, b in ((slope, value), (value, slope))]
     corners = nodes[faces]

@@ -1,4 +1,4 @@
-"""Contact of two teeth without a split into bending and indentation: pressures on cells of the flank as unknowns.
+"""Contact of two teeth without a split into bending and indentation, by pressures on cells of the flank.
 
 Find pressures p >= 0 and the rotation of the gear such that every gap
 
@@ -22,7 +22,7 @@ from ..contact.problem.contact_problem import ContactProblem
 from ..contact.solvers import solve
 from .flank_response import FlankResponse
 from .half_space import even_pressure_integral
-from .surface_cells import Cells
+from .surface_cells import SurfaceCells
 
 Array = NDArray[Any]
 
@@ -46,7 +46,7 @@ class SurfaceContact:
     settled: bool
 
 
-def half_space_compliance(cells: Cells, materials: tuple[Material, Material]) -> Array:
+def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Material]) -> Array:
     """Deflection (n, n) of both half spaces in the middle of a cell under an even pressure on another [mm/N]."""
     offset = cells.position[:, None] - cells.position[None]
     along, across = (np.einsum("ijx,jx->ij", offset, side) for side in (cells.along, cells.across))
@@ -61,7 +61,7 @@ def half_space_compliance(cells: Cells, materials: tuple[Material, Material]) ->
 
 
 def surface_contact_compliance(
-    cells: Cells, responses: tuple[FlankResponse, FlankResponse], materials: tuple[Material, Material]
+    cells: SurfaceCells, responses: tuple[FlankResponse, FlankResponse], materials: tuple[Material, Material]
 ) -> Array:
     """Compliance (n, n) of the cells of one tooth pair, both members together [mm/N].
 
@@ -75,8 +75,8 @@ def surface_contact_compliance(
         Of pinion and gear.
     """
     compliance = half_space_compliance(cells, materials)
-    for response, place in zip(responses, (cells.pinion_place, cells.gear_place), strict=True):
-        shares = response.shares(place)
+    for response, fractions in zip(responses, (cells.pinion_fractions, cells.gear_fractions), strict=True):
+        shares = response.shares(fractions)
         compliance += shares @ (shares @ response.beyond_half_space).T
     return 0.5 * (compliance + compliance.T)
 

@@ -1,4 +1,4 @@
-"""The elastic root: springs along the root line in place of the dissertation's fitted base rotation and translation.
+"""Elastic root: springs along the root line, for the dissertation's fitted base rotation and translation.
 
 The gear body yields under the moment and the shear force of the tooth. Per unit length of the root line, with root
 thickness t and a line load q at height l, the classical formulas (plane strain) give
@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from .material import Material
@@ -44,15 +44,15 @@ FoundationSource = Literal["weber", "odonnell"]
 class FoundationConstants(NamedTuple):
     """Dimensionless constants of the plane strain formula.
 
-    Attributes
+    Parameters
     ----------
-    rotation : float
+    rotation
         a, rotation under moment.
-    coupling : float
+    coupling
         b, twice the coupling between rotation and deflection.
-    deflection : float
+    deflection
         c, deflection under shear force.
-    axial_share : float
+    axial_share
         k, axial over deflection flexibility.
     """
 
@@ -68,13 +68,13 @@ class ElasticFoundation:
 
     Parameters
     ----------
-    source : {"weber", "odonnell"}
+    source
         ``weber``: a = 5.2, b = 1, c = 1.4, k = (1 - nu) / 2.4 (C. Weber 1949; the axial share as in Weber and
         Banaschek 1953, 0.29 for steel). Against finite elements of a body that is deep below the tooth it is within 2 %
         at the loaded tip.
         ``odonnell``: a = 16.67 / pi, b = 2 (1 - 2 nu) / (1 - nu), c = 1.534, k = 1 / (2.4 (1 + nu)) (W. J. O'Donnell
         1960, 1963, as used by R. W. Cornell 1981).
-    factor : float
+    factor
         Multiplies the flexibility [-]. O'Donnell's constants with 0.8 match a rim of 2.5 modules under the root,
         held at its bottom and ends, within 3 %.
 
@@ -82,6 +82,11 @@ class ElasticFoundation:
     ------
     InputError
         If the source is unknown or the factor is not positive. For a rigid root give the shell no foundation.
+
+    Examples
+    --------
+    >>> ElasticFoundation("weber").constants(0.3).rotation
+    5.2
     """
 
     source: FoundationSource = "weber"
@@ -90,10 +95,10 @@ class ElasticFoundation:
     def __post_init__(self) -> None:
         if self.source not in get_args(FoundationSource):
             known = ", ".join(get_args(FoundationSource))
-            raise InputError(f"unknown foundation source {self.source!r}; known: {known}")
+            raise InputError(f"source = {self.source!r}: must be one of {known}")
         if not (math.isfinite(self.factor) and self.factor > 0.0):
             raise InputError(
-                f"foundation factor must be positive and finite; got {self.factor!r} (no foundation means a rigid root)"
+                f"factor = {self.factor!r}: must be positive and finite; a shell without foundation has a rigid root"
             )
 
     def constants(self, poisson_ratio: float) -> FoundationConstants:
@@ -105,48 +110,21 @@ class ElasticFoundation:
             16.67 / math.pi, 2.0 * (1.0 - 2.0 * nu) / (1.0 - nu), 1.534, 1.0 / (2.4 * (1.0 + nu))
         )
 
-    def line_load_flexibility(
-        self, height: ArrayLike, root_thickness: ArrayLike, material: Material, load_angle: ArrayLike = 0.0
-    ) -> NDArray[np.float64]:
-        """Deflection of the load point, along the load, that a unit line load gains from the body (plane strain).
-
-        Parameters
-        ----------
-        height : array_like
-            Height above the root at which the line of action crosses the tooth's centre line [mm].
-        root_thickness : array_like
-            Thickness at the root [mm].
-        material : Material
-            Material of the body.
-        load_angle : array_like
-            Angle between the load and the thickness direction [rad].
-
-        Returns
-        -------
-        numpy.ndarray
-            Deflection per line load [mm/(N/mm)], shape of the broadcast of height, thickness and angle.
-        """
-        a, b, c, k = self.constants(material.poisson_ratio)
-        slenderness = np.asarray(height, dtype=np.float64) / np.asarray(root_thickness, dtype=np.float64)
-        cosine, sine = np.cos(load_angle), np.sin(load_angle)
-        across = a * slenderness**2 + b * slenderness + c
-        return np.asarray(self.factor / material.plane_strain_modulus * (across * cosine**2 + c * k * sine**2))
-
     def stiffness(self, root_thickness: NDArray[np.float64], material: Material) -> NDArray[np.float64]:
         """Spring stiffness per unit length of the root line.
 
         Parameters
         ----------
-        root_thickness : numpy.ndarray
+        root_thickness
             Thickness at the root [mm], shape (n,).
-        material : Material
+        material
             Material of the body.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Symmetric positive definite, shape (n, 5, 5), between the root quantities in the order of the module
-            ``kinematics``: deflection, rotation, shift along the height, shift along the trace, twist
+            ``shell_kinematics``: deflection, rotation, shift along the height, shift along the trace, twist
             [N, mm and rad per mm of root line].
         """
         a, b, c, k = self.constants(material.poisson_ratio)

@@ -14,9 +14,9 @@ class Material:
 
     Parameters
     ----------
-    elastic_modulus : float
+    elastic_modulus
         Young's modulus [MPa], positive.
-    poisson_ratio : float
+    poisson_ratio
         Poisson's ratio [-], from 0 up to but not including 0.5.
 
     Raises
@@ -28,6 +28,12 @@ class Material:
     -----
     An incompressible material (0.5) is refused because the plane strain and Hertz formulas lose their strict convexity
     there; no gear is made of one.
+
+    Examples
+    --------
+    >>> steel = Material(206000.0, 0.3)
+    >>> round(steel.plane_strain_modulus), round(steel.shear_modulus)
+    (226374, 79231)
     """
 
     elastic_modulus: float
@@ -35,9 +41,9 @@ class Material:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.elastic_modulus) and self.elastic_modulus > 0.0):
-            raise InputError(f"elastic_modulus must be positive and finite [MPa]; got {self.elastic_modulus!r}")
+            raise InputError(f"elastic_modulus = {self.elastic_modulus!r} MPa: must be positive and finite")
         if not 0.0 <= self.poisson_ratio < 0.5:
-            raise InputError(f"poisson_ratio must be at least 0 and below 0.5; got {self.poisson_ratio!r}")
+            raise InputError(f"poisson_ratio = {self.poisson_ratio!r}: must be at least 0 and below 0.5")
 
     @property
     def plane_strain_modulus(self) -> float:

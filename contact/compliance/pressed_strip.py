@@ -23,8 +23,8 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Strip:
-    """Strips of one shape of arrays.
+class PressedStrip:
+    """Pressed strips, in arrays of one shape.
 
     Parameters
     ----------
@@ -44,13 +44,13 @@ class Strip:
     cut_slope: FloatArray
 
     @classmethod
-    def of(cls, overhang: FloatArray, squared: FloatArray) -> Strip:
-        """Strips whose middle would lie ``overhang`` beyond an edge [mm], or which are whole where that is NaN.
+    def of(cls, overhang: FloatArray, squared: FloatArray) -> PressedStrip:
+        """Strips cut by an edge, or whole where the overhang is NaN.
 
         Parameters
         ----------
         overhang
-            Zero, positive or NaN.
+            Distance of the strip's middle beyond the edge [mm]; zero, positive or NaN.
         squared
             Square of the half-width b of the whole strip under the same line load [mm^2].
         """

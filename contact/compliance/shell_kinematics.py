@@ -8,15 +8,12 @@ length ``y``,
     e_y  = (V,y + W / r_c) / g    g_xz = W,x + U,z
                                   g_yz = (W,y - V / r_c) / g + V,z
 
-Two assumptions on the displacements are offered.
+The displacements are those of the standard first-order shear theory,
 
-``five_field``
-    U = u0 + z b_x,  V = g v0 + z b_y,  W = W: the standard first-order shear theory with the mid-surface displacements
-    u0, v0 and the section rotations b_x, b_y. It can carry forces along the tooth as well as across it.
+    U = u0 + z b_x,  V = g v0 + z b_y,  W = W,
 
-``thesis``
-    U = z (p_x - W,x),  V = z g p_y - z W,y,  W = W: the deflection and two transverse shear strains p_x, p_y, without
-    mid-surface displacements. This is the only field that gives every term of Kolivand 2009, Eq. 3.5.
+with the mid-surface displacements u0, v0 and the section rotations b_x, b_y. It can carry forces along the tooth as
+well as across it. ``verification.thesis_shell`` has the dissertation's own assumption.
 """
 
 from __future__ import annotations
@@ -28,10 +25,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
-
 FloatArray = NDArray[np.float64]
-ShellForm = Literal["five_field", "thesis"]
 
 # Order of the strains in every strain vector.
 STRAIN_X, STRAIN_Y, SHEAR_XY, SHEAR_XZ, SHEAR_YZ = range(5)
@@ -84,17 +78,17 @@ class DisplacementTerm:
 class Kinematics:
     """A displacement assumption: its fields, strains, root conditions and mid-surface displacements.
 
-    Attributes
+    Parameters
     ----------
-    field_names : tuple of str
+    field_names
         The unknown fields, in the order of the degrees of freedom.
-    clamped_powers, sprung_powers : tuple of int
+    clamped_powers, sprung_powers
         Power of the relative height in front of each field when the root is clamped, and when it rests on springs.
-    strain_terms : tuple of StrainTerm
+    strain_terms
         All terms of all strains.
-    root_terms : tuple of RootTerm
+    root_terms
         What an elastic foundation acts on.
-    displacement_terms : tuple of DisplacementTerm
+    displacement_terms
         The displacements on which a load does work.
     """
 
@@ -116,7 +110,20 @@ class Kinematics:
         return max(term.y_derivative for term in self.strain_terms)
 
 
-def _five_field(curvature: float, fanning: float) -> Kinematics:
+#: Kinematics of a tooth from the curvature of its trace and the fanning of its heights [1/mm].
+DisplacementAssumption = Callable[[float, float], Kinematics]
+
+
+def five_field(curvature: float, fanning: float) -> Kinematics:
+    """First-order shear theory with mid-surface displacements: W, b_x, b_y, u0, v0.
+
+    Parameters
+    ----------
+    curvature
+        Curvature of the tooth trace, 1 / r_c [1/mm].
+    fanning
+        See ``ToothDimensions.fanning`` [1/mm].
+    """
     w, bx, by, u0, v0 = range(5)
     # As in polar coordinates: what moves up the tooth gets longer, and turning with the heights is no shear.
     fan = (
@@ -162,56 +169,3 @@ def _five_field(curvature: float, fanning: float) -> Kinematics:
             DisplacementTerm(2, w, "one"),
         ),
     )
-
-
-def _thesis(curvature: float) -> Kinematics:
-    w, px, py = range(3)
-    terms = (
-        StrainTerm(STRAIN_X, px, 1, 0, lambda z, g: z),
-        StrainTerm(STRAIN_X, w, 2, 0, lambda z, g: -z),
-        StrainTerm(STRAIN_Y, py, 0, 1, lambda z, g: z),
-        StrainTerm(STRAIN_Y, w, 0, 2, lambda z, g: -z / g),
-        StrainTerm(STRAIN_Y, w, 0, 0, lambda z, g: curvature / g),
-        StrainTerm(SHEAR_XY, py, 1, 0, lambda z, g: z * g),
-        StrainTerm(SHEAR_XY, w, 1, 1, lambda z, g: -z * (1.0 + 1.0 / g)),
-        StrainTerm(SHEAR_XY, px, 0, 1, lambda z, g: z / g),
-        StrainTerm(SHEAR_XZ, px, 0, 0, lambda z, g: np.ones_like(z)),
-        StrainTerm(SHEAR_YZ, py, 0, 0, lambda z, g: g),
-    )
-    # The shear strains keep their zero at the root, so that there the slope of W is the rotation of the section.
-    root = (RootTerm(ROOT_DEFLECTION, w, 0, 1.0), RootTerm(ROOT_ROTATION, w, 1, 1.0))
-    return Kinematics(
-        field_names=("W", "psi_x", "psi_theta"),
-        clamped_powers=(2, 1, 1),
-        sprung_powers=(0, 1, 1),
-        strain_terms=terms,
-        root_terms=root,
-        displacement_terms=(DisplacementTerm(2, w, "one"),),
-    )
-
-
-def shell_kinematics(form: ShellForm, curvature: float, fanning: float = 0.0) -> Kinematics:
-    """Return the displacement assumption of that name.
-
-    Parameters
-    ----------
-    form : {"five_field", "thesis"}
-        Name of the assumption, see the module's description.
-    curvature : float
-        Curvature of the tooth trace, 1 / r_c [1/mm].
-    fanning : float
-        See ``ToothDimensions.fanning`` [1/mm].
-
-    Raises
-    ------
-    InputError
-        If the name is unknown, or the heights fan out in the dissertation's form, which has no displacements along
-        the height.
-    """
-    if form == "five_field":
-        return _five_field(curvature, fanning)
-    if form == "thesis":
-        if fanning:
-            raise InputError(f"fanning = {fanning!r}: the form 'thesis' knows parallel heights only")
-        return _thesis(curvature)
-    raise InputError(f"unknown shell form {form!r}; known: five_field, thesis")

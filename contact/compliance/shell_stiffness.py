@@ -26,7 +26,7 @@ from .shell_kinematics import (
     Kinematics,
 )
 from .tooth_dimensions import ToothDimensions
-from .trial_polynomials import PolynomialFamily, polynomial_family, rooted_polynomials
+from .trial_polynomials import PolynomialFamily, rooted_polynomials
 
 # Gauss points beyond the number of trial functions. Over the height the integrand is a polynomial and this is exact;
 # along the trace the varying height raises its degree, and 6 leave 1e-11 even if the height doubles from toe to heel.
@@ -38,21 +38,21 @@ THICKNESS_POINTS = 4
 
 @dataclass(frozen=True)
 class TrialFunctions:
-    """The Ritz trial space: which functions stand over the height and along the trace.
+    """Trial space of the Rayleigh-Ritz method: functions over the height and along the trace.
 
     Degrees of freedom are ordered (field, height function, lengthwise function), the last fastest.
 
-    Attributes
+    Parameters
     ----------
-    reference_height : float
+    reference_height
         Height that scales x in the height functions [mm].
-    trace_length : float
+    trace_length
         Length that scales y in the lengthwise functions [mm].
-    height_count, length_count : int
+    height_count, length_count
         Number of functions in each direction.
-    root_powers : tuple of int
+    root_powers
         Power of the relative height in front of each field.
-    family : {"legendre", "monomial"}
+    family
         Polynomials used.
     """
 
@@ -79,7 +79,7 @@ class TrialFunctions:
 
     def along_trace(self, y: FloatArray, order: int = 0) -> FloatArray:
         """Lengthwise functions and their derivatives d/dy [1/mm per order], (order + 1, *y.shape, length_count)."""
-        functions = polynomial_family(y / self.trace_length, self.length_count, order=order, family=self.family)
+        functions = self.family(y / self.trace_length, self.length_count, order=order)
         for derivative in range(1, order + 1):
             functions[derivative] /= self.trace_length**derivative
         return functions
@@ -115,22 +115,22 @@ def stiffness_matrix(
 
     Parameters
     ----------
-    dimensions : ToothDimensions
+    dimensions
         The tooth.
-    material : Material
+    material
         Its material.
-    kinematics : Kinematics
+    kinematics
         The displacement assumption.
-    functions : TrialFunctions
+    functions
         The trial space.
-    shear_factor : float
+    shear_factor
         Factor on the energy of the two transverse shear strains [-].
-    foundation : ElasticFoundation, optional
+    foundation
         Springs along the root line; None for a clamped root.
 
     Returns
     -------
-    numpy.ndarray
+    Array
         Symmetric, shape (n_dof, n_dof) [N/mm], one unit of every coefficient being one millimetre (or radian).
     """
     height_count, powers = functions.height_count, functions.root_powers

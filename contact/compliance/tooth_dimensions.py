@@ -1,4 +1,4 @@
-"""The tooth as the shell sees it: a circular trace, a height and a thickness, each varying linearly."""
+"""Dimensions of the shell that stands for a tooth: circular trace, linear height and thickness."""
 
 from __future__ import annotations
 
@@ -13,35 +13,41 @@ from ...core.errors import InputError
 
 @dataclass(frozen=True)
 class ToothDimensions:
-    """Dimensions of one tooth, taken as a piece of a circular cylindrical shell (Kolivand 2009, Fig. 3.1).
+    """Dimensions of one tooth as a piece of a circular cylindrical shell (Kolivand 2009, Fig. 3.1).
 
     Coordinates on the mid-surface: ``x`` [mm] is the height above the root line, ``y`` [mm] the arc length along the
     trace from the toe.
 
     Parameters
     ----------
-    trace_length : float
+    trace_length
         Length of the tooth trace from toe to heel, that is the developed face width [mm].
-    trace_radius : float
+    trace_radius
         Radius of curvature of the tooth trace [mm], always positive: the cutter radius of a face-milled tooth, the
         local radius at mid-face of any other. ``math.inf`` gives a straight tooth.
-    height_toe, height_heel : float
+    height_toe, height_heel
         Height of the tooth above the root line at the two ends [mm]; linear in between (Eq. 3.1b).
-    root_thickness_toe, root_thickness_heel : float
+    root_thickness_toe, root_thickness_heel
         Thickness at the root line at the two ends [mm].
-    tip_thickness_toe, tip_thickness_heel : float
+    tip_thickness_toe, tip_thickness_heel
         Thickness at the tip at the two ends [mm]. The dissertation has a single tip thickness: equal values give its
         Eq. 3.1a.
-    bulge_toe, bulge_heel : float
-        What the tooth is thicker at mid height than an even taper, at the two ends [mm]; a parabola over the height.
-    fanning : float
-        How much longer the trace becomes per height, over its length at mid height [1/mm]. The heights of a pinion with
-        few teeth fan out from its axis.
+    bulge_toe, bulge_heel
+        Extra thickness at mid height over an even taper, at the two ends [mm]; a parabola over the height.
+    fanning
+        Growth of the trace's length per height, over its length at mid height [1/mm]. The heights of a pinion with few
+        teeth fan out from its axis.
 
     Raises
     ------
     InputError
         If a dimension is not positive, or if the trace is so strongly curved that its centre lies inside the tooth.
+
+    Examples
+    --------
+    >>> tooth = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
+    >>> float(tooth.height(18.0)), float(tooth.thickness(0.0, 18.0))
+    (8.25, 6.5)
     """
 
     trace_length: float
@@ -63,16 +69,17 @@ class ToothDimensions:
             value = getattr(self, field.name)
             allowed = value > 0.0 and (math.isfinite(value) or field.name == "trace_radius")
             if not allowed:
-                raise InputError(f"tooth dimension {field.name} must be positive and finite [mm]; got {value!r}")
+                raise InputError(f"{field.name} = {value!r} mm: must be positive and finite")
         thinnest = self.thickness(np.linspace(0.0, 1.0, 9)[:, None] * self.height(self._ends), self._ends)
         if not thinnest.min() > 0.0:
-            raise InputError(f"bulge_toe and bulge_heel leave no thickness somewhere: {thinnest.min():.6g} mm")
+            bulges = f"bulge_toe = {self.bulge_toe!r}, bulge_heel = {self.bulge_heel!r} mm"
+            raise InputError(f"{bulges}: must leave the tooth some thickness")
         if not abs(self.fanning) * self.largest_height < 1.0:
-            raise InputError(f"fanning must stay below 1 / {self.largest_height:.6g} mm; got {self.fanning!r}")
+            raise InputError(f"fanning = {self.fanning!r} 1/mm: must be below {1.0 / self.largest_height:.6g} in size")
         if self.trace_radius <= 0.5 * self.largest_thickness:
             raise InputError(
-                f"trace_radius must exceed half the largest tooth thickness, {0.5 * self.largest_thickness:.6g} mm; "
-                f"got {self.trace_radius!r}"
+                f"trace_radius = {self.trace_radius!r} mm: must be greater than half the largest tooth thickness, "
+                f"{0.5 * self.largest_thickness:.6g} mm"
             )
 
     @property
@@ -101,28 +108,28 @@ class ToothDimensions:
 
         Parameters
         ----------
-        y : array_like
+        y
             Arc length from the toe [mm], any shape.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Height [mm], shape of ``y``.
         """
         fraction = np.asarray(y, dtype=np.float64) / self.trace_length
         return np.asarray(self.height_toe + (self.height_heel - self.height_toe) * fraction)
 
     def thickness(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Tooth thickness (Kolivand 2009, Eq. 3.1a): bilinear in the relative height and length, but for the bulge.
+        """Tooth thickness (Kolivand 2009, Eq. 3.1a): bilinear in the relative height and length, plus the bulge.
 
         Parameters
         ----------
-        x, y : array_like
+        x, y
             Height above the root line and arc length from the toe [mm]; broadcast together.
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Thickness in the radial direction [mm], shape of the broadcast.
         """
         fraction = np.asarray(y, dtype=np.float64) / self.trace_length
@@ -138,7 +145,7 @@ class ToothDimensions:
 
         Parameters
         ----------
-        x, y : array_like
+        x, y
             Height above the root line and arc length from the toe [mm]; broadcast together.
         """
         return np.asarray(1.0 + self.fanning * (np.asarray(x, dtype=np.float64) - 0.5 * self.height(y)))

@@ -8,43 +8,39 @@ the same, while the condition number stays below 1e7 where that of the monomials
 from __future__ import annotations
 
 from math import comb, perm
-from typing import Literal
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
-PolynomialFamily = Literal["legendre", "monomial"]
 
 
-def polynomial_family(
-    relative: FloatArray, count: int, *, order: int = 0, family: PolynomialFamily = "legendre"
-) -> FloatArray:
-    """Values and derivatives of the first ``count`` polynomials on the unit interval.
+class PolynomialFamily(Protocol):
+    """Function that evaluates a family of polynomials, as ``legendre`` does."""
+
+    def __call__(self, relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
+        """Values and derivatives of the first ``count`` polynomials."""
+
+
+def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
+    """Values and derivatives of the first ``count`` shifted Legendre polynomials on the unit interval.
 
     Parameters
     ----------
-    relative : numpy.ndarray
+    relative
         Position relative to the interval [-], any shape; 0 and 1 are its ends. Outside, the polynomials continue.
-    count : int
+    count
         Number of polynomials, of degree 0 to ``count`` - 1.
-    order : int
+    order
         Highest derivative with respect to ``relative``.
-    family : {"legendre", "monomial"}
-        Shifted Legendre polynomials, or plain powers.
 
     Returns
     -------
-    numpy.ndarray
+    Array
         Shape (order + 1, *shape of relative, count).
     """
     values = np.zeros((order + 1, *relative.shape, count))
-    if family == "monomial":
-        for derivative in range(order + 1):
-            for degree in range(derivative, count):
-                values[derivative, ..., degree] = perm(degree, derivative) * relative ** (degree - derivative)
-        return values
-
     t = 2.0 * relative - 1.0
     values[0, ..., 0] = 1.0
     if count > 1:
@@ -67,29 +63,29 @@ def rooted_polynomials(
     root_power: int,
     *,
     order: int = 0,
-    family: PolynomialFamily = "legendre",
+    family: PolynomialFamily = legendre,
 ) -> FloatArray:
     """Polynomials times a power of the relative height, which vanishes at the root as the support demands.
 
     Parameters
     ----------
-    relative : numpy.ndarray
+    relative
         Height above the root divided by a reference height [-], any shape.
-    count : int
+    count
         Number of functions.
-    root_power : int
+    root_power
         0 leaves the root free, 1 pins the function there, 2 clamps it (value and slope vanish).
-    order : int
+    order
         Highest derivative with respect to ``relative``.
-    family : {"legendre", "monomial"}
+    family
         Polynomials behind the power.
 
     Returns
     -------
-    numpy.ndarray
+    Array
         Shape (order + 1, *shape of relative, count).
     """
-    plain = polynomial_family(relative, count, order=order, family=family)
+    plain = family(relative, count, order=order)
     if root_power == 0:
         return plain
     rooted = np.zeros_like(plain)

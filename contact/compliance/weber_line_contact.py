@@ -1,4 +1,4 @@
-"""Local deflection of a line contact between two teeth, after Weber: the part the shell does not contain.
+"""Local deflection of a line contact between two teeth, after Weber.
 
 With the line load q = F / L, the half-width b = sqrt(4 q R (1/E1* + 1/E2*) / pi), E* = E / (1 - nu^2), and the depth h
 from the contact to the tooth's mid-surface along the contact normal, the elliptic pressure indents each body by
@@ -18,7 +18,7 @@ delta continues as the quadratic through zero with the value and slope of the fl
 with bounded stiffness and still a strictly convex energy. Below zero, which no solution reaches but an iteration may,
 it is linear.
 
-The strip may be cut by the edge of a tooth, see ``strip``.
+The strip may be cut by the edge of a tooth, see ``pressed_strip``.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
 from .material import Material
-from .pressed_strip import Strip
+from .pressed_strip import PressedStrip
 
 FloatArray = NDArray[np.float64]
 
 FOOT_OF_NORMAL_CORRECTION = 0.14
-"""What plane strain finite elements of tapered teeth show to be missing when the bending response is taken at the foot
-of the contact normal on the mid-surface, in units of q (1 - nu^2) / E per body (they scatter between 0.12 and 0.17)."""
+"""Deflection that is missing where bending is taken at the foot of the contact normal on the mid-surface, in units of
+q (1 - nu^2) / E per body: mean of plane strain finite elements of tapered teeth, which give 0.12 to 0.17."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +53,9 @@ class _Bodies:
     flexibility: float
     correction: float
 
-    def strip(self, line_load: FloatArray) -> Strip:
+    def strip(self, line_load: FloatArray) -> PressedStrip:
         """The pressed strip."""
-        return Strip.of(self.overhang, self.width_squared * line_load)
+        return PressedStrip.of(self.overhang, self.width_squared * line_load)
 
     def secant(self, line_load: FloatArray) -> FloatArray:
         """Deflection per line load [mm/(N/mm)]."""
@@ -89,21 +89,21 @@ class WeberLineContact:
 
     Parameters
     ----------
-    length : array_like
+    length
         Length of the segments [mm].
-    equivalent_radius : array_like
+    equivalent_radius
         Relative radius of curvature across the contact line, 1 / (1/R_1 + 1/R_2) with signed radii [mm].
-    depth_pinion, depth_gear : array_like
+    depth_pinion, depth_gear
         Distance along the contact normal from the contact to the mid-surface of each tooth [mm].
-    material_pinion, material_gear : Material
+    material_pinion, material_gear
         Materials of the two members.
-    foot_correction : float
+    foot_correction
         Added to the deflection, in units of q (1 - nu^2) / E per body [-]. Zero is Weber's formula; see
         ``FOOT_OF_NORMAL_CORRECTION``.
-    floor_ratio : float
+    floor_ratio
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
-    overhang : array_like
+    overhang
         How far beyond the edge of a tooth the bodies would come closest [mm]; NaN where no edge cuts the strip.
 
     Raises
@@ -111,6 +111,14 @@ class WeberLineContact:
     InputError
         If an array is not positive and finite (the overhang: zero, positive or NaN), the shapes do not broadcast, or an
         option is out of range.
+
+    Examples
+    --------
+    >>> from easeoff.contact.compliance import Material
+    >>> steel = Material(206000.0, 0.3)
+    >>> contact = WeberLineContact(np.array([1.0, 2.0]), 30.0, 3.0, 4.0, steel, steel)
+    >>> contact.pressure([200.0, 400.0]).round()
+    array([490., 490.])
     """
 
     length: FloatArray
@@ -135,20 +143,20 @@ class WeberLineContact:
             arrays = [np.array(array) for array in np.broadcast_arrays(*arrays)]
         except ValueError:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(names, arrays, strict=True))
-            raise InputError(f"the arrays of a line contact must broadcast together; got {shapes}") from None
+            raise InputError(f"arrays of shapes {shapes}: must broadcast together") from None
         for name, array in zip(names, arrays, strict=True):
             if name == "overhang":
                 allowed, bad = "zero, positive or NaN", (array < 0.0) | np.isinf(array)
             else:
                 allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
-                raise InputError(f"{name} must be {allowed} [mm]; got {array[bad][0]!r}")
+                raise InputError(f"{name} = {float(array[bad][0])!r} mm: must be {allowed}")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if not (math.isfinite(self.foot_correction) and self.foot_correction >= 0.0):
-            raise InputError(f"foot_correction must be zero or positive; got {self.foot_correction!r}")
+            raise InputError(f"foot_correction = {self.foot_correction!r}: must be zero or positive")
         if not 0.0 < self.floor_ratio < 1.0:
-            raise InputError(f"floor_ratio must lie between 0 and 1; got {self.floor_ratio!r}")
+            raise InputError(f"floor_ratio = {self.floor_ratio!r}: must lie between 0 and 1")
 
         materials = (self.material_pinion, self.material_gear)
         one_per_body = (2, *([1] * self.length.ndim))
@@ -174,7 +182,7 @@ class WeberLineContact:
 
     @classmethod
     def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
-        """Return line contacts that differ in their arrays (n) alone as one, with the arrays one behind the other."""
+        """Join line contacts of the same materials and options: their arrays (n) are concatenated."""
         first = contacts[0]
         return cls(
             np.concatenate([contact.length for contact in contacts]),
@@ -203,16 +211,16 @@ class WeberLineContact:
         return line_load, np.maximum(line_load, self._floor)
 
     def secant(self, force: ArrayLike) -> FloatArray:
-        """Deflection over force; at zero force its limit.
+        """Secant compliance: deflection over force, at zero force its limit.
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Secant compliance [mm/N], positive.
         """
         line_load, raised = self._line_load(force)
@@ -225,27 +233,27 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Deflection along the contact normal [mm].
         """
         return np.asarray(self.secant(force) * np.asarray(force, dtype=np.float64))
 
     def tangent(self, force: ArrayLike) -> FloatArray:
-        """Slope of the deflection over force.
+        """Tangent compliance: derivative of the deflection by the force.
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Tangent compliance [mm/N], positive.
         """
         line_load, raised = self._line_load(force)
@@ -258,12 +266,12 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
 
         Returns
         -------
-        numpy.ndarray
+        Array
             Energy [N mm], strictly convex in the force; NaN where an edge cuts the strip: it is not in closed form.
         """
         line_load, raised = self._line_load(force)
@@ -276,7 +284,7 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
         """
         line_load = np.asarray(force, dtype=np.float64) / self.length
@@ -290,7 +298,7 @@ class WeberLineContact:
 
         Parameters
         ----------
-        force : array_like
+        force
             Normal force on every segment [N].
         """
         line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)

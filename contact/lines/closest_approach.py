@@ -1,4 +1,4 @@
-"""The gap across a contact curve, and where next to the curve the flanks come closest."""
+"""Gap across a contact curve, and the closest approach of the flanks next to it."""
 
 from __future__ import annotations
 
@@ -10,25 +10,26 @@ from numpy.typing import NDArray
 
 from ...geometry.newton import cramers_rule
 from .contact_lines import curvature_and_skew
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
-PARTING = ("separation_bend", "separation_bend_slope")  # the fields behind separation curvature and skew
-FARTHEST = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
-STILL_OPENS = 0.2  # least part of its curvature that a gap must keep over the way for its expansion to be of use
-KEPT = 0.5  # least part of what a step promises to close of the gap that it must close; designed pairs: 0.99 to 1.03
-SLIGHT = 1e-6  # [rad]; a promise broken by less is of no account, as where a step ends at the border of the flank
-ROUNDS, SAMPLES = 3, 31  # of a search; every round looks between the neighbours of the best place, to 1e-4 of the flank
+SEPARATION_FIELDS = ("separation_bend", "separation_bend_slope")  # give separation curvature and skew
+SEARCH_RADIUS_LIMIT = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05
+CURVATURE_SHARE_LIMIT = 0.2  # least share of its curvature that a gap must keep for its expansion to be used
+GAIN_RATIO_LIMIT = 0.5  # least ratio of what a step closes of the gap to what it promises; designed pairs: 0.99 to 1.03
+GAIN_TOLERANCE = 1e-6  # [rad]; a smaller shortfall is ignored, as where a step ends at the border of the flank
+# Every round of a search looks between the neighbours of the best point, in the end to 1e-4 of the flank.
+SEARCH_ROUNDS, SAMPLES_PER_ROUND = 3, 31
 
 
 def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array) -> Array:
-    """Gap as a gear rotation [rad] at places whose roll angle the pinion has left behind by ``left`` [rad].
+    """Gap as a gear rotation [rad] at points whose roll angle the pinion has left behind by ``left`` [rad].
 
     Parameters
     ----------
     ease_off_angle, curvature, skew
-        Of the places: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
+        Of the points: ease-off [rad], separation curvature [1/rad] and skew [1/rad^2].
     left
         Zero in conjugate contact, negative before it.
     """
@@ -36,7 +37,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
-    """Whether the expansion of the gap at places holds over the rotation that is left to their conjugate contact.
+    """Whether the expansion of the gap at points is valid over the rotation left to their conjugate contact.
 
     Where it does the gap lies nowhere below the ease-off.
 
@@ -45,7 +46,7 @@ def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]
     curvature, skew, left
         As in ``gap_beside``.
     """
-    return np.asarray(curvature + np.minimum(skew * left, 0.0) > STILL_OPENS * curvature)
+    return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
 
 @dataclass(frozen=True)
@@ -94,11 +95,11 @@ class AcrossLine:
         return np.asarray(by_roll * self.slope)
 
     def still_opens(self, left: Array) -> NDArray[np.bool_]:
-        """Where that expansion holds over the rotation left (...) [rad] to their conjugate contact."""
+        """Whether that expansion is valid over the rotation left (...) [rad] to their conjugate contact."""
         return still_opens(self.separation_curvature, self.separation_skew, left)
 
     def length_along(self, way: Array) -> Array:
-        """Length (...) [mm] along the curve of a short way, given as fractions (2, ...)."""
+        """Length (...) [mm] along the curve of a short displacement, given as fractions (2, ...)."""
         e, f, g = self.metric
 
         def product(one: Array, other: Array) -> Array:
@@ -119,19 +120,19 @@ class AcrossLine:
         return np.where(self.stiffness > 0.0, self.lever_arm * self.stiffness * self.slope**2, 0.0)
 
 
-def across_line(fields: FlankFields, points: Array) -> AcrossLine:
+def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
     """Gap and roll angle across the contact curves through points (2, ...) of the gear flank.
 
     Parameters
     ----------
-    fields
-        Splines from ``curves.contact_fields``.
+    splines
+        Splines from ``contact_splines``.
     points
         Lengthwise and profile fractions (2, ...).
     """
-    value = fields.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *PARTING], points)
-    first = [fields.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
-    second = [fields.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
+    value = splines.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], points)
+    first = [splines.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
+    second = [splines.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
 
     # Unit length across the curve on the flank, as a direction (lengthwise, profile).
     metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
@@ -148,7 +149,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
     _, roll_bend = along_across("roll_angle")
     ease_slope, ease_bend = along_across("ease_off_angle")
     by_roll = ease_slope / slope
-    curvature, skew = curvature_and_skew(*(value[name] for name in PARTING))
+    curvature, skew = curvature_and_skew(*(value[name] for name in SEPARATION_FIELDS))
     return AcrossLine(
         roll_angle=value["roll_angle"],
         ease_off_angle=value["ease_off_angle"],
@@ -166,7 +167,7 @@ def across_line(fields: FlankFields, points: Array) -> AcrossLine:
 
 @dataclass(frozen=True)
 class ClosestApproach:
-    """Where the flanks come closest next to points (...) of contact curves.
+    """Closest approach of the flanks next to points (...) of contact curves.
 
     Parameters
     ----------
@@ -179,7 +180,7 @@ class ClosestApproach:
     curvature
         Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open.
     expanded
-        Whether the expansion of the gap about the point leads there (...); elsewhere the place was searched for.
+        Whether the expansion of the gap about the point leads there (...); elsewhere the point was searched for.
     """
 
     separation_angle: Array
@@ -189,82 +190,82 @@ class ClosestApproach:
     expanded: NDArray[np.bool_]
 
 
-def closest_approach(fields: FlankFields, points: Array) -> ClosestApproach:
-    """Gap, place and curvature of the closest approach next to points of a contact curve.
+def closest_approach(splines: FlankSplines, points: Array) -> ClosestApproach:
+    """Gap, position and curvature of the closest approach next to points of a contact curve.
 
     By ``one_step`` from the curve. Where that step leads to no closest approach, as on flanks that bend over a short
-    way, the least gap across the curve is searched for, at most ``FARTHEST`` away on the flank; the curvature is that
-    of the place found.
+    way, the least gap across the curve is searched for within ``SEARCH_RADIUS_LIMIT``; the curvature is that of the
+    point found.
 
     Parameters
     ----------
-    fields
-        Splines from ``curves.contact_fields``.
+    splines
+        Splines from ``contact_splines``.
     points
         Points of contact curves (2, ...).
     """
-    step = one_step(fields, points)
+    step = one_step(splines, points)
     if np.all(step.expanded):
         return step
     lost = ~step.expanded
     gap, shift, curvature = step.separation_angle.copy(), step.shift.copy(), step.curvature.copy()
-    gap[lost], shift[:, lost] = _searched(fields, points[:, lost])
-    curvature[lost] = across_line(fields, points[:, lost] + shift[:, lost]).curvature
+    gap[lost], shift[:, lost] = _searched(splines, points[:, lost])
+    curvature[lost] = across_line(splines, points[:, lost] + shift[:, lost]).curvature
     return ClosestApproach(gap, shift, step.lever_arm, curvature, step.expanded)
 
 
-def one_step(fields: FlankFields, points: Array) -> ClosestApproach:
-    """The closest approach by the expansion of the gap, wherever that leads.
+def one_step(splines: FlankSplines, points: Array) -> ClosestApproach:
+    """Closest approach by one step of the gap's expansion, valid or not.
 
     Across the curve the gap is a(u) + (1/2) c u^2 - (1/6) s u^3, where u is the roll angle beyond the curve's own, a
     the ease-off, c the separation curvature and s the separation skew. Its minimum is near u = -a'/(c + a''); there,
     or where the way to it leaves the flank, the gap is evaluated. That closes the gap by a'^2 / (2 (c + a'')).
 
     As c + a'' goes to zero the step goes to any length. ``expanded`` is true where the gap opens to both sides, the
-    place is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
+    point is near, the gap can be evaluated there and is smaller than on the curve, by about what was promised.
 
     Parameters
     ----------
-    fields
-        Splines from ``curves.contact_fields``.
+    splines
+        Splines from ``contact_splines``.
     points
         Points of contact curves (2, ...).
     """
-    here = across_line(fields, points)
+    here = across_line(splines, points)
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
     opens = here.stiffness > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(opens, -here.ease_off_slope / here.stiffness, 0.0)
     wanted = points + here.direction * step / here.slope
     closest = np.clip(wanted, 0.0, 1.0)
-    gap, holds = _gap_at(fields, closest, here.roll_angle)
+    gap, holds = _gap_at(splines, closest, here.roll_angle)
     promised = np.where(np.all(wanted == closest, axis=0), -0.5 * here.ease_off_slope * step, 0.0)
-    near = np.max(np.abs(closest - points), axis=0) <= FARTHEST
-    kept = here.ease_off_angle - gap > KEPT * promised - SLIGHT
+    near = np.max(np.abs(closest - points), axis=0) <= SEARCH_RADIUS_LIMIT
+    kept = here.ease_off_angle - gap > GAIN_RATIO_LIMIT * promised - GAIN_TOLERANCE
     return ClosestApproach(gap, closest - points, here.lever_arm, here.curvature, opens & near & holds & kept)
 
 
-def _gap_at(fields: FlankFields, places: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Gap (...) [rad] at places (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
-    there = fields.evaluate(["roll_angle", "ease_off_angle", *PARTING], places)
-    curvature, skew = curvature_and_skew(*(there[name] for name in PARTING))
+def _gap_at(splines: FlankSplines, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Gap (...) [rad] at points (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
+    there = splines.evaluate(["roll_angle", "ease_off_angle", *SEPARATION_FIELDS], points)
+    curvature, skew = curvature_and_skew(*(there[name] for name in SEPARATION_FIELDS))
     left = rotation - there["roll_angle"]
     return gap_beside(there["ease_off_angle"], curvature, skew, left), still_opens(curvature, skew, left)
 
 
-def _searched(fields: FlankFields, points: Array) -> tuple[Array, Array]:
-    """Least gap (n) [rad] on the straight ways across the curve through points (2, n), and the ways there (2, n)."""
-    here = across_line(fields, points)
+def _searched(splines: FlankSplines, points: Array) -> tuple[Array, Array]:
+    """Least gap (n) [rad] on straight lines across the curve through points (2, n), and the shifts there (2, n)."""
+    here = across_line(splines, points)
     unit = here.direction / np.max(np.abs(here.direction), axis=0)
     columns = np.arange(points.shape[1])
-    best, reach = np.zeros(columns.size), FARTHEST
-    for _ in range(ROUNDS):
+    best, reach = np.zeros(columns.size), SEARCH_RADIUS_LIMIT
+    for _ in range(SEARCH_ROUNDS):
         # An odd number of samples has the best one of the round before in its middle, at first the curve itself.
-        way = best + reach * np.linspace(-1.0, 1.0, SAMPLES)[:, None]
-        places = points[:, None] + unit[:, None] * way
-        gap, holds = _gap_at(fields, np.clip(places, 0.0, 1.0), here.roll_angle)
-        usable = holds & np.all((places >= 0.0) & (places <= 1.0), axis=0) & ~fields.in_hole(np.clip(places, 0.0, 1.0))
+        way = best + reach * np.linspace(-1.0, 1.0, SAMPLES_PER_ROUND)[:, None]
+        tried = points[:, None] + unit[:, None] * way
+        gap, holds = _gap_at(splines, np.clip(tried, 0.0, 1.0), here.roll_angle)
+        usable = holds & np.all((tried >= 0.0) & (tried <= 1.0), axis=0) & ~splines.in_hole(np.clip(tried, 0.0, 1.0))
         usable |= way == 0.0
         least = np.argmin(np.where(usable, gap, np.inf), axis=0)
-        best, reach = way[least, columns], 2.0 * reach / (SAMPLES - 1)
+        best, reach = way[least, columns], 2.0 * reach / (SAMPLES_PER_ROUND - 1)
     return gap[least, columns], unit * best

@@ -17,18 +17,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from .flank_splines import FlankFields, fit
+from .flank_splines import FlankSplines, fit
 
 Array = NDArray[Any]
 
-DENSE = 65  # points along a curve while it is traced and clipped
-SHORTEST = 1e-3  # curves shorter than this part of the longest are dropped
-USUAL_CURVATURE = 0.1  # separation curvature of ordinary pairs [1/rad]; matters for the interpolation alone
-CROSSING_STEPS = 24  # false position on the boundary; eight are usual
+POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped
+LENGTH_RATIO_LIMIT = 1e-3  # to the longest curve; shorter curves are dropped
+SEPARATION_CURVATURE_SCALE = 0.1  # [1/rad], of ordinary pairs; matters for the interpolation alone
+CROSSING_ITERATIONS = 24  # false position on the boundary; eight are usual
 
 
-def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankFields:
-    """Splines of everything the contact needs on the gear flank.
+def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankSplines:
+    """Splines of the fields on the gear flank that the contact needs.
 
     Parameters
     ----------
@@ -50,8 +50,11 @@ def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str,
     # Towards undercut the curvature grows without limit, and a spline through it would swing far into the flank. Its
     # arc tangent, and the derivative of that by the rotation, stay finite; ``curvature_and_skew`` takes them back.
     curvature, skew = (ease_off[n].transpose(*order).values for n in ("separation_curvature", "separation_skew"))
-    share = curvature / USUAL_CURVATURE
-    fields |= {"separation_bend": np.arctan(share), "separation_bend_slope": skew / (1.0 + share**2) / USUAL_CURVATURE}
+    share = curvature / SEPARATION_CURVATURE_SCALE
+    fields |= {
+        "separation_bend": np.arctan(share),
+        "separation_bend_slope": skew / (1.0 + share**2) / SEPARATION_CURVATURE_SCALE,
+    }
     gear = flanks["position"].sel(member="gear").transpose(*order, "xyz")
     fields["position"] = gear.values
     fields |= extra or {}
@@ -61,7 +64,7 @@ def contact_fields(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str,
 def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
     """Separation curvature [1/rad] and skew [1/rad^2] from the fields ``separation_bend`` and its slope."""
     share = np.tan(bend)
-    return USUAL_CURVATURE * share, USUAL_CURVATURE * (1.0 + share**2) * slope
+    return SEPARATION_CURVATURE_SCALE * share, SEPARATION_CURVATURE_SCALE * (1.0 + share**2) * slope
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class ContactLines:
     level
         Index (m) into the levels that were asked for.
     points
-        Points (2, m, DENSE) along each curve, lengthwise and profile fractions, evenly spaced in length.
+        Points (2, m, POINTS_PER_LINE) along each curve, lengthwise and profile fractions, evenly spaced in length.
     length
         Length of each curve (m) [mm].
     """
@@ -83,20 +86,20 @@ class ContactLines:
     length: Array
 
 
-def boundary_distance(fields: FlankFields, points: Array) -> Array:
-    """Positive inside the common flank of gear and pinion, negative outside (...)."""
-    values = fields.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
+def boundary_distance(splines: FlankSplines, points: Array) -> Array:
+    """Distance from the boundary of the common flank (...): positive inside, negative outside."""
+    values = splines.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
     t, h = values["pinion_lengthwise"], values["pinion_profile"]
     inside = np.minimum(np.minimum(t, 1.0 - t), np.minimum(h, 1.0 - h))
     inside = np.minimum(inside, values["blade_distance"])
-    return np.where(fields.in_hole(points), -1.0, inside)
+    return np.where(splines.in_hole(points), -1.0, inside)
 
 
-def _onto_level(fields: FlankFields, points: Array, level: Array, steps: int = 3) -> Array:
+def _onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 3) -> Array:
     """Move points (2, ...) along the gradient of the roll angle onto their level (...)."""
     for _ in range(steps):
-        value = fields("roll_angle", points)
-        slope = np.stack([fields("roll_angle", points, (1, 0)), fields("roll_angle", points, (0, 1))])
+        value = splines("roll_angle", points)
+        slope = np.stack([splines("roll_angle", points, (1, 0)), splines("roll_angle", points, (0, 1))])
         step = (level - value) * slope / np.sum(slope**2, axis=0)
         points = np.clip(points + step, 0.0, 1.0)
     return points
@@ -108,13 +111,13 @@ def _resample(points: Array, measure: Array, count: int) -> Array:
     return np.stack([np.interp(target, measure, points[0]), np.interp(target, measure, points[1])])
 
 
-def arc_length(fields: FlankFields, points: Array) -> Array:
+def arc_length(splines: FlankSplines, points: Array) -> Array:
     """Length (m, k) [mm] along curves (2, m, k) on the gear flank, from their first point.
 
     Chords corrected for the curve's bend: with the tangents at both ends of a step the error is of fourth order. Where
     points nearly coincide, as a short curve's do in a corner of the flank, there is no bend to speak of: chords alone.
     """
-    position = fields("position", points)
+    position = splines("position", points)
     chord = np.linalg.norm(np.diff(position, axis=-1), axis=0)
     second = np.zeros_like(position)
     second[..., 1:-1] = position[..., 2:] - 2.0 * position[..., 1:-1] + position[..., :-2]
@@ -126,13 +129,13 @@ def arc_length(fields: FlankFields, points: Array) -> Array:
     return np.concatenate([np.zeros((*chord.shape[:-1], 1)), np.cumsum(step, axis=-1)], axis=-1)
 
 
-def trace(fields: FlankFields, levels: Array) -> ContactLines:
+def trace(splines: FlankSplines, levels: Array) -> ContactLines:
     """Trace and clip the contact curves at the given roll angles.
 
     Parameters
     ----------
-    fields
-        Splines from ``contact_fields``.
+    splines
+        Splines from ``contact_splines``.
     levels
         Roll angles (k) [rad].
 
@@ -143,68 +146,68 @@ def trace(fields: FlankFields, levels: Array) -> ContactLines:
     """
     coarse_t, coarse_h = np.linspace(0, 1, 41), np.linspace(0, 1, 25)
     grid = np.stack(np.meshgrid(coarse_t, coarse_h, indexing="ij"))
-    generator = contourpy.contour_generator(coarse_t, coarse_h, fields("roll_angle", grid).T)
+    generator = contourpy.contour_generator(coarse_t, coarse_h, splines("roll_angle", grid).T)
     index, raw = [], []
     for i, level in enumerate(levels):
         for piece in generator.lines(float(level)):
             polyline = np.asarray(piece).T
             steps = np.hypot(*np.diff(polyline, axis=1))
             measure = np.concatenate([[0.0], np.cumsum(steps)])
-            if measure[-1] > SHORTEST:
+            if measure[-1] > LENGTH_RATIO_LIMIT:
                 index.append(i)
-                raw.append(_resample(polyline, measure, DENSE))
+                raw.append(_resample(polyline, measure, POINTS_PER_LINE))
     if not raw:
-        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, DENSE)), np.zeros(0))
-    return _clip(fields, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
+        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
+    return _clip(splines, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
 
 
-def _clip(fields: FlankFields, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
-    """Keep the parts of the curves (2, m, DENSE) inside the boundary, with exact ends."""
-    points = _onto_level(fields, points, levels[index][:, None])
-    distance = boundary_distance(fields, points)
+def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
+    """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
+    points = _onto_level(splines, points, levels[index][:, None])
+    distance = boundary_distance(splines, points)
     kept_index, starts, ends = [], [], []
     for row, inside in enumerate(distance > 0.0):
         edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
         for first, beyond in edges.reshape(-1, 2):
             kept_index.append(row)
             starts.append((first, max(first - 1, 0)))
-            ends.append((beyond - 1, min(beyond, DENSE - 1)))
+            ends.append((beyond - 1, min(beyond, POINTS_PER_LINE - 1)))
     if not kept_index:
-        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, DENSE)), np.zeros(0))
+        return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
     rows = np.array(kept_index)
-    parameter = np.stack([_crossing(fields, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
-    # Lay DENSE points between the two ends, then space them evenly in length.
-    along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, DENSE)
-    pieces = _onto_level(fields, _between(points, rows, along), levels[index[rows]][:, None])
-    length = arc_length(fields, pieces)
-    even = np.stack([_resample(pieces[:, m], length[m], DENSE) for m in range(rows.size)], axis=1)
-    even = _onto_level(fields, even, levels[index[rows]][:, None], steps=2)
-    long_enough = length[:, -1] > SHORTEST * float(np.max(length))
+    parameter = np.stack([_crossing(splines, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
+    # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
+    along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
+    pieces = _onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
+    length = arc_length(splines, pieces)
+    even = np.stack([_resample(pieces[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)], axis=1)
+    even = _onto_level(splines, even, levels[index[rows]][:, None], steps=2)
+    long_enough = length[:, -1] > LENGTH_RATIO_LIMIT * float(np.max(length))
     return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough, -1])
 
 
 def _between(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
-    """Points (2, m, k) at fractional indices ``parameter`` (m, k) along the polylines ``rows`` of (2, n, DENSE)."""
-    low = np.clip(parameter.astype(int), 0, DENSE - 2)
+    """Points (2, m, k) at fractional indices (m, k) along the polylines ``rows`` of (2, n, POINTS_PER_LINE)."""
+    low = np.clip(parameter.astype(int), 0, POINTS_PER_LINE - 2)
     weight = parameter - low
     return np.asarray(points[:, rows[:, None], low] * (1 - weight) + points[:, rows[:, None], low + 1] * weight)
 
 
 def _crossing(
-    fields: FlankFields, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
+    splines: FlankSplines, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
 ) -> Array:
     """Fractional index (m) where each curve crosses the boundary between an inside and an outside point."""
     inside, outside = pairs[:, 0].astype(float), pairs[:, 1].astype(float)
     cut = inside != outside
 
     def distance(parameter: Array) -> Array:
-        here = _onto_level(fields, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
-        return boundary_distance(fields, here)[:, 0]
+        here = _onto_level(splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
+        return boundary_distance(splines, here)[:, 0]
 
     if np.any(cut):
         a, b = inside[cut], outside[cut]
         at_a, at_b = distance(a), distance(b)
-        for _ in range(CROSSING_STEPS):
+        for _ in range(CROSSING_ITERATIONS):
             # False position with the Illinois weights, and a bisection where a hole makes the distance jump.
             with np.errstate(divide="ignore", invalid="ignore"):
                 guess = (a * at_b - b * at_a) / (at_b - at_a)

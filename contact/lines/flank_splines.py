@@ -1,4 +1,4 @@
-"""Smooth functions on the gear flank, through the nodes of a grid: tensor splines of several fields at once."""
+"""Tensor splines of several fields on the gear flank, through the nodes of a grid."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from scipy.interpolate import NdBSpline, RBFInterpolator, make_interp_spline
 from ...core.errors import InputError
 
 Array = NDArray[Any]
-DEGREE = 5
+SPLINE_DEGREE = 5
 
 
 @dataclass(frozen=True)
-class FlankFields:
-    """Named fields on the unit square (lengthwise, profile).
+class FlankSplines:
+    """Splines of named fields on the unit square (lengthwise, profile).
 
     Parameters
     ----------
@@ -85,8 +85,8 @@ class FlankFields:
         return np.asarray(self.holes[i, j], dtype=bool)
 
 
-def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> FlankFields:
-    """Interpolate fields given on a grid.
+def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> FlankSplines:
+    """Splines through fields given on a grid.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
 
     Returns
     -------
-    FlankFields
+    FlankSplines
         The fields as splines of degree five (less on small grids).
 
     Raises
@@ -108,16 +108,18 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
     """
     shape = (lengthwise.size, profile.size)
     if min(shape) < 4:
-        raise InputError(f"the grid has {shape[0]} x {shape[1]} nodes: at least 4 are needed in each direction")
+        raise InputError(f"grid of {shape[0]} x {shape[1]} nodes: must have at least 4 in each direction")
     stacked = np.concatenate([np.reshape(v, (*shape, -1)) for v in fields.values()], axis=2)
     missing = ~np.all(np.isfinite(stacked), axis=2)
     if missing.mean() > 0.5:
-        raise InputError(f"only {100 * (1 - missing.mean()):.0f} % of the grid's nodes have values: too few to go on")
+        raise InputError(
+            f"{100 * (1 - missing.mean()):.0f} % of the grid's nodes have values, too few: must be at least 50 %"
+        )
     if np.any(missing):
         grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
         bridge = RBFInterpolator(grid[~missing], stacked[~missing], neighbors=40, degree=2)
         stacked[missing] = bridge(grid[missing])
-    degrees = [min(DEGREE, n - 1) for n in shape]
+    degrees = [min(SPLINE_DEGREE, n - 1) for n in shape]
     along = make_interp_spline(lengthwise, stacked, k=degrees[0], axis=0)
     across = make_interp_spline(profile, np.moveaxis(along.c, 1, 0), k=degrees[1], axis=0)
     spline = NdBSpline((along.t, across.t), np.ascontiguousarray(np.moveaxis(across.c, 0, 1)), tuple(degrees))
@@ -128,4 +130,4 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
         columns[name] = (slice(start, start + count), shape_of_field)
         start += count
     holes = missing[:-1, :-1] | missing[1:, :-1] | missing[:-1, 1:] | missing[1:, 1:]
-    return FlankFields(spline, columns, holes, np.asarray(lengthwise), np.asarray(profile))
+    return FlankSplines(spline, columns, holes, np.asarray(lengthwise), np.asarray(profile))

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
-from .closest_approach import FARTHEST, one_step
+from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
 from .contact_lines import ContactLines, trace
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
@@ -49,13 +49,13 @@ class MeshLines:
     pinion_pitch: float
 
 
-def lines_in_mesh(fields: FlankFields, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
+def lines_in_mesh(fields: FlankSplines, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
     """Trace the contact lines of every tooth pair that can touch, over one mesh cycle.
 
     Parameters
     ----------
     fields
-        Splines from ``curves.contact_fields``.
+        Splines from ``contact_splines``.
     pinion_pitch
         Angular pitch of the pinion [rad].
     mesh_positions
@@ -81,7 +81,7 @@ def lines_in_mesh(fields: FlankFields, pinion_pitch: float, mesh_positions: int 
     return MeshLines(rotations, lines, position[lines.level], pair[lines.level], pinion_pitch)
 
 
-def lost_contact(fields: FlankFields, mesh: MeshLines) -> float:
+def lost_contact(fields: FlankSplines, mesh: MeshLines) -> float:
     """Share of the points of the contact lines next to which there is no line contact.
 
     There the gap does not open to both sides of the line, or its closest approach would lie so far beside the line
@@ -91,12 +91,12 @@ def lost_contact(fields: FlankFields, mesh: MeshLines) -> float:
     Parameters
     ----------
     fields
-        Splines from ``curves.contact_fields``.
+        Splines from ``contact_splines``.
     mesh
         Contact lines from ``lines_in_mesh``.
     """
     closest = one_step(fields, mesh.lines.points)
-    far = np.max(np.abs(closest.shift), axis=0) > FARTHEST
+    far = np.max(np.abs(closest.shift), axis=0) > SEARCH_RADIUS_LIMIT
     return float(np.mean(far | ~(closest.curvature > 0.0)))
 
 

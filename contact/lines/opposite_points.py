@@ -1,7 +1,7 @@
-"""Which places of the pinion stand opposite places of the gear, in conjugate contact and some rotation from it.
+"""Points of the pinion opposite points of the gear, in conjugate contact and some rotation from it.
 
-Opposite a place of the gear that is in conjugate contact at the pinion rotation Q stands, at the rotation q, the pinion
-point p + p' (q - Q) + p'' (q - Q)^2 / 2, with the derivatives that ``geometry.rolling.drift`` finds.
+Opposite a point of the gear that is in conjugate contact at the pinion rotation Q stands, at the rotation q, the pinion
+point p + p' (q - Q) + p'' (q - Q)^2 / 2, with the derivatives that ``rolling.drift`` finds.
 """
 
 from __future__ import annotations
@@ -13,29 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.newton import cramers_rule, determinant
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
-BEYOND = 0.05  # of the flank; how far the splines are followed in search of a place
-STEPS = 3  # of Newton's method from an estimate of second order
-SEARCH_STEPS = 12
-FOUND = 1e-6  # of the flank
-FRACTIONS = ("pinion_lengthwise", "pinion_profile")
-#: Of the geometry's ``ease_off``, beside what ``contact_fields`` takes: how the pinion passes a place of the gear.
-PASSING = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in FRACTIONS)
+EXTRAPOLATION_LIMIT = 0.05  # fraction of the flank by which a search may leave it
+CORRECTION_ITERATIONS = 3  # of Newton's method from an estimate of second order
+SEARCH_ITERATIONS = 12
+POSITION_TOLERANCE = 1e-6  # fraction of the flank
+PINION_FRACTIONS = ("pinion_lengthwise", "pinion_profile")
+#: Of the geometry's ``ease_off``, beside what ``contact_splines`` takes: how the pinion passes a point of the gear.
+PASSING_FIELDS = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in PINION_FRACTIONS)
 
 
 @dataclass(frozen=True)
-class Opposite:
-    """Fractions on the pinion flank opposite places (n) of the gear.
+class OppositePoints:
+    """Fractions on the pinion flank opposite points (n) of the gear.
 
     Parameters
     ----------
     fractions
         In conjugate contact (2, n).
     slopes
-        Their derivatives by the fractions of the place (2, 2, n).
+        Their derivatives by the fractions of the point (2, 2, n).
     rate, acceleration
         Their derivatives by the pinion rotation (2, n) [1/rad, 1/rad^2].
     """
@@ -46,11 +46,11 @@ class Opposite:
     acceleration: Array
 
     @classmethod
-    def of(cls, fields: FlankFields, places: Array) -> Opposite:
-        """Opposite places (2, n)."""
-        value = np.stack(list(fields.evaluate([*FRACTIONS, *PASSING], places).values()))
-        by_place = [fields.evaluate(list(FRACTIONS), places, d) for d in ((1, 0), (0, 1))]
-        slopes = np.stack([[slope[name] for slope in by_place] for name in FRACTIONS])
+    def of(cls, splines: FlankSplines, points: Array) -> OppositePoints:
+        """Opposite points (2, n)."""
+        value = np.stack(list(splines.evaluate([*PINION_FRACTIONS, *PASSING_FIELDS], points).values()))
+        by_fraction = [splines.evaluate(list(PINION_FRACTIONS), points, d) for d in ((1, 0), (0, 1))]
+        slopes = np.stack([[slope[name] for slope in by_fraction] for name in PINION_FRACTIONS])
         return cls(value[:2], slopes, value[2:4], value[4:])
 
     def after(self, left: Array) -> Array:
@@ -61,33 +61,33 @@ class Opposite:
         return np.asarray(first + rate * left + 0.5 * second * left**2)
 
 
-def conjugate_places(fields: FlankFields, nodes: Array) -> Array:
-    """Places (2, k) on the gear in conjugate contact with places (2, k) of the pinion; NaN where there is none."""
+def conjugate_points(splines: FlankSplines, nodes: Array) -> Array:
+    """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none."""
     lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
-    there = Opposite.of(fields, lattice).fractions
+    there = OppositePoints.of(splines, lattice).fractions
     near = np.argmin(np.sum((there[:, :, None] - nodes[:, None, :]) ** 2, axis=0), axis=0)
-    places = lattice[:, near]
-    for _ in range(SEARCH_STEPS):
-        opposite = Opposite.of(fields, places)
-        places = _within_reach(places + solved(opposite.slopes, nodes - opposite.fractions))
-    found = np.max(np.abs(nodes - Opposite.of(fields, places).fractions), axis=0) < FOUND
-    return np.where(found, places, np.nan)
+    points = lattice[:, near]
+    for _ in range(SEARCH_ITERATIONS):
+        opposite = OppositePoints.of(splines, points)
+        points = _near_flank(points + solved(opposite.slopes, nodes - opposite.fractions))
+    found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
+    return np.where(found, points, np.nan)
 
 
-def places_below(fields: FlankFields, wanted: Array, places: Array, rotations: Array) -> Array:
-    """Places (2, n) on the gear opposite pinion places (2, n) at pinion rotations (n), from places near them."""
-    for _ in range(STEPS):
-        opposite = Opposite.of(fields, places)
-        gradient = np.stack([fields("roll_angle", places, d) for d in ((1, 0), (0, 1))])
-        left = rotations - fields("roll_angle", places)
+def points_below(splines: FlankSplines, wanted: Array, points: Array, rotations: Array) -> Array:
+    """Points (2, n) on the gear opposite pinion points (2, n) at pinion rotations (n), from points near them."""
+    for _ in range(CORRECTION_ITERATIONS):
+        opposite = OppositePoints.of(splines, points)
+        gradient = np.stack([splines("roll_angle", points, d) for d in ((1, 0), (0, 1))])
+        left = rotations - splines("roll_angle", points)
         passing = opposite.rate + opposite.acceleration * left
         slopes = opposite.slopes - passing[:, None] * gradient[None]
-        places = _within_reach(places + solved(slopes, wanted - opposite.after(left)))
-    return places
+        points = _near_flank(points + solved(slopes, wanted - opposite.after(left)))
+    return points
 
 
-def _within_reach(places: Array) -> Array:
-    return np.clip(places, -BEYOND, 1.0 + BEYOND)
+def _near_flank(points: Array) -> Array:
+    return np.clip(points, -EXTRAPOLATION_LIMIT, 1.0 + EXTRAPOLATION_LIMIT)
 
 
 def solved(matrix: Array, right: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The modification that makes loads small or even, as a convex programme (after Conry and Seireg 1973).
+"""Convex programme for the modification that makes loads small or even (after Conry and Seireg 1973).
 
 Loads and rotations being affine functions of the coefficients (see ``load_response``), the greatest line load, the
 greatest of other positive multiples of it, the sum of its squares, and the peak to peak of the rotation are convex
@@ -18,21 +18,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from .load_response import LinearLoads
+from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
 Objective = Literal["peak_load", "peak_pressure", "even_load"]
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
-#: Price of a limit that is passed, per part of it, in units of the objective, which is one at the start.
-PRICE = 10.0
-#: A programme aims below a limit by this part of it, so that the fresh solution does not pass it.
-MARGIN = 1e-3
+#: Price of passing a limit, per share of the limit, in units of the objective, which is one at the start.
+VIOLATION_PRICE = 10.0
+#: Share of a limit by which a programme aims below it, so that the fresh solution does not pass it.
+LIMIT_MARGIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What is asked for, and what must be kept.
+    """Objective and limits of a modification.
 
     The mesh cycles of the loads are numbered through the torques of the first assembly, then those of the next.
 
@@ -51,9 +51,9 @@ class Goal:
     end_load
         Limit of the line load at the ends of the contact lines, for each torque (t) [N/mm]; infinite for none.
     surface
-        The modification at places (s) on the flank for coefficients of one (s, p) [um].
+        The modification at points (s) on the flank for coefficients of one (s, p) [um].
     largest
-        Limit of the modification at these places [um].
+        Limit of the modification at these points [um].
     """
 
     objective: Objective
@@ -67,7 +67,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Value:
-    """How a modification fares.
+    """Objective and violation of the limits that a modification reaches.
 
     Parameters
     ----------
@@ -83,12 +83,12 @@ class Value:
     @property
     def merit(self) -> float:
         """Objective with the price of the violation."""
-        return self.objective + PRICE * self.violation
+        return self.objective + VIOLATION_PRICE * self.violation
 
 
 @dataclass(frozen=True, eq=False)
 class ProgrammeAnswer:
-    """What came of one convex programme.
+    """Answer of one convex programme.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class ProgrammeAnswer:
     step
         Change of the coefficients (p) [um], NaN if there is none.
     value
-        What the programme promises.
+        Value that the programme predicts.
     """
 
     status: str
@@ -106,11 +106,11 @@ class ProgrammeAnswer:
 
     @property
     def solved(self) -> bool:
-        """Whether there is an answer."""
+        """Whether the programme gave a step."""
         return bool(np.isfinite(self.step).all())
 
 
-def figures(loads: LinearLoads, objective: Objective) -> Array:
+def figures(loads: LoadResponse, objective: Objective) -> Array:
     """The objective of each mesh cycle (c), in its own units.
 
     N/mm for the load, its root over mm for the pressure, which is proportional to it, and N/mm^0.5 for the evenness.
@@ -123,14 +123,14 @@ def figures(loads: LinearLoads, objective: Objective) -> Array:
     return np.sqrt(values) if objective == "peak_pressure" else values
 
 
-def end_loads(loads: LinearLoads) -> Array:
+def end_loads(loads: LoadResponse) -> Array:
     """Greatest line load at the ends of the contact lines in each mesh cycle (c) [N/mm]; negative if all are clear."""
     values = np.full(1 + loads.cycle.max(), -np.inf)
     np.maximum.at(values, loads.cycle[loads.at_end], loads.line_load[loads.at_end])
     return values
 
 
-def peak_to_peaks(loads: LinearLoads) -> Array:
+def peak_to_peaks(loads: LoadResponse) -> Array:
     """Peak to peak of the rotation in each mesh cycle (c) [urad]."""
     return np.array([np.ptp(loads.rotation[loads.rotation_cycle == c]) for c in range(1 + loads.cycle.max())])
 
@@ -140,8 +140,8 @@ def worst_assembly(values: Array, torques: int) -> Array:
     return np.asarray(values.reshape(-1, torques).max(axis=0))
 
 
-def judged(loads: LinearLoads, goal: Goal) -> Value:
-    """How solved loads fare."""
+def judged(loads: LoadResponse, goal: Goal) -> Value:
+    """Value of solved loads."""
     torques = goal.reference.size
     reached = worst_assembly(figures(loads, goal.objective), torques) / goal.reference
     end = (worst_assembly(end_loads(loads), torques) - goal.end_load) / goal.load_reference
@@ -149,7 +149,7 @@ def judged(loads: LinearLoads, goal: Goal) -> Value:
     return Value(float(reached.max()), max(float(end.max()), float(ripple.max()), 0.0))
 
 
-def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: float) -> ProgrammeAnswer:
+def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach: float) -> ProgrammeAnswer:
     """Find the best change of the coefficients while the same segments touch.
 
     Parameters
@@ -187,13 +187,15 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
         ends = here & loads.at_end
         if np.isfinite(limit):
             excess = (loads.line_load[ends] - limit) / reference
-            conditions.append(excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - MARGIN)
+            conditions.append(
+                excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - LIMIT_MARGIN
+            )
         if np.isfinite(goal.transmission_error):
             now = loads.rotation_cycle == cycle
             level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error
             error = level + reach / goal.transmission_error * loads.rotation_slope[now] @ step
-            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - MARGIN + violation)
-    programme = cvxpy.Problem(cvxpy.Minimize(worst + PRICE * violation), conditions)
+            conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - LIMIT_MARGIN + violation)
+    programme = cvxpy.Problem(cvxpy.Minimize(worst + VIOLATION_PRICE * violation), conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -207,7 +209,7 @@ def solve_programme(loads: LinearLoads, goal: Goal, coefficients: Array, reach: 
     return ProgrammeAnswer(str(programme.status), reach * np.asarray(step.value, dtype=np.float64), promise)
 
 
-def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
+def _objective(cvxpy: Any, loads: LoadResponse, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
     """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
     reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
     if goal.objective == "even_load":
@@ -222,12 +224,12 @@ def _objective(cvxpy: Any, loads: LinearLoads, here: NDArray[np.bool_], goal: Go
 
 
 def _squared(goal: Goal) -> bool:
-    """Whether the programme sees the square of the objective: that of the pressure is affine in the line load."""
+    """Whether the programme works with the square of the objective: the squared pressure is affine in the line load."""
     return goal.objective == "peak_pressure"
 
 
-def _multiple(loads: LinearLoads, objective: Objective) -> Array:
-    """What line loads are multiplied by in the objective (n): the squared pressure goes with load times curvature."""
+def _multiple(loads: LoadResponse, objective: Objective) -> Array:
+    """Factor of the line loads in the objective (n): the squared pressure is proportional to load times curvature."""
     return loads.curvature if objective == "peak_pressure" else np.ones(loads.line_load.size)
 
 
@@ -246,4 +248,4 @@ def checked_objective(name: str) -> Objective:
     for objective in OBJECTIVES:
         if objective == name:
             return objective
-    raise InputError(f"objective = {name!r}: allowed are {', '.join(OBJECTIVES)}")
+    raise InputError(f"objective = {name!r}: must be one of {', '.join(OBJECTIVES)}")

@@ -1,4 +1,4 @@
-"""How loads and rotation answer to a change of the separation, as long as the same segments touch.
+"""Response of loads and rotation to a change of the separation, while the same segments touch.
 
 On the segments A in contact the gap is zero, elsewhere the force is. With the separation S + B m the conditions
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Derivatives of a contact problem's solution by p coefficients of its separation, the contact region held.
+    """Derivatives of a contact problem's solution by p coefficients of its separation, for a fixed contact region.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separ
 
 
 def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torque: float) -> tuple[Array, float]:
-    """Forces [N], also pulling ones, and rotation [rad] that close the gap of all segments (n).
+    """Forces [N], pulling ones allowed, and rotation [rad] that close the gap of all segments (n).
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torq
 
 
 @dataclass(frozen=True, eq=False)
-class LinearLoads:
+class LoadResponse:
     """Line loads (n) and rotations (m) of many contact problems as affine functions of p coefficients.
 
     Where there is no contact the line load is negative: minus the gap over what the segment yields. It turns positive
@@ -127,12 +127,12 @@ class LinearLoads:
         return np.maximum(self.line_load, 0.0)
 
 
-def stacked(parts: Sequence[LinearLoads]) -> LinearLoads:
-    """All parts one after the other."""
-    return LinearLoads(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(LinearLoads)))
+def stacked(parts: Sequence[LoadResponse]) -> LoadResponse:
+    """Concatenate the loads of many contact problems."""
+    return LoadResponse(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(LoadResponse)))
 
 
-def linear_loads(
+def load_response(
     compliance: Array,
     lever_arm: Array,
     force: Array,
@@ -145,7 +145,7 @@ def linear_loads(
     at_end: NDArray[np.bool_],
     cycle: int,
     held: bool = False,
-) -> LinearLoads:
+) -> LoadResponse:
     """One solved contact problem as affine functions of the coefficients.
 
     Parameters
@@ -159,7 +159,7 @@ def linear_loads(
     separation
         Derivatives of the separation (n, p) [mm per unit].
     length, curvature, at_end, cycle
-        See ``LinearLoads``.
+        See ``LoadResponse``.
     held
         Whether all segments are held in contact, by pulling if need be, see ``held_in_contact``.
     """
@@ -167,7 +167,7 @@ def linear_loads(
     slope = slopes(compliance, lever_arm, active, separation)
     would_be = np.where(active, force, -np.maximum(gap, 0.0) / slope.yielding)
     would_be_slope = np.where(active[:, None], slope.force, -slope.gap / slope.yielding[:, None])
-    return LinearLoads(
+    return LoadResponse(
         line_load=would_be / length,
         line_load_slope=would_be_slope / length[:, None],
         touching=active,

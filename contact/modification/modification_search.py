@@ -1,4 +1,4 @@
-"""One convex programme after another, each at the contact regions of the last accepted modification.
+"""Search for the best modification by convex programmes, each at the contact regions of the last accepted one.
 
 A programme is exact while its contact regions hold. Where they change it promises too much or too little, so its
 answer is solved afresh, and taken only if it is better; else the next programme may not reach as far.
@@ -17,26 +17,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .convex_programme import Goal, Value, judged, solve_programme
-from .load_response import LinearLoads
+from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
 
-#: Of the promised gain, what must come true for the step to be taken, and for the next one to reach farther.
-TAKEN, GOOD = 0.1, 0.75
-#: First and shortest reach [um].
-REACH, SHORTEST_REACH = 8.0, 0.01
+#: Least ratios of the gain to the promised one for a step to be taken, and for the next one to reach farther.
+TAKEN_GAIN_RATIO, GOOD_GAIN_RATIO = 0.1, 0.75
+#: Reach of the first programme, and reach at which a search ends [um].
+FIRST_REACH, REACH_LIMIT = 8.0, 0.01
 #: A promise below this, or in proportion within a shorter reach than the first, ends the search.
-LEAST_GAIN = 1e-4
+GAIN_TOLERANCE = 1e-4
 #: Programmes that may mend a step which gained but broke a limit, and how far they reach in proportion.
-MENDINGS, MENDING_REACH = 2, 0.25
+MENDING_LIMIT, MENDING_REACH_RATIO = 2, 0.25
 
 Start = Literal["full_contact", "present"]
-NOTHING = Value(np.nan, np.nan)
+NO_VALUE = Value(np.nan, np.nan)
 
 
 @dataclass(frozen=True)
 class Step:
-    """One programme and what came of it.
+    """One programme of a search and its outcome.
 
     Parameters
     ----------
@@ -66,8 +66,8 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
-    """The end of a search.
+class ModificationSearch:
+    """Result of a search.
 
     Parameters
     ----------
@@ -84,22 +84,22 @@ class Search:
     """
 
     coefficients: Array
-    loads: LinearLoads
+    loads: LoadResponse
     value: Value
     steps: tuple[Step, ...]
     converged: bool
 
 
 def search(
-    solved: Callable[[Array], LinearLoads | None],
-    start: LinearLoads,
+    solved: Callable[[Array], LoadResponse | None],
+    start: LoadResponse,
     goal: Goal,
     *,
     coefficients: Array | None = None,
     programmes: int = 40,
-    reach: float = REACH,
+    reach: float = FIRST_REACH,
     progress: Callable[[], None] | None = None,
-) -> Search:
+) -> ModificationSearch:
     """Improve a modification until no convex programme promises a gain.
 
     Parameters
@@ -121,49 +121,49 @@ def search(
 
     Returns
     -------
-    Search
+    ModificationSearch
         Never of a higher merit than the start: if that keeps the limits, no torque fares worse.
     """
     first = np.zeros(goal.surface.shape[1]) if coefficients is None else coefficients
     best = _Point(first, start, judged(start, goal))
     steps: list[Step] = []
     converged = False
-    while len(steps) < programmes and not converged and reach >= SHORTEST_REACH:
+    while len(steps) < programmes and not converged and reach >= REACH_LIMIT:
         here, gain = best, 0.0
-        for mending in range(1 + MENDINGS):
-            span = reach * MENDING_REACH**mending
+        for mending in range(1 + MENDING_LIMIT):
+            span = reach * MENDING_REACH_RATIO**mending
             answer = solve_programme(here.loads, goal, here.coefficients, span)
             if mending == 0:
                 gain = best.value.merit - answer.value.merit
-                converged = answer.solved and gain < LEAST_GAIN * min(1.0, reach / REACH)
+                converged = answer.solved and gain < GAIN_TOLERANCE * min(1.0, reach / FIRST_REACH)
             found = None if converged or not answer.solved else solved(here.coefficients + answer.step)
-            fresh = NOTHING if found is None else judged(found, goal)
+            fresh = NO_VALUE if found is None else judged(found, goal)
             came_true = (best.value.merit - fresh.merit) / gain
-            steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN, mending > 0))
+            steps.append(Step(answer.status, span, answer.value, fresh, came_true > TAKEN_GAIN_RATIO, mending > 0))
             if progress is not None:
                 progress()
             if found is None:
                 break
             here = _Point(here.coefficients + answer.step, found, fresh)
-            if came_true > TAKEN or fresh.violation <= best.value.violation:
+            if came_true > TAKEN_GAIN_RATIO or fresh.violation <= best.value.violation:
                 break
         if steps[-1].accepted:
             best = here
-            reach *= 2.0 if came_true > GOOD and not steps[-1].mending else 1.0
+            reach *= 2.0 if came_true > GOOD_GAIN_RATIO and not steps[-1].mending else 1.0
         else:
             reach *= 0.25
-    return Search(best.coefficients, best.loads, best.value, tuple(steps), converged)
+    return ModificationSearch(best.coefficients, best.loads, best.value, tuple(steps), converged)
 
 
 def optimal_modification(
-    solved: Callable[[Array], LinearLoads | None],
-    start: LinearLoads,
-    held: LinearLoads,
+    solved: Callable[[Array], LoadResponse | None],
+    start: LoadResponse,
+    held: LoadResponse,
     goal: Goal,
     *,
     programmes: int = 40,
     progress: Callable[[], None] | None = None,
-) -> Search:
+) -> ModificationSearch:
     """Search from the programme of full contact and from no modification, and keep the better end.
 
     Parameters
@@ -175,14 +175,14 @@ def optimal_modification(
 
     Returns
     -------
-    Search
+    ModificationSearch
         Never of a higher merit than the start; with the steps of both searches.
     """
     none = np.zeros(goal.surface.shape[1])
     whole = 2.0 * goal.largest
     answer = solve_programme(held, goal, none, whole)
     found = solved(answer.step) if answer.solved else None
-    fresh = NOTHING if found is None else judged(found, goal)
+    fresh = NO_VALUE if found is None else judged(found, goal)
     steps = [Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")]
     ends = [search(solved, start, goal, programmes=programmes, progress=progress)]
     if found is not None:
@@ -198,5 +198,5 @@ class _Point:
     """A modification, solved."""
 
     coefficients: Array
-    loads: LinearLoads
+    loads: LoadResponse
     value: Value

@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 from ...geometry.pair.gear_pair import PairGeometry
 from ...geometry.pair.modification import Modification, basis, modified_ease_off
-from ..compliance.elastic_pair import ElasticModel, ElasticTooth, elastic_teeth
+from ..compliance.elastic_model import ElasticModel, ElasticTooth, elastic_teeth
 from ..lines.closest_approach import closest_approach
-from ..lines.flank_splines import FlankFields
+from ..lines.flank_splines import FlankSplines
 from ..lines.mesh_lines import MeshLines, gauss_points, lines_in_mesh
-from ..loaded import all_segments, loaded_fields, solve_all
+from ..loaded import all_segments, loaded_splines, solve_all
 from ..loaded_cases import Segments
 from ..solvers import Status
-from .load_response import LinearLoads, held_in_contact, linear_loads, stacked
+from .load_response import LoadResponse, held_in_contact, load_response, stacked
 
 Array = NDArray[Any]
 
 
-def separation_slopes(fields: FlankFields, mesh: MeshLines, count: int, names: tuple[str, ...]) -> list[Array]:
+def separation_slopes(fields: FlankSplines, mesh: MeshLines, count: int, names: tuple[str, ...]) -> list[Array]:
     """Derivatives of every segment's separation by the coefficients of a modification.
 
     A gap at its smallest does not change, to first order, with the place where it is taken: the derivative is the
@@ -33,7 +33,7 @@ def separation_slopes(fields: FlankFields, mesh: MeshLines, count: int, names: t
     Parameters
     ----------
     fields
-        Splines from ``loaded_fields``.
+        Splines from ``loaded_splines``.
     mesh
         Contact lines.
     count
@@ -102,7 +102,7 @@ class ModifiedContact:
         """The modification with these coefficients (p) [um]."""
         return Modification(dict(zip(self.names, map(float, coefficients), strict=True)))
 
-    def loads(self, coefficients: Array, cycle: int = 0) -> LinearLoads | None:
+    def loads(self, coefficients: Array, cycle: int = 0) -> LoadResponse | None:
         """Solve the loaded contact afresh, certified, and find how it changes with the coefficients.
 
         Parameters
@@ -114,7 +114,7 @@ class ModifiedContact:
 
         Returns
         -------
-        LinearLoads or None
+        LoadResponse or None
             ``None`` if a torque has a mesh position without a certified solution.
         """
         segments, slopes = self._segments(coefficients)
@@ -130,7 +130,7 @@ class ModifiedContact:
             parts.append(self._linear(here, _compliance(here, local), outcome, slope, cycle + case.torque))
         return stacked(parts)
 
-    def held(self, coefficients: Array, cycle: int = 0) -> LinearLoads:
+    def held(self, coefficients: Array, cycle: int = 0) -> LoadResponse:
         """As ``loads``, all segments held in contact, with the local compliance of even load."""
         segments, slopes = self._segments(coefficients)
         parts = []
@@ -164,9 +164,9 @@ class ModifiedContact:
         cycle: int,
         *,
         held: bool = False,
-    ) -> LinearLoads:
+    ) -> LoadResponse:
         number = np.arange(here.length.size) % self.segments_per_line
-        return linear_loads(
+        return load_response(
             compliance,
             here.lever_arm,
             *outcome,
@@ -185,5 +185,5 @@ def _compliance(here: Segments, local: Array) -> Array:
     return np.asarray(factor @ factor.T + np.diag(local))
 
 
-def _fields(geometry: PairGeometry, ease_off: xr.Dataset) -> FlankFields:
-    return loaded_fields(geometry.flanks, ease_off, geometry.teeth)
+def _fields(geometry: PairGeometry, ease_off: xr.Dataset) -> FlankSplines:
+    return loaded_splines(geometry.flanks, ease_off, geometry.teeth)

@@ -1,63 +1,14 @@
-"""Simulated measurement of a flank: its distances from nominal points along their normals."""
+"""Deviations as a measuring machine states them: zero at the reference point in the middle of the flank."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..flanks.blank_section import BlankSection
-from ..flanks.flank import nearest_seeds, seed_lattice, solve_flank
-from ..newton import complex_steps, solve
+from ..flanks.flank import solve_flank
 from .deviation import Deviation
-
-Array = NDArray[Any]
-NEWTON_STEP_LIMIT = 20
-
-
-def distance_along_normals(surface: GeneratingSurface, section: BlankSection, position: Array, normal: Array) -> Array:
-    """Distances of a flank from nominal points, along their normals.
-
-    Parameters
-    ----------
-    surface, section
-        The flank as it is, and its blank.
-    position, normal
-        Nominal points [mm] and outward unit normals (3, n), in the member's frame.
-
-    Returns
-    -------
-    Array
-        Distance along each normal (n) [mm], positive where the flank has more metal.
-
-    Raises
-    ------
-    GeometryError
-        If a normal misses the flank.
-    """
-    lattice, _ = seed_lattice(surface, section)
-    target = np.stack([position[2], np.hypot(position[0], position[1])])
-    start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
-    near = solve(surface.axial_and_radial, start, target, surface.max_step)
-    unknowns = np.concatenate([near.parameters, np.zeros((1, position.shape[1]))])
-    for _ in range(NEWTON_STEP_LIMIT):
-        found, slopes = complex_steps(lambda p: surface.evaluate(p)[0], unknowns[:2])
-        jacobian = np.concatenate([slopes, -normal[None]]).transpose(2, 1, 0)
-        error = found - position - unknowns[2] * normal
-        if np.max(np.abs(error)) < 1e-12 * np.max(np.abs(position)):
-            return np.asarray(unknowns[2])
-        # A start that ran away has no finite or no regular Jacobian: there is nothing to step from.
-        if not np.all(np.linalg.det(jacobian) != 0.0) or not np.all(np.isfinite(jacobian)):
-            break
-        unknowns += -np.linalg.solve(jacobian, error.T[..., None])[..., 0].T
-    raise GeometryError(
-        f"the normal of a nominal point misses the flank: {float(np.nanmax(np.abs(error))):.3g} mm are left between "
-        "them. Do the points belong to this flank, in this position?"
-    )
 
 
 def zeroed(deviation: Deviation, surface: GeneratingSurface) -> Deviation:

@@ -53,18 +53,6 @@ class LatticeSpacing:
         """Even along the face, smaller bricks near the fillet, thin ones at both sides."""
         return cls(graded(size.lengthwise, 1.0), graded(size.upward, 1.5), _both_ends(size.through))
 
-    def thinner_edges(self, ratio: float) -> LatticeSpacing:
-        """The same number of bricks, those at tip, toe and heel thinner by a ratio, the next by its square root."""
-        heel = _thinner_end(self.lengthwise, ratio)
-        both = 1.0 - _thinner_end((1.0 - heel)[::-1], ratio)[::-1]
-        return LatticeSpacing(both, _thinner_end(self.upward, ratio), self.through)
-
-
-def _thinner_end(fractions: Array, ratio: float) -> Array:
-    sizes = np.diff(fractions[::2])
-    sizes[-2:] *= np.array([np.sqrt(ratio), ratio])[-sizes.size :]
-    return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
-
 
 def _both_ends(count: int) -> Array:
     """Fractions (2 count + 1) from side to side, with thinner bricks at both."""

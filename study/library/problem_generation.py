@@ -10,11 +10,11 @@ import numpy as np
 
 from ...cases.conversion import elastic_model
 from ...cases.reading import read_case
-from ...contact.compliance.elastic_pair import ElasticModel
+from ...contact.compliance.elastic_model import ElasticModel
 from ...contact.lines.contact_lines import ContactLines
-from ...contact.lines.flank_splines import FlankFields
+from ...contact.lines.flank_splines import FlankSplines
 from ...contact.lines.mesh_lines import MeshLines, lines_in_mesh
-from ...contact.loaded import all_segments, loaded_fields, solve_all
+from ...contact.loaded import all_segments, loaded_splines, solve_all
 from ...contact.problem.contact_problem import ContactProblem
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Misalignment
@@ -69,7 +69,7 @@ def dense(problem: ContactProblem) -> ContactProblem:
 class _Mesh:
     """What all instants of a pair have in common."""
 
-    fields: FlankFields
+    fields: FlankSplines
     teeth: Any
     model: ElasticModel
     ratio: float
@@ -80,7 +80,7 @@ def _mesh(source: Source) -> _Mesh:
     case = read_case(source.case)
     pair = prepared_pair(case, source.flank, Misalignment(source.offset_error, source.pinion_axial_error))
     geometry = pair_geometry(pair, (case.contact.lengthwise_nodes, case.contact.profile_nodes))
-    fields = loaded_fields(geometry.flanks, geometry.ease_off, geometry.teeth)
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     lines = lines_in_mesh(fields, pair.assembly.pinion_pitch, MESH_POSITIONS)
     return _Mesh(fields, geometry.teeth, elastic_model(case), pair.assembly.ratio, lines)
 

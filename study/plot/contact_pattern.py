@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
-from ...contact.lines.flank_splines import FlankFields
+from ...contact.lines.flank_splines import FlankSplines
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
 from .tooth_passage import ToothPassage, tooth_passage
 from .tooth_view import ToothView, draw_flank
@@ -70,7 +70,7 @@ class ContactPattern:
     ranges: tuple[CarryingRange, ...]
 
 
-def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> ContactPattern:
+def contact_pattern(unloaded: xr.Dataset, fields: FlankSplines) -> ContactPattern:
     """Contact pattern of a result.
 
     Parameters
@@ -102,7 +102,7 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankFields) -> ContactPattern
     return ContactPattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
 
 
-def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
+def on_common_flank(fields: FlankSplines, path: Array, ends: Array) -> Array:
     """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
 
     In edge contact the closest approach lies beyond the edge. The gap is a valley along the contact line, whose ends
@@ -135,7 +135,7 @@ def on_common_flank(fields: FlankFields, path: Array, ends: Array) -> Array:
     return result
 
 
-def _outside(fields: FlankFields, points: Array) -> NDArray[np.bool_]:
+def _outside(fields: FlankSplines, points: Array) -> NDArray[np.bool_]:
     """Whether points (2, ...) lie beyond the common flank (...)."""
     beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
     return np.asarray(beyond_gear | (boundary_distance(fields, points) < 0.0))
@@ -151,7 +151,7 @@ def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
     return np.array([step + direction * here / (here - beyond)])
 
 
-def bent_lines(fields: FlankFields, ends: Array, steps: int = 3) -> Array:
+def bent_lines(fields: FlankSplines, ends: Array, steps: int = 3) -> Array:
     """Contact lines (m, 2, LINE_POINT_COUNT) between their ends (m, end, 2), as fractions.
 
     The chord between the ends is moved along the gradient of the roll angle onto the level of the ends.

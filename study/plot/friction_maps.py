@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ...contact.lines.contact_lines import boundary_distance
 from ...friction import FrictionModel
 from ...friction.operation import named_models
-from ...friction.surface_velocities import action_fields, axes_of, surface_velocities
+from ...friction.surface_velocities import action_splines, axes_of, surface_velocities
 from .contour_labels import (
     drop_short,
     number_lines,
@@ -86,7 +86,7 @@ def velocity_maps(
     model = model or FrictionModel()
     ease_off = tree["ease_off"].to_dataset()
     grid = fine_grid(GRID).reshape(2, -1)
-    found = surface_velocities(axes_of(ease_off), action_fields(ease_off), grid)
+    found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid)
     omega = speed * 2.0 * np.pi / 60.0
     fields = {
         "rolling_velocity": np.abs(model.rolling(found)) * omega,

@@ -17,8 +17,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
-from ...contact.lines.contact_lines import boundary_distance, contact_fields
-from ...contact.lines.flank_splines import FlankFields
+from ...contact.lines.contact_lines import boundary_distance, contact_splines
+from ...contact.lines.flank_splines import FlankSplines
 from .page import GREY, INK, PAPER, SMALL_SIZE
 
 Array = NDArray[Any]
@@ -42,7 +42,7 @@ class ToothView:
     """
 
     coefficients: Array
-    fields: FlankFields
+    fields: FlankSplines
     common: tuple[Array, ...]
 
     def in_plane(self, points: Array) -> Array:
@@ -83,7 +83,7 @@ def tooth_view(tree: xr.DataTree) -> ToothView:
         If fewer than half of the flank's nodes have values.
     """
     flanks, ease_off = tree["flanks"].to_dataset(), tree["ease_off"].to_dataset()
-    fields = contact_fields(flanks, ease_off)
+    fields = contact_splines(flanks, ease_off)
     return ToothView(plane_coefficients(flanks), fields, common_flank(fields))
 
 
@@ -116,7 +116,7 @@ def fine_grid(shape: tuple[int, int] = FINE_GRID) -> Array:
     return np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
 
 
-def common_flank(fields: FlankFields) -> tuple[Array, ...]:
+def common_flank(fields: FlankSplines) -> tuple[Array, ...]:
     """Closed curves (2, k) around the part of the flank that meets the pinion's, as fractions."""
     grid = fine_grid()
     # A frame of outside points just beyond the edges closes every curve.

@@ -1,4 +1,4 @@
-"""Arrays kept on disk under a key, so that no tooth is factored twice; the least used go when the folder is full."""
+"""Arrays kept on disk under a key, so that no tooth is factored twice; a full folder loses those longest unused."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from ....core.files import whole_file
 
 Array = NDArray[Any]
 FOLDER_VARIABLE = "EASEOFF_CACHE"
-LARGEST_FOLDER = 500e6  # [bytes], some fifty pairs
-KEY_DIGITS = 40
+FOLDER_SIZE_LIMIT = 500e6  # [bytes], about fifty pairs
+KEY_LENGTH = 40
 
 
 def cache_folder() -> Path | None:
-    """Where arrays are kept: ``EASEOFF_CACHE``, else the user's cache folder; ``None`` if that variable is empty."""
+    """Folder of the arrays: ``EASEOFF_CACHE``, else the user's cache folder; ``None`` if that variable is empty."""
     named = os.environ.get(FOLDER_VARIABLE)
     if named is not None:
         return Path(named) if named else None
@@ -33,7 +33,7 @@ def cache_folder() -> Path | None:
 
 
 def key_of(*parts: Any) -> str:
-    """Hexadecimal key of arrays and of everything else by its ``repr``."""
+    """Hexadecimal key of arrays by their values and of anything else by its ``repr``."""
     digest = hashlib.sha256()
     for part in parts:
         if isinstance(part, np.ndarray):
@@ -41,13 +41,13 @@ def key_of(*parts: Any) -> str:
             digest.update(np.ascontiguousarray(part).tobytes())
         else:
             digest.update(repr(part).encode())
-    return digest.hexdigest()[:KEY_DIGITS]
+    return digest.hexdigest()[:KEY_LENGTH]
 
 
 def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
-    """Arrays by name, read if they are there, else made and kept.
+    """Arrays by name, read from disk if they are there, else made and kept.
 
-    Of more than ``LARGEST_FOLDER`` bytes those not asked for the longest are deleted. A file that cannot be read is
+    Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file that cannot be read is
     made anew. If it cannot be written, a warning says so, and the arrays are returned all the same.
 
     Parameters
@@ -80,15 +80,15 @@ def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
 
 
 def _make_room(folder: Path, newest: Path) -> None:
-    """Delete the files longest unused, but for the newest, until the rest fits."""
+    """Delete the files longest unused, except the newest, until the rest fits."""
     files = []
-    for path in folder.glob(f"{'[0-9a-f]' * KEY_DIGITS}.npz"):
+    for path in folder.glob(f"{'[0-9a-f]' * KEY_LENGTH}.npz"):
         with contextlib.suppress(OSError):  # another run may have deleted it just now
             status = path.stat()
             files.append((status.st_mtime, status.st_size, path))
     total = sum(size for _, size, _ in files)
     for _, size, path in sorted(files):
-        if total <= LARGEST_FOLDER:
+        if total <= FOLDER_SIZE_LIMIT:
             return
         if path != newest:
             with contextlib.suppress(OSError):

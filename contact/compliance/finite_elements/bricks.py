@@ -6,19 +6,20 @@ Lame terms and the Laplacian are entries of H in another order. That makes the a
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from ....core.errors import GeometryError, InputError
+from ....core.errors import GeometryError
 from ..material import Material
 
 Array = NDArray[Any]
-GAUSS = 3  # points in each direction: exact for a brick with straight edges
-BATCH = 256  # bricks at a time, to bound the memory
+GAUSS_POINTS = 3  # in each direction: exact for a brick with straight edges
+BRICKS_PER_BATCH = 256  # bounds the memory
+ShapeFunctions = Callable[[Array], tuple[Array, Array]]
 
 
 def quadratic(x: Array) -> tuple[Array, Array]:
@@ -28,48 +29,20 @@ def quadratic(x: Array) -> tuple[Array, Array]:
     return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
 
 
-def shape_functions(points: Array, nodes: int = 27) -> tuple[Array, Array]:
+def shape_functions(points: Array) -> tuple[Array, Array]:
     """Shape functions (n, 27) and their gradients (n, 27, 3) at points (n, 3) of the cube from -1 to 1.
 
-    Nodes are in the order of an array (3, 3, 3). With ``nodes = 20`` the functions are those of the serendipity brick;
-    the columns of the seven nodes it lacks are zero.
-
-    Raises
-    ------
-    InputError
-        For another number of nodes.
+    Nodes are in the order of an array (3, 3, 3).
     """
     (a, da), (b, db), (c, dc) = (quadratic(points[:, k]) for k in range(3))
 
     def product(x: Array, y: Array, z: Array) -> Array:
         return np.asarray(np.einsum("ni,nj,nk->nijk", x, y, z).reshape(len(points), 27))
 
-    values = product(a, b, c)
-    gradients = np.stack([product(da, b, c), product(a, db, c), product(a, b, dc)], axis=2)
-    if nodes == 27:
-        return values, gradients
-    if nodes != 20:
-        raise InputError(f"a quadratic brick has 20 or 27 nodes; got {nodes}")
-    fewer = _serendipity()
-    return values @ fewer, np.einsum("nak,ab->nbk", gradients, fewer)
+    return product(a, b, c), np.stack([product(da, b, c), product(a, db, c), product(a, b, dc)], axis=2)
 
 
-@cache
-def _serendipity() -> Array:
-    """Values (27, 27) of the 20 functions at all 27 nodes, zero for the nodes they lack."""
-    place = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(27, 3)
-    values = np.zeros((27, 27))
-    for node, at in enumerate(place):
-        zero = np.flatnonzero(at == 0.0)
-        linear = np.prod(1.0 + np.delete(place, zero, axis=1) * np.delete(at, zero), axis=1)
-        if zero.size == 0:
-            values[:, node] = linear * (place @ at - 2.0) / 8.0
-        elif zero.size == 1:
-            values[:, node] = linear * (1.0 - place[:, zero[0]] ** 2) / 4.0
-    return values
-
-
-def gauss_rule(count: int = GAUSS) -> tuple[Array, Array]:
+def gauss_rule(count: int = GAUSS_POINTS) -> tuple[Array, Array]:
     """Points (count^3, 3) and weights of the cube from -1 to 1."""
     x, w = np.polynomial.legendre.leggauss(count)
     points = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -85,7 +58,9 @@ def brick_gradients(corners: Array, gradients: Array) -> tuple[Array, Array]:
     return gradients @ np.linalg.inv(safe), determinant
 
 
-def stiffness(nodes: Array, cells: NDArray[np.int64], material: Material, brick_nodes: int = 27) -> csc_array:
+def stiffness(
+    nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
+) -> csc_array:
     """Stiffness matrix of a body of bricks.
 
     Parameters
@@ -96,8 +71,8 @@ def stiffness(nodes: Array, cells: NDArray[np.int64], material: Material, brick_
         Nodes (m, 3, 3, 3) of every brick.
     material
         Its material.
-    brick_nodes
-        27, or 20 for the serendipity brick, which leaves rows of zeros for the nodes it lacks.
+    functions
+        Shape functions of a brick; a node without one gets rows of zeros.
 
     Returns
     -------
@@ -110,15 +85,15 @@ def stiffness(nodes: Array, cells: NDArray[np.int64], material: Material, brick_
         If a brick is turned inside out somewhere.
     """
     points, weights = gauss_rule()
-    _, gradients = shape_functions(points, brick_nodes)
+    _, gradients = functions(points)
     flat = cells.reshape(-1, 27)
     young, nu = material.elastic_modulus, material.poisson_ratio
     first, shear = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * young / (1.0 + nu)
     used = np.flatnonzero(np.abs(gradients).sum(axis=(0, 2)) > 0.0)
     size = 3 * used.size
     entries = np.empty((len(flat), size, size))
-    for start in range(0, len(flat), BATCH):
-        batch = slice(start, start + BATCH)
+    for start in range(0, len(flat), BRICKS_PER_BATCH):
+        batch = slice(start, start + BRICKS_PER_BATCH)
         spatial, determinant = brick_gradients(nodes[flat[batch]], gradients)
         inside_out = np.flatnonzero(np.any(determinant <= 0.0, axis=1))
         if inside_out.size:

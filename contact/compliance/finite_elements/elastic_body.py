@@ -1,4 +1,4 @@
-"""One tooth on its body: held, factored once, and asked for the work of loads on each other's displacements."""
+"""Finite elements of a tooth on its body, factored once for the response to any loads."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ..material import Material
-from .bricks import stiffness
+from .bricks import ShapeFunctions, shape_functions, stiffness
 from .stiffness_factor import Factoriser, solve_in_parts, solver_of
 
 Array = NDArray[Any]
@@ -40,7 +40,7 @@ def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction:
 
 @dataclass(frozen=True)
 class ElasticBody:
-    """Bricks with some nodes held.
+    """Factored body of bricks with some nodes held.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class ElasticBody:
     solve: Callable[[Array], Array]
 
     def response(self, loads: csc_array, wanted: csc_array) -> Array:
-        """What the loads (3 n, k) do to the wanted functionals (3 n, m) of the displacements: (m, k)."""
+        """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k)."""
         return solve_in_parts(self.solve, loads.tocsr()[self.free].tocsc(), wanted.tocsr()[self.free].tocsc())
 
 
@@ -70,7 +70,7 @@ def elastic_body(
     held: NDArray[np.int64],
     material: Material,
     *,
-    brick_nodes: int = 27,
+    functions: ShapeFunctions = shape_functions,
     factoriser: Factoriser = "auto",
 ) -> ElasticBody:
     """Assemble and factor.
@@ -83,19 +83,19 @@ def elastic_body(
         Nodes that do not move.
     material
         The material.
-    brick_nodes
-        27, or 20 for the serendipity brick.
+    functions
+        Shape functions of a brick.
     factoriser
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
         If a brick is turned inside out.
     MissingPackageError
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
-    matrix = stiffness(nodes, cells, material, brick_nodes)
+    matrix = stiffness(nodes, cells, material, functions)
     movable = matrix.diagonal() > 0.0  # nodes that no brick uses stay where they are
     movable[(3 * held[:, None] + np.arange(3)).ravel()] = False
     free = np.flatnonzero(movable)

@@ -1,4 +1,4 @@
-"""The compliance of a tooth condensed to its loaded flank: what is left to know of the finite elements.
+"""Compliance of a tooth between points of its loaded flank, condensed from its finite elements.
 
 A unit force along the flank's normal acts at a node of the flank; the displacement along the normal of another node is
 read at the foot of *its* normal, on the middle surface of the tooth. Between lies the local indentation, which the line
@@ -22,8 +22,8 @@ from .bricks import quadratic
 from .elastic_body import functionals
 
 Array = NDArray[Any]
-FOOT_STEPS = 30
-SMALLEST_EIGENVALUE = 1e-9  # of the greatest; what is below does not reach the digits of a force
+FOOT_ITERATIONS = 30
+EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach the digits of a force
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class FlankCompliance:
     factor: Array
 
     def whitened(self, points: Array, weights: Array) -> Array:
-        """Unit loads on segments, as vectors whose inner products are their compliances.
+        """Whitened unit loads on segments: their inner products are the compliances.
 
         Parameters
         ----------
@@ -66,36 +66,36 @@ class FlankCompliance:
         return np.asarray(self.factor @ loads)
 
 
-def share_of_three(place: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:
-    """Nodes, shares and their slopes (n, 3 each) at places (n) counted in nodes along ``count`` of them."""
-    brick = np.clip(np.floor(0.5 * place), 0, (count - 3) // 2).astype(np.int64)
-    shares, slopes = quadratic(place - 2 * brick - 1)
+def share_of_three(point: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:
+    """Nodes, shares and their slopes (n, 3 each) at points (n) counted in nodes along ``count`` of them."""
+    brick = np.clip(np.floor(0.5 * point), 0, (count - 3) // 2).astype(np.int64)
+    shares, slopes = quadratic(point - 2 * brick - 1)
     return 2 * brick[:, None] + np.arange(3), shares, slopes
 
 
 def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
-    """Nodes and their shares (n, 9 each) of forces at points (2, n) of the flank; beyond its ends the ends."""
+    """Nodes and their shares (n, 9 each) of forces at points (2, n) of the flank; points beyond its ends move there."""
     rows = profile.shape[1]
     along = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, np.arange(lengthwise.size))
     sections, section_shares, _ = share_of_three(along, lengthwise.size)
-    # Heights of the nodes at this lengthwise fraction; then the brick, and the place in it by Newton's method.
+    # Heights of the nodes at this lengthwise fraction; then the brick, and the point in it by Newton's method.
     heights = np.einsum("nk,nkh->nh", section_shares, profile[sections])
     wanted = np.clip(points[1], heights[:, 0], heights[:, -1])
     brick = np.clip(np.sum(heights[:, ::2] <= wanted[:, None], axis=1) - 1, 0, (rows - 3) // 2)
     levels = 2 * brick[:, None] + np.arange(3)
     three = np.take_along_axis(heights, levels, axis=1)
-    place = np.zeros(wanted.size)
+    point = np.zeros(wanted.size)
     for _ in range(6):
-        shares, slopes = quadratic(place)
-        place = place - (np.sum(shares * three, axis=1) - wanted) / np.sum(slopes * three, axis=1)
-    shares = quadratic(place)[0]
+        shares, slopes = quadratic(point)
+        point = point - (np.sum(shares * three, axis=1) - wanted) / np.sum(slopes * three, axis=1)
+    shares = quadratic(point)[0]
     nodes = sections[:, :, None] * rows + levels[:, None, :]
     return nodes.reshape(-1, 9), (section_shares[:, :, None] * shares[:, None, :]).reshape(-1, 9)
 
 
 @dataclass(frozen=True)
 class Feet:
-    """Where the normals of n flank nodes meet the middle surface of the tooth.
+    """Points at which the normals of n flank nodes meet the middle surface of the tooth.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class Feet:
 
 
 def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
-    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest there is.
+    """Feet of the normals of all nodes of the loaded side; at the ends of the tooth the nearest points.
 
     Normals in the fillet may lead down into the body; if ``in_tooth``, not below the tooth's lowest nodes.
     """
@@ -119,28 +119,28 @@ def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
     count, rows = middle.shape
     start, normal = lattice.nodes[lattice.flank].reshape(-1, 3), lattice.flank_normal.reshape(-1, 3)
     at = np.meshgrid(np.arange(count, dtype=float), np.arange(lattice.root_row, rows, dtype=float), indexing="ij")
-    place = np.stack([a.ravel() for a in at])
+    point = np.stack([a.ravel() for a in at])
     depth = np.zeros(len(start))
     lowest = np.array([[0.0], [float(lattice.root_row) if in_tooth else 0.0]])
     highest = np.array([[count - 1.0], [rows - 1.0]])
 
-    def shares(place: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(place, (count, rows), strict=True))
+    def shares(point: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(point, (count, rows), strict=True))
         nodes = middle[i[:, :, None], j[:, None, :]].reshape(-1, 9)
         products = [
             (a[:, :, None] * b[:, None, :]).reshape(-1, 9) for a, b in ((along, up), (d_along, up), (along, d_up))
         ]
         return nodes, products[0], products[1], products[2]
 
-    for _ in range(FOOT_STEPS):
-        nodes, value, d_along, d_up = shares(place)
+    for _ in range(FOOT_ITERATIONS):
+        nodes, value, d_along, d_up = shares(point)
         there = lattice.nodes[nodes]
         position, *tangents = (np.einsum("nk,nkx->nx", s, there) for s in (value, d_along, d_up))
         off = position + depth[:, None] * normal - start
         step = np.linalg.solve(np.stack([*tangents, normal], axis=2), off[..., None])[..., 0]
-        place = np.clip(place - np.clip(step[:, :2].T, -2.0, 2.0), lowest, highest)
+        point = np.clip(point - np.clip(step[:, :2].T, -2.0, 2.0), lowest, highest)
         depth = depth - step[:, 2]
-    nodes, value, _, _ = shares(place)
+    nodes, value, _, _ = shares(point)
     position = np.einsum("nk,nkx->nx", value, lattice.nodes[nodes])
     return Feet(nodes, value, np.sum((start - position) * normal, axis=1))
 
@@ -158,7 +158,7 @@ def foot_displacements(lattice: ToothLattice, *, in_tooth: bool = False) -> csc_
 
 
 def square_root(compliance: Array) -> Array:
-    """Z with Z^T Z the positive semidefinite matrix nearest to the symmetric part of a compliance (k, k)."""
+    """Factor Z such that Z^T Z is the positive semidefinite matrix nearest to a compliance (k, k), made symmetric."""
     values, vectors = np.linalg.eigh(0.5 * (compliance + compliance.T))
-    kept = values > SMALLEST_EIGENVALUE * values[-1]
+    kept = values > EIGENVALUE_RATIO_LIMIT * values[-1]
     return np.ascontiguousarray((vectors[:, kept] * np.sqrt(values[kept])).T)

@@ -1,4 +1,4 @@
-"""A tooth of polynomials on a body of bricks: the shell's own method without the plate.
+"""Rayleigh-Ritz model of the solid tooth on its body of bricks.
 
 As in the shell, Legendre polynomials along the face and up the tooth are the trial functions of a Rayleigh-Ritz system;
 but they stand for all three displacements, there are more of them through the thickness, and the strain energy is that
@@ -23,20 +23,20 @@ from scipy.sparse import csc_array
 from ....core.errors import GeometryError
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ..material import Material
-from ..trial_polynomials import polynomial_family
+from ..trial_polynomials import legendre
 from .bricks import stiffness
 from .stiffness_factor import Factoriser, solver_of
 
 Array = NDArray[Any]
 Counts = tuple[int, int, int]
 
-EXTRA_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up
-SHAPE_FUNCTIONS = (9, 3, 7)  # polynomials of the tooth's own shape
+EXTRA_GAUSS_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up
+SHAPE_POLYNOMIAL_LIMITS = (9, 3, 7)  # polynomials of the tooth's own shape
 
 
 @dataclass(frozen=True)
 class SolidShell:
-    """A tooth of polynomials on its body, factored.
+    """Factored Rayleigh-Ritz model of a solid tooth on its body.
 
     Degrees of freedom are ordered (along, through, up, xyz), the last fastest.
 
@@ -56,7 +56,7 @@ class SolidShell:
     scale: Array
 
     def whiten(self, functionals: csc_array) -> Array:
-        """Displacements at nodes of the tooth (3 n, k) as vectors (3 m, k) whose inner products are compliances."""
+        """Whitened functionals (3 m, k) of displacements (3 n, k) of the tooth: inner products are compliances."""
         rows = functionals.tocsr()
         nodes = self.tooth.ravel()
         parts = np.stack([rows[3 * nodes + axis].T @ self.functions for axis in range(3)], axis=-1)
@@ -64,7 +64,7 @@ class SolidShell:
         return np.asarray(solve_triangular(self.factor, vectors * self.scale[:, None], lower=True))
 
     def response(self, loads: csc_array, wanted: csc_array) -> Array:
-        """What loads (3 n, k) on the tooth do to wanted displacements (3 n, m) of it: (m, k)."""
+        """Values (m, k) of the wanted functionals (3 n, m) of the displacements under loads (3 n, k) on the tooth."""
         return np.asarray(self.whiten(wanted).T @ self.whiten(loads))
 
 
@@ -82,22 +82,22 @@ def solid_shell(
     counts
         Number of trial functions along, through and up the tooth.
     factoriser
-        Of the body, as ``factor.solver_of``.
+        Of the body, as ``stiffness_factor.solver_of``.
 
     Raises
     ------
     GeometryError
         If a brick of the body is turned inside out, or the tooth is.
     MissingPackageError
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
     tooth = lattice.column[:, :, lattice.root_row :]
-    places = (lattice.lengthwise, lattice.through, lattice.upward)
-    along, through, up = (polynomial_family(p, c)[0] for p, c in zip(places, counts, strict=True))
-    whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], places), counts, material)
+    fractions = (lattice.lengthwise, lattice.through, lattice.upward)
+    along, through, up = (legendre(p, c)[0] for p, c in zip(fractions, counts, strict=True))
+    whole = tooth_stiffness(tooth_shape(lattice.nodes[tooth], fractions), counts, material)
     joint = np.einsum("ia,jb->ijab", along, through).reshape(tooth[:, :, 0].size, -1)
     body = body_stiffness(lattice, tooth[:, :, 0].ravel(), joint, material, factoriser)
-    at_joint = polynomial_family(np.zeros(1), counts[2])[0, 0]
+    at_joint = legendre(np.zeros(1), counts[2])[0, 0]
     sizes = (counts[0] * counts[1], counts[2], 3)
     split = whole.reshape(*sizes, *sizes)
     split += np.einsum("axby,c,d->acxbdy", body.reshape(sizes[0], 3, sizes[0], 3), at_joint, at_joint)
@@ -107,11 +107,11 @@ def solid_shell(
     return SolidShell(tooth, functions, factor, scale)
 
 
-def tooth_shape(nodes: Array, places: tuple[Array, Array, Array]) -> Array:
-    """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at places from 0 to 1."""
+def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array]) -> Array:
+    """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at fractions from 0 to 1."""
     inverses = []
-    for place, most in zip(places, SHAPE_FUNCTIONS, strict=True):
-        inverses.append(np.linalg.pinv(polynomial_family(place, min(most, place.size))[0]))
+    for fraction, most in zip(fractions, SHAPE_POLYNOMIAL_LIMITS, strict=True):
+        inverses.append(np.linalg.pinv(legendre(fraction, min(most, fraction.size))[0]))
     return np.asarray(np.einsum("ai,bj,ck,ijkx->abcx", *inverses, nodes, optimize=True))
 
 
@@ -135,10 +135,10 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     GeometryError
         If the solid is turned inside out somewhere.
     """
-    rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_POINTS, strict=True)]
+    rules = [np.polynomial.legendre.leggauss(c + e) for c, e in zip(counts, EXTRA_GAUSS_POINTS, strict=True)]
     points = [0.5 * (x + 1.0) for x, _ in rules]
     weights = np.einsum("i,j,k->ijk", *(0.5 * w for _, w in rules))
-    series = [polynomial_family(p, n, order=1) for p, n in zip(points, shape.shape, strict=False)]
+    series = [legendre(p, n, order=1) for p, n in zip(points, shape.shape, strict=False)]
     slopes = [[values[int(axis == k)] for k, values in enumerate(series)] for axis in range(3)]
     jacobian = np.stack([np.einsum("ia,jb,kc,abcx->ijkx", *s, shape, optimize=True) for s in slopes], axis=-1)
     determinant = np.linalg.det(jacobian)
@@ -146,7 +146,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
         raise GeometryError("the tooth is turned inside out somewhere: its sides come too close to each other")
     inverse = np.linalg.inv(jacobian) * np.sqrt(np.abs(determinant) * weights)[..., None, None]
 
-    along, through, up = (polynomial_family(p, c, order=1) for p, c in zip(points, counts, strict=True))
+    along, through, up = (legendre(p, c, order=1) for p, c in zip(points, counts, strict=True))
     in_section = counts[1] * counts[2]
 
     def section(b: int, c: int) -> Array:
@@ -190,7 +190,7 @@ def body_stiffness(
     material
         Its material.
     factoriser
-        As ``factor.solver_of``.
+        As ``stiffness_factor.solver_of``.
     """
     matrix = stiffness(lattice.nodes, lattice.cells[: lattice.body_bricks], material)
     on_joint = (3 * joint[:, None] + np.arange(3)).ravel()

@@ -14,7 +14,7 @@ from ....core.errors import MissingPackageError, how_to_install
 
 Array = NDArray[Any]
 Factoriser = Literal["auto", "cholmod", "superlu"]
-COLUMNS = 64  # right-hand sides at a time, to bound the memory
+COLUMNS_PER_SOLVE = 64  # right-hand sides; bounds the memory
 
 
 def solver_of(matrix: csc_array, factoriser: Factoriser = "auto") -> Callable[[Array], Array]:
@@ -73,7 +73,7 @@ def solve_in_parts(solve: Callable[[Array], Array], loads: csc_array, wanted: cs
     """
     transposed = wanted.T.tocsr()
     parts = [
-        transposed @ solve(np.ascontiguousarray(loads[:, start : start + COLUMNS].toarray()))
-        for start in range(0, loads.shape[1], COLUMNS)
+        transposed @ solve(np.ascontiguousarray(loads[:, start : start + COLUMNS_PER_SOLVE].toarray()))
+        for start in range(0, loads.shape[1], COLUMNS_PER_SOLVE)
     ]
     return np.concatenate(parts, axis=1)

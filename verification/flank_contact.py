@@ -1,4 +1,4 @@
-"""Contact of a whole pair at one mesh position without the split: every tooth pair that can touch, edges included."""
+"""Contact of a whole pair at one mesh position without the split, for all tooth pairs, edges included."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
 from ..core.errors import InputError
 from .flank_response import FlankResponse
-from .surface_cells import Cells, FlanksInMesh, cells_on_line
+from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
 
 Array = NDArray[Any]
 CELLS_PER_HALF_WIDTH = 8
-ALONG = 4.8  # cells' length along the line times their number in a half-width [mm]
-BAND = 1.6  # half-widths to either side of the line, to begin with
-REACH = 2.0  # [mm]
-WIDEST_BAND = 8.0  # half-widths
-NO_CONTACT = 0.1  # [rad]; a rotation at which flanks that can touch at all have cells
-NEAR_LINE = 0.25  # of a pitch: how far a line may be that lends its place to a position without one
+CELL_LENGTH_FACTOR = 4.8  # [mm], length of the cells along the line times their number in a half-width
+FIRST_BAND_RATIO, BAND_RATIO_LIMIT = 1.6, 8.0  # half of the band with cells over the half-width
+LINE_EXTENSION = 2.0  # [mm], of the band beyond the ends of a line
+ROTATION_LIMIT = 0.1  # [rad]; flanks without cells at this rotation cannot touch
+BORROWED_LINE_DISTANCE = 0.25  # [pitch], from a mesh position without a line to the one whose line it takes
 
 
 @dataclass(frozen=True)
@@ -34,14 +33,14 @@ class FlankContact:
     rotation
         Transmission error [rad]; NaN if not solved, or if nothing can touch.
     pairs
-        Tooth pairs, as ``segments.MeshLines`` counts them.
+        Tooth pairs, as ``MeshLines`` counts them.
     cells, force
         Their cells and the normal forces on them [N].
     """
 
     rotation: float
     pairs: list[int]
-    cells: list[Cells]
+    cells: list[SurfaceCells]
     force: list[Array]
 
     @property
@@ -100,12 +99,12 @@ def contact_of_flanks(
     ):
         if not (np.isfinite(value) and value > 0.0):
             raise InputError(f"{name} = {value!r}: must be a positive number")
-    lines = _lines_at(mesh, position, NEAR_LINE if beyond_lines else 0.0)
+    lines = _lines_at(mesh, position, BORROWED_LINE_DISTANCE if beyond_lines else 0.0)
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
-    step = (ALONG / cells_per_half_width, across)
-    greatest_arm = float(np.max(flanks.fields.spline.c[..., flanks.fields.columns["lever_arm"][0]]))
-    band, allowed = BAND * half_width, 1.15 * rotation
+    step = (CELL_LENGTH_FACTOR / cells_per_half_width, across)
+    greatest_arm = float(np.max(flanks.splines.spline.c[..., flanks.splines.columns["lever_arm"][0]]))
+    band, allowed = FIRST_BAND_RATIO * half_width, 1.15 * rotation
     while True:
         found = {
             pair: cells_on_line(
@@ -114,14 +113,14 @@ def contact_of_flanks(
                 float(mesh.rotations[position] - pair * pitch),
                 step=step,
                 half_band=band,
-                reach=REACH if beyond_lines else 0.0,
+                reach=LINE_EXTENSION if beyond_lines else 0.0,
                 widest_gap=allowed * greatest_arm,
             )
             for pair, line in lines.items()
         }
         found = {pair: cells for pair, cells in found.items() if cells.row.size}
         if not found:
-            if allowed > NO_CONTACT:
+            if allowed > ROTATION_LIMIT:
                 return FlankContact(np.nan, [], [], [])
             allowed *= 2.0
             continue
@@ -134,7 +133,7 @@ def contact_of_flanks(
         )
         border = np.ceil(band / across)
         touches = any(np.any(f[np.abs(c.row) == border] > 0.0) for f, c in zip(solved.force, cells, strict=True))
-        if touches and band < WIDEST_BAND * half_width:
+        if touches and band < BAND_RATIO_LIMIT * half_width:
             band *= 1.5
         elif solved.rotation > allowed:
             allowed = 1.15 * solved.rotation
@@ -143,7 +142,7 @@ def contact_of_flanks(
 
 
 def _lines_at(mesh: MeshLines, position: int, near: float) -> dict[int, Array]:
-    """A line for every tooth pair; within a part of a pitch before and after its passage the nearest it has."""
+    """Contact line of every tooth pair; shortly before and after its passage the nearest line it has."""
     count = mesh.rotations.size
     step = mesh.position - mesh.pair * count
     lines: dict[int, Array] = {}

@@ -1,8 +1,8 @@
-"""Edges of both teeth as places of contact beside the lines: tip, toe or heel of one tooth on the flank of the other.
+"""Edge contact beside the contact lines: tip, toe or heel of one tooth on the flank of the other.
 
 Across a contact line the gap grows both ways. Beyond the end of a line, and on a tooth that has no line yet or no
 longer, the way to the closest approach leaves a flank: the flanks come closest at the edge where it does. An edge of
-the gear is a fixed place on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``opposite``.
+the gear is fixed on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``opposite_points``.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .closest_approach import AcrossLine, across_line
-from .flank_splines import FlankFields
+from .flank_splines import FlankSplines
 from .mesh_lines import MeshLines
-from .opposite_points import Opposite, conjugate_places, places_below, solved
+from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
 Array = NDArray[Any]
 
-ELEMENTS = 160  # of an edge
+ELEMENTS_PER_EDGE = 160
 EDGES = ((0, 0.0), (0, 1.0), (1, 1.0))  # which fraction is held, and where: toe, heel, tip
-NEAR = 1.5  # times the widest gap: what an estimate of the gap may be for an element to be looked at
+GAP_ESTIMATE_MARGIN = 1.5  # ratio of the estimated gap to the widest one up to which an element is looked at
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class MeshEdges:
     elements
         The pieces.
     position, pair
-        Index of the mesh position, and the tooth pair, as ``segments.MeshLines`` counts them (n).
+        Index of the mesh position, and the tooth pair, as ``MeshLines`` counts them (n).
     """
 
     elements: EdgeElements
@@ -74,39 +74,39 @@ class MeshEdges:
     pair: NDArray[np.int64]
 
 
-def edges_in_mesh(fields: FlankFields, mesh: MeshLines, widest: Array) -> MeshEdges:
+def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
     Parameters
     ----------
-    fields
-        Splines from ``loaded.loaded_fields``.
+    splines
+        Splines from ``loaded_splines``.
     mesh
-        Contact lines from ``segments.lines_in_mesh``; a tooth pair before the first and one after the last is looked at
+        Contact lines from ``lines_in_mesh``; a tooth pair before the first and one after the last is looked at
         as well.
     widest
         For every mesh position the gap above which nothing touches, as a gear rotation [rad].
     """
     pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
     levels = mesh.rotations[:, None] - pairs * mesh.pinion_pitch
-    elements = edge_elements(fields, levels.ravel(), np.repeat(widest, pairs.size))
+    elements = edge_elements(splines, levels.ravel(), np.repeat(widest, pairs.size))
     return MeshEdges(elements, elements.level // pairs.size, pairs[elements.level % pairs.size])
 
 
-def edge_elements(fields: FlankFields, rotations: Array, widest: Array) -> EdgeElements:
+def edge_elements(splines: FlankSplines, rotations: Array, widest: Array) -> EdgeElements:
     """Pieces of the edges of one tooth pair that may touch.
 
     Parameters
     ----------
-    fields
-        Splines from ``loaded.loaded_fields``.
+    splines
+        Splines from ``loaded_splines``.
     rotations
         Pinion rotations (q) [rad], counted as the roll angle.
     widest
         Gap (q) above which nothing touches, as a gear rotation [rad].
     """
-    edges = [_Edge.of(fields, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True)]
-    parts = [_touching(fields, edge, rotations, widest) for edge in edges]
+    edges = [_Edge.of(splines, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True)]
+    parts = [_touching(splines, edge, rotations, widest) for edge in edges]
     return EdgeElements(
         *(np.concatenate([getattr(p, field.name) for p in parts], axis=-1) for field in dataclass_fields(EdgeElements))
     )
@@ -122,16 +122,16 @@ class _Edge:
         Whose edge it is.
     fraction, outward
         Which fraction is held along the edge, and the sense in which it leaves the flank.
-    nodes, places
-        Fractions (2, k) on the member and on the gear; NaN where there is no such place.
+    nodes, points
+        Fractions (2, k) on the member and on the gear; NaN where there is no such point.
     here
-        Gap around the places.
+        Gap around the points.
     opposite
-        Fractions on the pinion opposite the places.
+        Fractions on the pinion opposite the points.
     moving
-        How the places move with the pinion rotation (2, k) [1/rad]; zero for an edge of the gear.
+        How the points move with the pinion rotation (2, k) [1/rad]; zero for an edge of the gear.
     nearing
-        How fast a moving place falls behind its own conjugate contact, by the rotation (k); one for a fixed place.
+        How fast a moving point falls behind its own conjugate contact, by the rotation (k); one for a fixed point.
     leaving
         How fast a way across the contact line leaves the flank by this edge (k) [1/mm].
     blade_distance
@@ -142,23 +142,23 @@ class _Edge:
     fraction: int
     outward: float
     nodes: Array
-    places: Array
+    points: Array
     here: AcrossLine
-    opposite: Opposite
+    opposite: OppositePoints
     moving: Array
     nearing: Array
     leaving: Array
     blade_distance: Array
 
     @classmethod
-    def of(cls, fields: FlankFields, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
-        """The edge where a fraction has a value."""
-        along = np.linspace(0.0, 1.0, ELEMENTS + 1)
+    def of(cls, splines: FlankSplines, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
+        """Nodes of the edge on which one fraction has the given value."""
+        along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
         nodes = np.full((2, along.size), value)
         nodes[1 - fraction] = along
-        places = conjugate_places(fields, nodes) if of_pinion else nodes
-        here = across_line(fields, places)
-        opposite = Opposite.of(fields, places)
+        points = conjugate_points(splines, nodes) if of_pinion else nodes
+        here = across_line(splines, points)
+        opposite = OppositePoints.of(splines, points)
         passing = opposite.slopes - opposite.rate[:, None] * here.gradient[None]
         moving = -solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
         leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
@@ -167,17 +167,17 @@ class _Edge:
             fraction,
             1.0 if value == 1.0 else -1.0,
             nodes,
-            places,
+            points,
             here,
             opposite,
             moving,
             1.0 - np.sum(moving * here.gradient, axis=0),
             leaving,
-            fields("blade_distance", np.clip(places, 0.0, 1.0)),
+            splines("blade_distance", np.clip(points, 0.0, 1.0)),
         )
 
 
-def _touching(fields: FlankFields, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
+def _touching(splines: FlankSplines, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
     """Elements of one edge at all rotations."""
     row, element, low, high = _candidates(edge, rotations, widest)
     middle = 0.5 * (low + high)
@@ -186,36 +186,36 @@ def _touching(fields: FlankFields, edge: _Edge, rotations: Array, widest: Array)
         return np.asarray(nodes[:, element] + middle * (nodes[:, element + 1] - nodes[:, element]))
 
     away = rotations[row] - edge.here.roll_angle[[element, element + 1]]
-    first, last = (edge.places[:, element + i] + edge.moving[:, element + i] * away[i] for i in (0, 1))
-    places = first + middle * (last - first)
+    first, last = (edge.points[:, element + i] + edge.moving[:, element + i] * away[i] for i in (0, 1))
+    points = first + middle * (last - first)
     if edge.of_pinion:
-        places = places_below(fields, between(edge.nodes), places, rotations[row])
-    places = np.clip(places, 0.0, 1.0)
-    here = across_line(fields, places)
+        points = points_below(splines, between(edge.nodes), points, rotations[row])
+    points = np.clip(points, 0.0, 1.0)
+    here = across_line(splines, points)
     left = rotations[row] - here.roll_angle
     gap, curvature = here.gap(left), here.curvature
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
     length = (high - low) * here.length_along(last - first)
-    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~fields.in_hole(places)
-    found = EdgeElements(row, places, gap, here.lever_arm, length, curvature, overhang)
+    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~splines.in_hole(points)
+    found = EdgeElements(row, points, gap, here.lever_arm, length, curvature, overhang)
     return EdgeElements(*(getattr(found, field.name)[..., kept] for field in dataclass_fields(EdgeElements)))
 
 
 def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Array, Array, Array]:
     """Rotations and elements (n) of an edge that may touch, and the part of each between two fractions (n) that does.
 
-    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no place, neither holds.
+    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
     """
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
         gap = np.where(edge.here.still_opens(left), edge.here.gap(left), np.inf)
         falls = -edge.here.gap_slope(left) * edge.leaving * edge.outward
         away = rotations[:, None] - edge.here.roll_angle
-        moved = edge.places[:, None] + edge.moving[:, None] * away
+        moved = edge.points[:, None] + edge.moving[:, None] * away
         other = moved if edge.of_pinion else edge.opposite.after(away)
         blade = np.broadcast_to(edge.blade_distance, gap.shape)
-        near = gap < NEAR * widest[:, None]
+        near = gap < GAP_ESTIMATE_MARGIN * widest[:, None]
     row, element = np.nonzero(near[:, 1:] | near[:, :-1])
     low, high = np.zeros(row.size), np.ones(row.size)
     for margin in (falls, *other, *(1.0 - other), blade):

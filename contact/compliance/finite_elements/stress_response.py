@@ -1,6 +1,6 @@
-"""Stress in the root of the loaded side by unit forces on the flank.
+"""Stress in the root of the loaded side under unit forces on the flank.
 
-Stresses of quadratic bricks are most exact at the 2 x 2 x 2 Gauss points. They are read at the four places of each
+Stresses of quadratic bricks are most exact at the 2 x 2 x 2 Gauss points. They are read at the four points of each
 surface face that lie above these points, carried on to the surface along the line through both points beneath.
 """
 
@@ -18,21 +18,21 @@ from ..material import Material
 from .bricks import brick_gradients, gauss_rule, shape_functions
 
 Array = NDArray[Any]
-ROOT_SHARE = 0.35  # of the bricks from the fillet's middle to the tip are looked at; the stress falls off above
-COLUMNS = 512  # sets of forces at a time, to bound the memory
-COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+ROOT_BRICK_SHARE = 0.35  # of the bricks from the fillet's middle to the tip whose stress is read; it falls off above
+FORCE_SETS_PER_BATCH = 512  # bounds the memory
+STRESS_COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
 @dataclass(frozen=True)
-class RootStress:
-    """Stress at the root of the loaded side.
+class StressResponse:
+    """Stress at the root of the loaded side under unit forces on the nodes of the flank.
 
     Parameters
     ----------
     lengthwise
         Lengthwise fractions (s) of the stations.
     stress
-        xx, yy, zz, yz, xz, xy (s, p, 6, k) [MPa] at p places around the fillet by a unit force at each of k nodes of
+        xx, yy, zz, yz, xz, xy (s, p, 6, k) [MPa] at p points around the fillet by a unit force at each of k nodes of
         the flank.
     """
 
@@ -41,20 +41,21 @@ class RootStress:
 
     def largest(self, forces: Array) -> Array:
         """Largest tensile stress (s, n) [MPa] at each station, for n sets of forces (k, n) [N] on the nodes."""
-        parts = [self._largest(forces[:, start : start + COLUMNS]) for start in range(0, forces.shape[1], COLUMNS)]
+        step = FORCE_SETS_PER_BATCH
+        parts = [self._largest(forces[:, start : start + step]) for start in range(0, forces.shape[1], step)]
         return np.concatenate([np.empty((self.lengthwise.size, 0)), *parts], axis=1)
 
     def _largest(self, forces: Array) -> Array:
         stress = np.einsum("spck,kn->spnc", self.stress, forces, optimize=True)
         tensor = np.empty((*stress.shape[:-1], 3, 3))
-        for component, (i, j) in enumerate(COMPONENTS):
+        for component, (i, j) in enumerate(STRESS_COMPONENTS):
             tensor[..., i, j] = tensor[..., j, i] = stress[..., component]
         return np.asarray(np.linalg.eigvalsh(tensor)[..., -1].max(axis=1))
 
 
 def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:
-    """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and at which end it is."""
-    rows = 2 * max(round(ROOT_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
+    """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and the end it is at."""
+    rows = 2 * max(round(ROOT_BRICK_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
     # Not the bricks at toe and heel: the sharp corner where the tooth ends on its body has no stress of its own.
     on_flank = np.isin(lattice.cells[:, :, 0, :], lattice.flank[1:-1, :rows]).all(axis=(1, 2))
     on_floor = np.isin(lattice.cells[:, :, :, 2], lattice.slot[0, 1:-1]).all(axis=(1, 2))
@@ -81,15 +82,15 @@ def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_a
         far = np.array([np.flatnonzero(np.all(np.isclose(points, m), axis=1))[0] for m in mirrored])
         beyond = (1.0 - depth) / (2.0 * depth)
         slope = (1.0 + beyond) * spatial[:, near] - beyond * spatial[:, far]  # (m, 4, 27, 3)
-        places = flat // per_section
-        stations.append(np.einsum("na,ma->mn", values[near], lattice.lengthwise[places]))
+        sections = flat // per_section
+        stations.append(np.einsum("na,ma->mn", values[near], lattice.lengthwise[sections]))
         columns.append((np.broadcast_to(flat[:, None], slope.shape[:3]), slope))
     station = np.concatenate([s.ravel() for s in stations])
     nodes = np.concatenate([c[0].reshape(-1, 27) for c in columns])
     slope = np.concatenate([c[1].reshape(-1, 27, 3) for c in columns])
     # Work of a displacement on each stress component, per node and direction (m, 6, 27, 3).
     work = np.zeros((len(nodes), 6, 27, 3))
-    for component, (i, j) in enumerate(COMPONENTS):
+    for component, (i, j) in enumerate(STRESS_COMPONENTS):
         work[:, component, :, i] += shear * slope[:, :, j]
         work[:, component, :, j] += shear * slope[:, :, i]
         if i == j:
@@ -100,8 +101,10 @@ def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_a
     return wanted, station
 
 
-def by_station(stress: Array, station: Array) -> RootStress:
+def by_station(stress: Array, station: Array) -> StressResponse:
     """Stresses (6 q, k) by unit forces, put in the order of their lengthwise fractions (q)."""
     levels, which = np.unique(np.round(station, 9), return_inverse=True)
     order = np.argsort(which, kind="stable")
-    return RootStress(levels, stress.reshape(station.size, 6, -1)[order].reshape(levels.size, -1, 6, stress.shape[1]))
+    return StressResponse(
+        levels, stress.reshape(station.size, 6, -1)[order].reshape(levels.size, -1, 6, stress.shape[1])
+    )

@@ -26,22 +26,22 @@ from .array_store import kept, key_of
 from .elastic_body import elastic_body
 from .flank_compliance import FlankCompliance, flank_loads, foot_displacements, square_root
 from .solid_shell import Counts, solid_shell
-from .stress_functionals import RootStress, by_station, stress_functionals
+from .stress_response import StressResponse, by_station, stress_functionals
 
 Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
-BRICKS_ALONG = (8, 32)
-BRICKS_THROUGH = (4, 8)
-FORMAT = 3  # of what is kept; raise it when the same input gives other arrays
-SOLID_SHELL_FORMAT = 1
-# Of a solid shell: bricks of the body along the face as a share of the usual ones, functions through and up the tooth.
-SOLID_SHELL_BRICKS, FUNCTIONS_THROUGH, FUNCTIONS_UP = 0.7, 4, 7
-MOST_UNKNOWNS = 12000  # of a solid shell: its matrix is full, here 1.2 GB
+LENGTHWISE_BRICK_LIMITS = (8, 32)
+THROUGH_BRICK_LIMITS = (4, 8)
+STORE_VERSION = 3  # of the arrays kept on disk; raise it when the same input gives other arrays
+SOLID_SHELL_STORE_VERSION = 1
+SOLID_SHELL_BRICK_SHARE = 0.7  # bricks of a solid shell's body along the face over the usual number
+FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 7  # trial functions of a solid shell
+UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
 
 
 @dataclass(frozen=True)
 class FiniteElementTooth:
-    """What the contact needs to know of one member's tooth.
+    """Compliance and root stress of one member's tooth by finite elements.
 
     Parameters
     ----------
@@ -52,11 +52,11 @@ class FiniteElementTooth:
     """
 
     flank: FlankCompliance
-    root: RootStress | None
+    root: StressResponse | None
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
-    """Number of bricks that leaves about 1 % in the compliance.
+    """Number of bricks that leaves an error of about 1 % in the compliance.
 
     A third of the tooth's height long; and through the tooth no fewer than the brick lengths by which its sections,
     at right angles to the blank, slant against its normal.
@@ -66,12 +66,12 @@ def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
     step = np.diff(trace, axis=1)
     lengths = np.linalg.norm(step, axis=0)
     length = float(np.nansum(lengths))
-    bricks = int(np.clip(round(BRICKS_PER_HEIGHT * length / usual_depth(one.section)), *BRICKS_ALONG))
+    bricks = int(np.clip(round(BRICKS_PER_HEIGHT * length / usual_depth(one.section)), *LENGTHWISE_BRICK_LIMITS))
     middle = 0.5 * (trace[:2, 1:] + trace[:2, :-1])
     around = (middle[0] * step[1] - middle[1] * step[0]) / np.hypot(*middle) / lengths
     slant = float(np.nanmax(np.abs(around) / np.sqrt(1.0 - around**2)))
     shift = slant * usual_depth(one.section) / DEPTH_PER_HEIGHT
-    through = int(np.clip(round(shift * bricks / length), *BRICKS_THROUGH))
+    through = int(np.clip(round(shift * bricks / length), *THROUGH_BRICK_LIMITS))
     return LatticeSize(bricks, through=through)
 
 
@@ -85,7 +85,7 @@ def finite_element_tooth(
 ) -> FiniteElementTooth:
     """Compliance and root stress of one member's tooth.
 
-    Made once and kept on disk, see ``store.cache_folder``.
+    Made once and kept on disk, see ``array_store.cache_folder``.
 
     Parameters
     ----------
@@ -109,18 +109,19 @@ def finite_element_tooth(
     """
     _check(fineness)
     lattice = tooth_lattice(pair, member, _long_enough(usual_size(pair, member).finer(fineness)), rim_depth)
-    key = key_of(FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, material)
+    key = key_of(STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
     found = kept(key, lambda: _condensed(lattice, material, member))
     flank = FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"])
-    return FiniteElementTooth(flank, RootStress(found["stations"], found["stress"]))
+    return FiniteElementTooth(flank, StressResponse(found["stations"], found["stress"]))
 
 
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
-    """Bricks of the body, and functions along, through and up the tooth, that leave 2 to 4 % in the compliance."""
+    """Bricks of the body and functions along, through and up the tooth that leave an error of 2 to 4 %."""
     usual = usual_size(pair, member)
     functions = (usual.lengthwise, FUNCTIONS_THROUGH, FUNCTIONS_UP)
     along, through, up = (max(round(fineness * n), 2) for n in functions)
-    bricks = replace(usual, lengthwise=round(SOLID_SHELL_BRICKS * usual.lengthwise), slot=1, deep=2).finer(fineness)
+    lengthwise = round(SOLID_SHELL_BRICK_SHARE * usual.lengthwise)
+    bricks = replace(usual, lengthwise=lengthwise, slot=1, deep=2).finer(fineness)
     # The bricks of the joint have to follow every function through the tooth; more of them change nothing.
     return _long_enough(replace(bricks, through=2 * math.ceil(through / 4))), (along, through, up)
 
@@ -135,7 +136,7 @@ def solid_shell_tooth(
 ) -> FiniteElementTooth:
     """Compliance of one member's tooth as a solid shell.
 
-    Made once and kept on disk, see ``store.cache_folder``.
+    Made once and kept on disk, see ``array_store.cache_folder``.
 
     Parameters
     ----------
@@ -147,13 +148,14 @@ def solid_shell_tooth(
     _check(fineness)
     size, counts = solid_shell_size(pair, member, fineness)
     unknowns = 3 * math.prod(counts)
-    if unknowns > MOST_UNKNOWNS:
+    if unknowns > UNKNOWNS_LIMIT:
         raise InputError(
-            f"fineness = {fineness!r}: the {member} as a solid shell would have {unknowns} unknowns, at most "
-            f'{MOST_UNKNOWNS} are allowed; take a smaller one, or model = "fe"'
+            f"fineness = {fineness!r}: must be smaller, as the {member} would have {unknowns} unknowns as a solid "
+            f'shell, and {UNKNOWNS_LIMIT} are allowed; or take model = "fe"'
         )
     lattice = tooth_lattice(pair, member, size, rim_depth)
-    key = key_of("solid shell", SOLID_SHELL_FORMAT, lattice.nodes, lattice.held, lattice.flank_normal, counts, material)
+    body = lattice.nodes, lattice.held, lattice.flank_normal
+    key = key_of("solid shell", SOLID_SHELL_STORE_VERSION, *body, counts, material)
     found = kept(key, lambda: {"factor": _condensed_shell(lattice, material, counts, member)})
     return FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"]), None)
 
@@ -176,7 +178,7 @@ def _long_enough(size: LatticeSize) -> LatticeSize:
 
 
 def unfilled(member: str, error: GeometryError) -> GeometryError:
-    """What to say of a member whose lattice has a brick turned inside out."""
+    """Error for a member whose lattice has a brick turned inside out."""
     return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
 
 

@@ -1,4 +1,4 @@
-"""Bending compliance of a tooth pair loaded along the contact normals: shells on elastic roots, or finite elements."""
+"""Elastic model of a tooth pair, and its bending compliance under loads along the contact normals."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..lines.flank_splines import FlankFields
+from ..lines.flank_splines import FlankSplines
 from . import ElasticFoundation, Material, Shell, ToothDimensions
 from .finite_elements.flank_compliance import FlankCompliance
-from .shell_kinematics import ShellForm
 
 Array = NDArray[Any]
 PlateName = Literal["even", "fitted"]
@@ -24,28 +23,34 @@ DEFAULT_FOUNDATION = ElasticFoundation()
 
 @dataclass(frozen=True)
 class ElasticModel:
-    """How the teeth give way.
+    """Elastic model of both teeth: shells on elastic roots, or finite elements.
 
     Parameters
     ----------
     pinion, gear
         Materials.
-    form, modes, shear_factor
-        See ``compliance.Shell``.
+    modes, shear_factor
+        See ``Shell``.
     plate
         ``even``: a plate of even taper with parallel heights, as in the dissertation; ``fitted``: with the bulge and
-        the fanning heights of the real tooth, for the form ``five_field`` alone.
+        the fanning heights of the real tooth.
     foundation
         Springs along the root; ``None`` clamps it.
     condensed
         Pinion and gear by finite elements, instead of the shells.
     foot_correction
-        Added to the line contact, see ``compliance.WeberLineContact``.
+        Added to the line contact, see ``WeberLineContact``.
+
+    Examples
+    --------
+    >>> from easeoff.contact.compliance import ElasticFoundation
+    >>> softer = ElasticModel(foundation=ElasticFoundation("odonnell", 0.8), plate="fitted")
+    >>> softer.modes
+    (5, 15)
     """
 
     pinion: Material = STEEL
     gear: Material = STEEL
-    form: ShellForm = "five_field"
     modes: tuple[int, int] = (5, 15)
     shear_factor: float = 1.0
     plate: PlateName = "even"
@@ -83,7 +88,6 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
             material,
             model.modes,
             model.shear_factor,
-            model.form,
             model.foundation,
         )
         for member, material in zip(MEMBERS, materials, strict=True)
@@ -92,7 +96,7 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
 
 
 def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth, ElasticTooth]:
-    """Pinion and gear as the model wants them: by finite elements if it has them, else as shells."""
+    """Pinion and gear by finite elements if the model has them, else as shells."""
     return shells(teeth, model) if model.condensed is None else model.condensed
 
 
@@ -108,16 +112,16 @@ def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     return fields
 
 
-def member_points(fields: FlankFields, member: str, points: Array) -> Array:
+def member_points(splines: FlankSplines, member: str, points: Array) -> Array:
     """Lengthwise and profile fractions (2, ...) on one member of points (2, ...) on the gear."""
     if member == "gear":
         return points
-    return np.stack(list(fields.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
+    return np.stack(list(splines.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
 
 
 def whitened_loads(
     elastic: tuple[ElasticTooth, ElasticTooth],
-    fields: FlankFields,
+    splines: FlankSplines,
     points: Array,
     weights: Array,
 ) -> NDArray[np.float64]:
@@ -127,7 +131,7 @@ def whitened_loads(
     ----------
     elastic
         Pinion and gear from ``elastic_teeth``.
-    fields
+    splines
         Splines that include ``tooth_fields``.
     points
         Quadrature points (2, n, g) of n segments, as fractions on the gear.
@@ -142,10 +146,10 @@ def whitened_loads(
     stacked = []
     for member, tooth in zip(MEMBERS, elastic, strict=True):
         if isinstance(tooth, FlankCompliance):
-            stacked.append(tooth.whitened(member_points(fields, member, points), weights))
+            stacked.append(tooth.whitened(member_points(splines, member, points), weights))
             continue
         names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
-        height, arc, direction = fields.evaluate(names, points).values()
+        height, arc, direction = splines.evaluate(names, points).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
