@@ -28,8 +28,9 @@ def scaled(deviations: dict[str, Deviation], factor: float) -> dict[str, Deviati
 
 def judged(pair: GearPair, deviations: dict[str, Deviation], form: Form) -> tuple[float, float, float, float]:
     """Largest change of the ease-off, error of its update [um], of the roll angle, and without one [mrad]."""
-    designed = pair_geometry(pair).ease_off
-    update = deviated_ease_off(pair, designed, form=form, pinion=deviations["pinion"], gear=deviations["gear"])
+    geometry = pair_geometry(pair)
+    designed = geometry.ease_off
+    update = deviated_ease_off(geometry, form=form, pinion=deviations["pinion"], gear=deviations["gear"])
     exact = deviated_geometry(pair, (31, 21), deviations, "surface").ease_off
     inside = (update["inside"].values & exact["inside"].values).astype(bool)
     angle = [e["ease_off_angle"].values + e.attrs["first_contact_rad"] for e in (update, exact)]

@@ -17,9 +17,7 @@ from ..contact.lines.contact_lines import arc_length, contact_fields
 from ..contact.lines.flank_splines import FlankFields
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
-from ..geometry.pair.datasets import ease_off_dataset, flanks_dataset
-from ..geometry.pair.ease_off import compute
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, grid
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, pair_geometry
 from .flank_gap import flank_gap
 
 Array = NDArray[Any]
@@ -50,14 +48,11 @@ class FlanksInMesh:
 
 def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
     """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
-    t, h = grid(nodes)
-    gear = pair.gear.flank(t, h)
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    ease_off = ease_off_dataset(t, h, surface)
-    flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
-    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)
-    usable = np.isfinite(surface.angle).reshape(t.size, h.size, 1)
-    fields = contact_fields(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
+    geometry = pair_geometry(pair, nodes)
+    surface, ease_off = geometry.exact, geometry.ease_off
+    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, *nodes), 0, -1)
+    usable = np.isfinite(surface.angle).reshape(*nodes, 1)
+    fields = contact_fields(geometry.flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
     return FlanksInMesh(pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
 
 

@@ -22,9 +22,7 @@ from numpy.typing import NDArray
 from ...core.attributes import labelled
 from ...core.errors import InputError
 from ..pair.datasets import first_contact
-from ..pair.ease_off import compute
-from ..pair.gear_pair import GearPair
-from ..pair.rolling import drift
+from ..pair.gear_pair import GearPair, PairGeometry
 from .deviation import Deviation
 
 Array = NDArray[Any]
@@ -33,8 +31,7 @@ GRID = ("lengthwise", "profile")
 
 
 def deviated_ease_off(
-    pair: GearPair,
-    ease_off: xr.Dataset,
+    geometry: PairGeometry,
     *,
     pinion: Deviation | None = None,
     gear: Deviation | None = None,
@@ -48,10 +45,8 @@ def deviated_ease_off(
 
     Parameters
     ----------
-    pair
-        The pair.
-    ease_off
-        The ease-off of its designed flanks, from ``pair_geometry``.
+    geometry
+        The designed pair, from ``pair_geometry``.
     pinion, gear
         Deviations of the members' flanks. The pinion's is taken at the point conjugate to the gear's node.
     form
@@ -70,6 +65,7 @@ def deviated_ease_off(
     """
     if form not in get_args(Form):
         raise InputError(f"form = {form!r}: allowed are {', '.join(get_args(Form))}")
+    pair, ease_off = geometry.pair, geometry.ease_off
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
     lever, ratio = fields["lever_arm"], pair.assembly.ratio
     t, h = np.meshgrid(ease_off["lengthwise"].values, ease_off["profile"].values, indexing="ij")
@@ -79,7 +75,7 @@ def deviated_ease_off(
     by_gear, by_pinion = _turns(form, pair, lever, (t, h), (pinion_t, pinion_h))
     roll = fields["roll_angle"]
     if pinion is not None:
-        later = _later(pair, pinion, t, h) if form == "correct" else -on_pinion * by_pinion
+        later = _later(geometry, pinion).reshape(t.shape) if form == "correct" else -on_pinion * by_pinion
         roll = roll + later
     change = -(on_pinion * by_pinion / ratio + on_gear * by_gear)
     angle = fields["ease_off_angle"] + change
@@ -117,11 +113,10 @@ def _turns(
     return lever / distance**2, lever / ratio / pinion_distance**2
 
 
-def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
-    """How much later places (nt, nh) of the gear meet the pinion for its deviation [rad]."""
-    gear = pair.gear.flank(lengthwise[:, 0], profile[0])
-    surface = compute(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    position, lever, moving = surface.pinion_position, surface.lever_arm, drift(surface)
+def _later(geometry: PairGeometry, deviation: Deviation) -> Array:
+    """How much later the nodes of the gear (n) meet the pinion for its deviation [rad]."""
+    exact, moving = geometry.exact, geometry.drift
+    position, lever = exact.pinion_position, exact.lever_arm
     value, slope = deviation.interpolant(position[2], np.hypot(position[0], position[1]))
     rate = (slope[0] * moving.axial + slope[1] * moving.radial) / lever - value * moving.lever_arm / lever**2
-    return np.asarray(rate / surface.separation_curvature).reshape(lengthwise.shape)
+    return np.asarray(rate / exact.separation_curvature)
