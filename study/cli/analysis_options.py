@@ -1,7 +1,9 @@
-"""What the commands that analyse a case have in common: their options, and the analysis with a progress bar."""
+"""What the commands that analyse a case have in common: their options and a progress bar."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,7 +13,6 @@ from .options import deviations, misalignment, torques
 # Everything heavy is imported by the command that needs it: `easeoff --help` stays quick.
 if TYPE_CHECKING:
     from ...cases import Case
-    from ..analysis import Analysis
 
 _PAIR = (
     click.argument("case"),
@@ -85,12 +86,17 @@ def analysis_options(command: Any) -> Any:
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
-    """The options with what stands for those that say how deviations are taken, where they are left out.
+    """The options, with defaults for those on deviations that are left out.
 
     Raises
     ------
     click.UsageError
         If one of them is given and no deviation is.
+
+    Examples
+    --------
+    >>> with_defaults({"deviations": {}, "interpolation": None})
+    {'deviations': {}, 'interpolation': 'spline'}
     """
     own = {name: value for name, value in DEVIATING.items() if name in options}
     for name in own:
@@ -99,27 +105,22 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
     return options | {name: value for name, value in own.items() if options[name] is None}
 
 
-def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:
-    """Analyse a case with a progress bar, which keeps quiet when the output is not a terminal.
+@contextmanager
+def progress_bar(case: Case, torques: Any) -> Iterator[Callable[[], None]]:
+    """Show the progress of an analysis, unless the output is no terminal; gives what the analysis calls as it goes on.
 
     Parameters
     ----------
     case
-        A checked case, or the name or path of one.
+        A checked case.
     torques
         Torques at the pinion [N m]; the case's own if ``None``.
-    **options
-        The other arguments of ``analyze_in_full``.
     """
     from tqdm import tqdm
 
-    from ...cases import read_case
-    from ..analysis import analyze_in_full
-
-    checked = read_case(case) if isinstance(case, str) else case
-    total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
+    total = len(torques or case.contact.torques) * case.contact.mesh_positions
     with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
-        return analyze_in_full(checked, torques=torques, progress=lambda: _step(bar), **with_defaults(options))
+        yield lambda: _step(bar)
 
 
 def _step(bar: Any) -> None:
