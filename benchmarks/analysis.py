@@ -23,8 +23,12 @@ import numpy as np
 from easeoff.cases import gear_pair, read_case
 from easeoff.cases.conversion import elastic_model
 from easeoff.contact import lines_in_mesh, loaded_splines, unloaded_contact
-from easeoff.contact.loaded import all_segments, solve_all
-from easeoff.geometry import pair_geometry
+from easeoff.contact.compliance.elastic_model import elastic_teeth
+from easeoff.contact.lines.flank_splines import FlankSplines
+from easeoff.contact.lines.mesh_lines import MeshLines
+from easeoff.contact.loaded import solve_all
+from easeoff.contact.segments import CycleSegments, LineSegments, Segments
+from easeoff.geometry import PairGeometry, pair_geometry
 from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from tabulate import tabulate
 
@@ -39,15 +43,19 @@ def stages(name: str) -> dict[str, Callable[[dict[str, Any]], Any]]:
     torques = np.array(settings.torques)
     pitch, ratio = pair.assembly.pinion_pitch, pair.assembly.ratio
     nodes = (settings.lengthwise_nodes, settings.profile_nodes)
+
+    def segments(fields: FlankSplines, geometry: PairGeometry, lines: MeshLines) -> list[Segments | None]:
+        model = elastic_model(case)
+        on_lines = LineSegments(fields, lines, elastic_teeth(geometry.teeth, model), settings.segments_per_line)
+        return CycleSegments(fields, on_lines, model).by_position
+
     return {
         "geometry": lambda r: pair_geometry(pair, nodes),
         "splines": lambda r: loaded_splines(r["geometry"].flanks, r["geometry"].ease_off, r["geometry"].teeth),
         "contact lines": lambda r: lines_in_mesh(r["splines"], pitch, settings.mesh_positions),
         "unloaded": lambda r: unloaded_contact(r["splines"], r["contact lines"]),
-        "compliance": lambda r: all_segments(
-            r["splines"], r["geometry"].teeth, elastic_model(case), r["contact lines"], settings.segments_per_line
-        ),
-        "solve": lambda r: list(solve_all(r["compliance"], torques, ratio, "auto", {})),
+        "compliance": lambda r: segments(r["splines"], r["geometry"], r["contact lines"]),
+        "solve": lambda r: solve_all(r["compliance"], torques, ratio, "auto", {}),
     }
 
 

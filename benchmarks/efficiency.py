@@ -19,7 +19,8 @@ import easeoff
 import numpy as np
 from easeoff.friction import FrictionModel, Operation, friction
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from tabulate import tabulate
 
 TORQUES = np.linspace(100.0, 1000.0, 10)
@@ -32,7 +33,7 @@ def main() -> None:
     name = sys.argv[1] if len(sys.argv) > 1 else "fh-design-a"
     repetitions = int(sys.argv[2]) if len(sys.argv) > 2 else 5
     start = time.perf_counter()
-    tree = analyze_in_full(easeoff.read_case(name), torques=tuple(TORQUES)).tree
+    tree = contact_analysis(CaseInMesh.of(easeoff.read_case(name)), tuple(TORQUES)).tree
     contact = time.perf_counter() - start
     contacts = loaded_contacts(tree).force.size
     conditions = int(np.prod(OPERATION.shape))

@@ -7,6 +7,7 @@ from .compliance.elastic_model import ElasticModel
 from .line_contact.line_contact_solution import solve_line_contact
 from .lines.mesh_lines import lines_in_mesh
 from .loaded import loaded_contact, loaded_splines
+from .mesh_cycle import MeshCycle
 from .problem.certificate import Certificate, certify
 from .problem.complementarity_form import LCP, lcp
 from .problem.contact_problem import ContactProblem
@@ -25,6 +26,7 @@ __all__ = [
     "DualQP",
     "ElasticModel",
     "LiftedQP",
+    "MeshCycle",
     "Status",
     "available_solvers",
     "certify",

@@ -28,9 +28,9 @@ from .lines.flank_splines import FlankSplines, fit
 Array = NDArray[Any]
 GRID = ("lengthwise", "profile")
 MEMBERS = ("pinion", "gear")
-DEGREE = 3
-INTERVALS = (16, 10)  # of the spline that what passes over a flank is brought onto, lengthwise and up the profile
-EVENNESS = 1e-4  # weight of even continuation, against that of the samples
+SPLINE_DEGREE = 3  # of the field on a flank that the samples of an engagement are brought onto
+SPLINE_INTERVALS = (16, 10)  # lengthwise and up the profile
+SMOOTHING_WEIGHT = 1e-4  # weight of even continuation, against that of the samples
 
 
 def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> FlankSplines:
@@ -42,9 +42,20 @@ def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> Flank
         The geometry's ``ease_off``.
     rolling
         ``sliding``, ``pinion_speed``, ``gear_speed`` (lengthwise, profile) [mm per rad of the pinion].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> from easeoff.geometry.pair.rolling import rolling
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
+    >>> fields = rolling_splines(geometry.ease_off, motion)
+    >>> (fields("sliding", np.array([[0.2, 0.8], [0.5, 0.5]])) > 0.0).tolist()
+    [True, True]
     """
-    places = {f"pinion_{name}": ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID}
-    return fit(ease_off["lengthwise"].values, ease_off["profile"].values, {**rolling, **places})
+    pinion = {f"pinion_{name}": ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID}
+    return fit(ease_off["lengthwise"].values, ease_off["profile"].values, {**rolling, **pinion})
 
 
 @dataclass(frozen=True)
@@ -53,7 +64,7 @@ class Engagement:
 
     Parameters
     ----------
-    place
+    points
         Lengthwise and profile fractions of the samples on either member's own flank (2, n).
     passing
         Load per length times sliding over the speed of the line on either flank [N/mm]; times Archard's coefficient it
@@ -64,9 +75,16 @@ class Engagement:
         Ends of the contact lines on either flank, as fractions (2, m).
     work
         Load times sliding way of all samples together [N mm]; times the coefficient it is the volume.
+
+    Examples
+    --------
+    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
+    >>> even = {name: np.ones(3) for name in MEMBERS}
+    >>> Engagement(points, even, even, points, work=3.0).work
+    3.0
     """
 
-    place: Mapping[str, Array]
+    points: Mapping[str, Array]
     passing: Mapping[str, Array]
     area: Mapping[str, Array]
     ends: Mapping[str, Array]
@@ -95,6 +113,20 @@ def engagement(
     ------
     GeometryError
         If a mesh position has no certified solution: its wear is not known.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> from easeoff.geometry.pair.rolling import rolling
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
+    >>> known = rolling_splines(geometry.ease_off, motion), cycle.pinion_pitch, 5
+    >>> light, heavy = (engagement(cycle.loaded([torque])[0], *known) for torque in (100.0, 200.0))
+    >>> light.work < heavy.work
+    True
     """
     here = loaded.isel(torque=torque)
     values = {n: here[n].transpose("mesh_position", "segment").values for n in ("force", "length", *GRID)}
@@ -104,14 +136,14 @@ def engagement(
     force, length, lengthwise, profile = (v[present] for v in values.values())
     on_gear = np.stack([lengthwise, profile])
     moving = fields.evaluate(["sliding", "pinion_speed", "gear_speed", "pinion_lengthwise", "pinion_profile"], on_gear)
-    place = {"pinion": np.stack([moving["pinion_lengthwise"], moving["pinion_profile"]]), "gear": on_gear}
+    points = {"pinion": np.stack([moving["pinion_lengthwise"], moving["pinion_profile"]]), "gear": on_gear}
     speed = {name: moving[f"{name}_speed"] for name in MEMBERS}
     step = pinion_pitch / here.sizes["mesh_position"]
     return Engagement(
-        place,
+        points,
         {name: force / length * moving["sliding"] / speed[name] for name in MEMBERS},
         {name: length * speed[name] * step for name in MEMBERS},
-        {name: _ends(place[name].reshape(2, -1, segments_per_line)) for name in MEMBERS},
+        {name: _ends(points[name].reshape(2, -1, segments_per_line)) for name in MEMBERS},
         float(np.sum(force * moving["sliding"])) * step,
     )
 
@@ -127,7 +159,7 @@ def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array
 
     The cubic tensor spline that fits the samples best, each weighted with the area it stands for; so the field keeps
     the samples' integral, and the few samples on short lines in the corners weigh as little as they are. Where no line
-    passes, at places that never touch, it is continued evenly.
+    passes, at points that never touch, it is continued evenly.
 
     Parameters
     ----------
@@ -142,27 +174,45 @@ def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array
     -------
     Array
         Values (nt, nh), none below zero.
+
+    Examples
+    --------
+    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
+    >>> even = {name: np.ones(3) for name in MEMBERS}
+    >>> samples = Engagement(points, even, even, points, work=3.0)
+    >>> on_flank(samples, "gear", np.array([0.2, 0.5]), np.array([0.5])).round(6).tolist()
+    [[1.0], [1.0]]
     """
-    place, value, area = samples.place[member], samples.passing[member], samples.area[member]
-    knots = [np.concatenate([[0.0] * DEGREE, np.linspace(0.0, 1.0, n + 1), [1.0] * DEGREE]) for n in INTERVALS]
+    points, value, area = samples.points[member], samples.passing[member], samples.area[member]
+    before, beyond = [0.0] * SPLINE_DEGREE, [1.0] * SPLINE_DEGREE
+    knots = [np.concatenate([before, np.linspace(0.0, 1.0, n + 1), beyond]) for n in SPLINE_INTERVALS]
 
-    def basis(points: Array, axis: int) -> Array:
-        return np.asarray(BSpline.design_matrix(np.clip(points, 0.0, 1.0), knots[axis], DEGREE).toarray())
+    def basis(fractions: Array, axis: int) -> Array:
+        return np.asarray(BSpline.design_matrix(np.clip(fractions, 0.0, 1.0), knots[axis], SPLINE_DEGREE).toarray())
 
-    along, up = basis(place[0], 0), basis(place[1], 1)
+    along, up = basis(points[0], 0), basis(points[1], 1)
     both = (along[:, :, None] * up[:, None, :]).reshape(value.size, -1)
     matrix = both.T @ (area[:, None] * both)
     sizes = (along.shape[1], up.shape[1])
     steps = [np.diff(np.eye(n), axis=0) for n in sizes]
     evenness = np.kron(steps[0].T @ steps[0], np.eye(sizes[1])) + np.kron(np.eye(sizes[0]), steps[1].T @ steps[1])
-    matrix += EVENNESS * float(np.sum(area)) / matrix.shape[0] * evenness
+    matrix += SMOOTHING_WEIGHT * float(np.sum(area)) / matrix.shape[0] * evenness
     coefficients = np.linalg.solve(matrix, both.T @ (area * value)).reshape(sizes)
     return np.asarray(np.maximum(basis(lengthwise, 0) @ coefficients @ basis(profile, 1).T, 0.0))
 
 
 def touched(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
-    """Which nodes of a grid (nt, nh) of the flank lie between the outermost ends of the contact lines."""
-    hull = Delaunay(np.concatenate([samples.place[member], samples.ends[member]], axis=1).T)
+    """Which nodes of a grid (nt, nh) of the flank lie between the outermost ends of the contact lines.
+
+    Examples
+    --------
+    >>> points = {name: np.array([[0.2, 0.8, 0.5], [0.2, 0.3, 0.9]]) for name in MEMBERS}
+    >>> even = {name: np.ones(3) for name in MEMBERS}
+    >>> samples = Engagement(points, even, even, points, work=3.0)
+    >>> touched(samples, "gear", np.array([0.0, 0.5]), np.array([0.5])).tolist()
+    [[False], [True]]
+    """
+    hull = Delaunay(np.concatenate([samples.points[member], samples.ends[member]], axis=1).T)
     grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
     return np.asarray(hull.find_simplex(grid, tol=1e-9) >= 0)
 
@@ -178,6 +228,13 @@ def integral(value: Array, position: Array, lengthwise: Array, profile: Array) -
         Flank at the nodes (nt, nh, 3) [mm].
     lengthwise, profile
         Fractions of the grid (nt), (nh).
+
+    Examples
+    --------
+    >>> t, h = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 3)
+    >>> plane = np.stack(np.meshgrid(20.0 * t, 5.0 * h, [0.0], indexing="ij")[:3], axis=-1)[:, :, 0]
+    >>> round(integral(np.ones((5, 3)), plane, t, h), 9)
+    100.0
     """
     along = np.gradient(position, lengthwise, axis=0, edge_order=2)
     up = np.gradient(position, profile, axis=1, edge_order=2)

@@ -11,14 +11,21 @@ Array = NDArray[Any]
 
 
 def peak_to_peak(values: Array) -> float:
-    """Largest minus smallest value of a cycle (n), in the units of the values."""
+    """Largest minus smallest value of a cycle (n), in the units of the values.
+
+    Examples
+    --------
+    >>> peak_to_peak(np.array([1.0, 4.0, 2.0]))
+    3.0
+    """
     return float(np.max(values) - np.min(values))
 
 
 def harmonics(values: Array, orders: int = 3) -> Array:
     """Amplitudes (orders) of the first harmonics of a cycle sampled evenly at n points.
 
-    >>> import numpy as np
+    Examples
+    --------
     >>> cycle = 5.0 + 2.0 * np.cos(2 * np.pi * np.arange(16) / 16 + 0.3)
     >>> [float(a) for a in harmonics(cycle).round(12)]
     [2.0, 0.0, 0.0]
@@ -33,5 +40,11 @@ def harmonics(values: Array, orders: int = 3) -> Array:
 
 
 def rms(amplitudes: Array) -> float:
-    """Root of the sum of the squared amplitudes, as the dissertation's tables use it (without the factor 1/sqrt 2)."""
+    """Root of the sum of the squared amplitudes, as the dissertation's tables use it (without the factor 1/sqrt 2).
+
+    Examples
+    --------
+    >>> rms(np.array([3.0, 4.0]))
+    5.0
+    """
     return float(np.sqrt(np.sum(np.square(amplitudes))))

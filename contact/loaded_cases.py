@@ -1,10 +1,9 @@
-"""What the loaded contact works on and makes: segments of a mesh position, solved cases, and their dataset."""
+"""Solved cases of the loaded contact, and their dataset."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,78 +11,43 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
-from .compliance import WeberLineContact
 from .harmonics import harmonics, peak_to_peak, rms
 from .problem.certificate import Certificate
 from .problem.contact_problem import ContactProblem
-from .problem.modal_basis import ModalBasis
+from .segments import Segments
 from .solvers import ContactSolution, Status
 
 Array = NDArray[Any]
 CERTIFICATE = tuple(field.name for field in dataclass_fields(Certificate))
-ORDERS = 10
-
-
-@dataclass(frozen=True)
-class Segments:
-    """Potential contact segments of one mesh position (n).
-
-    Parameters
-    ----------
-    pair
-        Tooth pair of each segment.
-    place
-        Lengthwise and profile fractions on the gear (2, n).
-    separation_angle
-        Gap as a gear rotation [rad].
-    lever_arm
-        Of the normal force about the gear axis [mm].
-    bending
-        Compliance of teeth and roots in modes, a block for every tooth pair.
-    line_contact
-        Local compliance.
-    searched
-        Where flanks bend over so short a way that their closest approach was searched for, see ``closest_approach``.
-    """
-
-    pair: NDArray[np.int64]
-    place: Array
-    separation_angle: Array
-    lever_arm: Array
-    bending: ModalBasis
-    line_contact: WeberLineContact
-    searched: NDArray[np.bool_]
-
-    @property
-    def separation(self) -> Array:
-        """Normal gap (n) [mm]."""
-        return np.asarray(self.separation_angle * self.lever_arm)
-
-    @property
-    def length(self) -> Array:
-        """Length along the contact line (n) [mm]."""
-        return self.line_contact.length
-
-    @property
-    def equivalent_radius(self) -> Array:
-        """Radius of relative curvature across the contact line (n) [mm]."""
-        return self.line_contact.equivalent_radius
-
-    @property
-    def overhang(self) -> Array:
-        """How far beyond a tooth edge the flanks would come closest (n) [mm]; NaN on contact lines."""
-        return self.line_contact.overhang
-
-    @cached_property
-    def bending_problem(self) -> ContactProblem:
-        """The contact problem without local compliance and without torque."""
-        nothing = np.zeros(self.pair.size)
-        return ContactProblem.of_modes(self.separation, self.lever_arm, 0.0, nothing, self.bending)
+HARMONIC_ORDER_COUNT = 10
 
 
 @dataclass(frozen=True)
 class LoadedCase:
-    """One torque at one mesh position."""
+    """One torque at one mesh position.
+
+    Parameters
+    ----------
+    torque, mesh_position
+        Their numbers.
+    segments
+        Potential contact segments.
+    solution
+        Forces, rotation and certificate.
+    problem
+        The contact problem with the local compliance of the solution.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> case = cycle.solved([100.0])[0]
+    >>> case.problem.torque == 1e3 * cycle.ratio * 100.0
+    True
+    """
 
     torque: int
     mesh_position: int
@@ -95,7 +59,31 @@ class LoadedCase:
 def loaded_dataset(
     segments: list[Segments | None], cases: list[LoadedCase], torques: Array, rotations: Array
 ) -> xr.Dataset:
-    """The tree's ``/loaded`` group from the solved cases."""
+    """The group ``/loaded`` of a result.
+
+    Parameters
+    ----------
+    segments
+        Segments of every mesh position (k).
+    cases
+        Solved cases.
+    torques
+        Torques at the pinion (t) [N m].
+    rotations
+        Pinion rotations (k) [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> torques = np.array([100.0])
+    >>> found = loaded_dataset(cycle.segments.by_position, cycle.solved(torques), torques, cycle.lines.rotations)
+    >>> found["load_share"].dims
+    ('torque', 'mesh_position', 'pair')
+    """
     size = max(s.pair.size for s in segments if s is not None)
     cycle = (torques.size, rotations.size)
     pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
@@ -139,8 +127,8 @@ def loaded_dataset(
             "equivalent_radius": here.equivalent_radius,
             "lever_arm": here.lever_arm,
             "tooth": here.pair,
-            "lengthwise": here.place[0],
-            "profile": here.place[1],
+            "lengthwise": here.point[0],
+            "profile": here.point[1],
             "overhang": here.overhang,
         }
         for name, value in values.items():
@@ -150,7 +138,7 @@ def loaded_dataset(
             share[at] = [np.sum(moment[here.pair == p]) / np.sum(moment) for p in pairs]
             scalars["edge_share"][at] = np.sum(moment[np.isfinite(here.overhang)]) / np.sum(moment)
     error = scalars["transmission_error"]
-    amplitudes = np.array([harmonics(row, ORDERS) for row in error])
+    amplitudes = np.array([harmonics(row, HARMONIC_ORDER_COUNT) for row in error])
     data: dict[str, Any] = {name: (("torque", "mesh_position"), value) for name, value in scalars.items()}
     data |= {name: (("torque", "mesh_position", "segment"), value) for name, value in per_segment.items()}
     data["status"] = (("torque", "mesh_position"), status, Status.flag_attributes())
@@ -166,7 +154,7 @@ def loaded_dataset(
     coords = {
         "torque": torques,
         "mesh_position": np.arange(rotations.size) / rotations.size,
-        "order": np.arange(1, ORDERS + 1),
+        "order": np.arange(1, HARMONIC_ORDER_COUNT + 1),
         "pair": pairs,
     }
     line_contact = next(s.line_contact for s in segments if s is not None)

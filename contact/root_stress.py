@@ -19,7 +19,7 @@ from .loaded_cases import LoadedCase
 from .solvers import Status
 
 Array = NDArray[Any]
-STATIONS = 41
+LENGTHWISE_STATION_COUNT = 41
 
 
 def root_stress(
@@ -36,7 +36,7 @@ def root_stress(
     Parameters
     ----------
     fields
-        Splines of ``loaded_splines``.
+        Splines from ``loaded_splines``.
     teeth
         Pinion and gear by finite elements.
     cases
@@ -55,26 +55,39 @@ def root_stress(
     ------
     InputError
         If a tooth is a solid shell.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> from easeoff.study.case_in_mesh import CaseInMesh
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> tables = {"contact": coarse, "compliance": {"model": "fe", "fineness": 0.3}}
+    >>> changed = {name: getattr(case, name).model_copy(update=table) for name, table in tables.items()}
+    >>> state = CaseInMesh.of(case.model_copy(update=changed))
+    >>> loaded, cases = state.cycle.loaded([200.0])
+    >>> root_stress(state.cycle.fields, state.teeth, cases, loaded)["max_root_stress"].dims
+    ('torque', 'member')
     """
     certified = [case for case in cases if case.solution.status == Status.CERTIFIED]
-    pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, STATIONS)
+    pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, LENGTHWISE_STATION_COUNT)
     shape = (loaded.sizes["torque"], loaded.sizes["mesh_position"], pairs.size)
     known = np.zeros(shape[:2], dtype=bool)
     where, force, column = [np.empty((2, 0))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
     for case in certified:
         known[case.torque, case.mesh_position] = True
-        where.append(case.segments.place)
+        where.append(case.segments.point)
         force.append(case.solution.force)
         tooth_pair = np.searchsorted(pairs, case.segments.pair)
         column.append(np.ravel_multi_index((case.torque, case.mesh_position, tooth_pair), shape))
-    place, forces, columns = np.concatenate(where, axis=1), np.concatenate(force), np.concatenate(column)
+    points, forces, columns = np.concatenate(where, axis=1), np.concatenate(force), np.concatenate(column)
     history = np.full((shape[0], 2, *shape[1:]), np.nan)
     greatest = np.full((shape[0], 2), np.nan)
-    along = np.full((shape[0], 2, STATIONS), np.nan)
+    along = np.full((shape[0], 2, LENGTHWISE_STATION_COUNT), np.nan)
     for member, tooth in enumerate(teeth):
         if tooth.root is None:
             raise InputError('root stresses need finite elements: model = "fe" under [compliance]')
-        on_member = member_points(fields, MEMBERS[member], place)
+        on_member = member_points(fields, MEMBERS[member], points)
         nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(
             ((shares * forces[:, None]).ravel(), (nodes.ravel(), np.repeat(columns, nodes.shape[1]))),

@@ -17,7 +17,7 @@ from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 
 Array = NDArray[Any]
-FINER = 16  # rotations between two mesh positions at which the envelope is taken
+ENVELOPE_REFINEMENT = 16  # rotations between two mesh positions at which the envelope is taken
 
 
 def _smallest(values: Array) -> tuple[Array, Array]:
@@ -63,12 +63,12 @@ def _line_ends(
             else:
                 ends[side, row] = index
     length = (ends[1] - ends[0]) / (count - 1) * lines.length
-    place = np.stack([_at(lines.points, ends[side]) for side in range(2)], axis=-1)
-    return place[0], place[1], length
+    points = np.stack([_at(lines.points, ends[side]) for side in range(2)], axis=-1)
+    return points[0], points[1], length
 
 
 def _fine_envelope(errors: Array) -> Array:
-    """Error of the pair that carries at FINER times as many rotations, from the errors (pair, mesh position).
+    """Error of the pair that carries, at ENVELOPE_REFINEMENT times as many rotations as the errors (pair, position).
 
     One tooth pair's error is a smooth function of its rotation, known over several pitches; the kink where the next
     pair takes over, and with it the peak to peak, lies between the mesh positions.
@@ -80,7 +80,7 @@ def _fine_envelope(errors: Array) -> Array:
     step, error = step[order], errors.ravel()[order]
     known = np.isfinite(error)
     single = PchipInterpolator(step[known], error[known], extrapolate=False)
-    fine = np.arange(positions * FINER) / FINER
+    fine = np.arange(positions * ENVELOPE_REFINEMENT) / ENVELOPE_REFINEMENT
     candidates = np.stack([single(fine - p * positions) for p in range(pairs)])
     return _least(candidates)
 
@@ -97,7 +97,7 @@ def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float
     Parameters
     ----------
     fields
-        Splines from ``contact_splines``.
+        Splines from ``contact_lines.contact_splines``.
     mesh
         Contact lines from ``lines_in_mesh``.
     separation
@@ -108,6 +108,17 @@ def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float
     xr.Dataset
         Transmission error (pair, mesh_position) and envelope, path of contact, ends of the contact lines (Kolivand
         2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the dissertation's tables.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> unloaded = unloaded_contact(cycle.fields, cycle.lines, separation=5.0)
+    >>> unloaded["transmission_error_envelope"].dims
+    ('mesh_position',)
     """
     lines, position, pair = mesh.lines, mesh.position, mesh.pair
     mesh_positions = mesh.rotations.size
@@ -115,7 +126,7 @@ def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float
     error, index = _smallest(closest.separation_angle)
     # At the flank's edge the contact stays on the edge.
     at_edge = (index <= 0.0) | (index >= lines.points.shape[2] - 1)
-    place = _at(lines.points + np.where(at_edge[:, None], 0.0, closest.shift), index)
+    point = _at(lines.points + np.where(at_edge[:, None], 0.0, closest.shift), index)
     ends_t, ends_h, length = _line_ends(lines, closest, error, index, 1e-3 * separation)
 
     pairs = np.unique(pair)
@@ -125,8 +136,8 @@ def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float
     order = np.argsort(-error, kind="stable")
     values = {
         "transmission_error": 1e6 * error,
-        "path_lengthwise": place[0],
-        "path_profile": place[1],
+        "path_lengthwise": point[0],
+        "path_profile": point[1],
         "line_length": length,
     }
     grid = ("pair", "mesh_position")

@@ -11,8 +11,9 @@ from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, inner, result, w
 import easeoff
 from easeoff.cases import Case, read_design
 from easeoff.friction import Operation, friction
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
 from easeoff.study.case_design import design_case
+from easeoff.study.case_in_mesh import CaseInMesh
 
 # Choices the dissertation leaves open, and another value of each.
 CHOICES: dict[str, dict[str, Any]] = {
@@ -49,7 +50,7 @@ def choices() -> str:
     for name, changed in CHOICES.items():
         cells: list[object] = [name]
         for letter in DESIGNS:
-            tree = analyze_in_full(changed_case(letter, **changed), torques=(AT["torque"],)).tree
+            tree = contact_analysis(CaseInMesh.of(changed_case(letter, **changed)), AT["torque"]).tree
             loaded = tree["loaded"].to_dataset().isel(torque=0)
             rolling = friction(tree, Operation(AT["speed"]))["rolling_velocity"].sel(speed=AT["speed"])
             radius = loaded["equivalent_radius"].where(loaded["force"] > 0.0)
@@ -91,7 +92,7 @@ def chapter_four() -> str:
     """Table: greatest pressure of the pairs of chapter 4 at 200 N m."""
     rows: list[tuple[object, ...]] = []
     for name, printed in (("fh-12x41-45", "to 800"), ("fm-11x41", "to 1200, with a loaded edge")):
-        tree = analyze_in_full(easeoff.read_case(name), torques=(200.0,)).tree
+        tree = contact_analysis(CaseInMesh.of(easeoff.read_case(name)), 200.0).tree
         loaded = (with_direction(tree, direction)["loaded"].to_dataset() for direction in DIRECTIONS)
         pressures = (float(found["max_pressure"].sel(torque=200.0)) for found in loaded)
         rows.append((f"`{name}`", *(f"{pressure:.0f}" for pressure in pressures), printed))

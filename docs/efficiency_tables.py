@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
-from easeoff.study.analysis import Analysis, analyze_in_full
+from easeoff.study.analysis import Analysis, contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 
@@ -45,7 +46,7 @@ MAPS = ("rolling_velocity", "sliding_velocity", "slide_to_roll", "equivalent_rad
 @cache
 def analysed(letter: str) -> Analysis:
     """A design at three torques."""
-    return analyze_in_full(easeoff.read_case(DESIGNS[letter]), torques=TORQUES)
+    return contact_analysis(CaseInMesh.of(easeoff.read_case(DESIGNS[letter])), TORQUES)
 
 
 @cache

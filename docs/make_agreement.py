@@ -19,7 +19,8 @@ from easeoff.contact import ContactProblem, available_solvers, solve
 from easeoff.contact.solvers import SOLVERS
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.contact.solvers.polish import recover_answer
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 PAGE = Path(__file__).parent / "contact_problems.md"
@@ -94,7 +95,7 @@ def gear_problems() -> Iterator[ContactProblem]:
     for name, torques in GEARS.items():
         case = read_case(name)
         case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": MESH_POSITIONS})})
-        for solved in analyze_in_full(case, torques=torques).cases:
+        for solved in contact_analysis(CaseInMesh.of(case), torques).cases:
             yield solved.problem
 
 

@@ -51,8 +51,9 @@ def printed_update(pair: GearPair, designed: xr.Dataset, update: xr.Dataset) -> 
 
 def judged(pair: GearPair, deviations: dict[str, Deviation], printed: bool) -> tuple[float, float, float, float]:
     """Largest change of the ease-off, error of its update [um], of the roll angle, and without one [mrad]."""
-    designed = pair_geometry(pair).ease_off
-    update = deviated_ease_off(pair, designed, pinion=deviations["pinion"], gear=deviations["gear"])
+    geometry = pair_geometry(pair)
+    designed = geometry.ease_off
+    update = deviated_ease_off(geometry, pinion=deviations["pinion"], gear=deviations["gear"])
     if printed:
         update = printed_update(pair, designed, update)
     exact = deviated_geometry(pair, (31, 21), deviations, "surface").ease_off

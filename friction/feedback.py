@@ -148,7 +148,7 @@ def friction_feedback(
     Parameters
     ----------
     tree, cases
-        What ``study.analysis.analyze_in_full`` returns.
+        Of ``study.analysis.contact_analysis``.
     operation
         Speeds, temperatures, roughnesses; the contact is solved anew for every combination.
     model

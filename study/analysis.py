@@ -1,44 +1,38 @@
-"""The whole analysis of a case: geometry, unloaded contact, loaded contact, as one tree."""
+"""The whole analysis of a case: geometry, unloaded contact, loaded contact, friction, as one tree."""
 
 from __future__ import annotations
 
+import datetime
+import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from ..cases.conversion import edges_touch, elastic_model, finite_elements, gear_pair
-from ..cases.reading import read_case
+from ..cases.conversion import edges_touch
 from ..cases.schema.case_schema import Case
-from ..contact.lines.mesh_lines import lines_in_mesh, lost_contact
-from ..contact.loaded import loaded_contact, loaded_splines
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
-from ..contact.unloaded import unloaded_contact
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.gear_pair import FlankName, GearPair
-from ..geometry.pair.modification import Modification, modified_ease_off
+from ..geometry.pair.gear_pair import FlankName
+from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
-from .flank_deviations import (
-    Deviated,
-    Source,
-    deviated_geometry,
-    deviation_attributes,
-    flank_deviations,
-    require_line_contact,
-)
-from .provenance import provenance
+from .case_in_mesh import CaseInMesh, checked_case
+from .flank_deviations import Deviated, Source, deviation_attributes, require_line_contact
 
 if TYPE_CHECKING:
     from ..cases.schema.friction_table import FrictionTable
     from ..friction import FrictionModel, Lubricant, Operation
     from ..friction.operation import Array, Numbers, Roughness
+
+RESULT_SCHEMA_VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -51,96 +45,87 @@ class Analysis:
         The labelled results.
     cases
         Every solved case with its contact problem.
+
+    Examples
+    --------
+    >>> Analysis(xr.DataTree(), cases=[]).cases
+    []
     """
 
     tree: xr.DataTree
     cases: list[LoadedCase]
 
 
-def prepared_pair(case: Case, flank: FlankName, misalignment: Misalignment | None) -> GearPair:
-    """The gear pair of a case, with its own misalignment or another."""
-    pair = gear_pair(case, flank)
-    return pair if misalignment is None else pair.misaligned(misalignment)
+def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> Array:
+    """Torques at the pinion [N m]: the case's own if none are given.
+
+    Raises
+    ------
+    InputError
+        If a torque comes twice.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case_torques(read_case("nasa-12x36"), 250.0).tolist()
+    [250.0]
+    """
+    load = np.atleast_1d(np.asarray(case.contact.torques if torques is None else torques, dtype=float))
+    if np.unique(load).size != load.size:
+        raise InputError(f"torques = {load.tolist()}: a value comes twice; give every torque in N m once")
+    return load
 
 
-def analyze_in_full(
-    case: Case,
-    *,
-    flank: FlankName = "drive",
+def contact_analysis(
+    state: CaseInMesh,
     torques: float | Sequence[float] | None = None,
-    misalignment: Misalignment | None = None,
-    deviations: Mapping[MemberName, Source] | None = None,
-    deviated: Deviated = "ease_off",
-    interpolation: Method = "spline",
-    modification: Modification | None = None,
+    *,
     edge_contact: bool | None = None,
     solver: str = "auto",
-    operation: Operation | None = None,
-    friction_model: FrictionModel | None = None,
-    friction_feedback: bool = False,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
-    """As ``analyze``, with the operating conditions in one, and keeps the contact problems."""
-    require_solver(solver)
-    if operation is not None:
-        from ..friction import FrictionModel, friction
-        from ..friction import friction_feedback as with_feedback
+    """Analyse a case's pair in mesh without friction, and keep the contact problems.
 
-        friction_model = friction_model or FrictionModel()
-        friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
-    elif friction_model is not None or friction_feedback:
-        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
-    pair = prepared_pair(case, flank, misalignment)
-    settings = case.contact
-    load = np.atleast_1d(np.asarray(settings.torques if torques is None else torques, dtype=float))
-    if np.unique(load).size != load.size:
-        raise InputError(f"torques = {load.tolist()}: a value comes twice; give every torque in N m once")
-    edges = edges_touch(case) if edge_contact is None else edge_contact
-    teeth = finite_elements(case, pair)
-    departures = flank_deviations(pair, deviations or {}, interpolation)
-    geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
-    if modification is not None:
-        geometry = replace(geometry, ease_off=modified_ease_off(geometry.ease_off, modification))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, settings.mesh_positions)
-    if departures:
-        require_line_contact(lost_contact(fields, mesh), departures)
-    unloaded = unloaded_contact(fields, mesh, separation=settings.separation)
-    loaded, cases = loaded_contact(
-        fields,
-        geometry.teeth,
-        mesh,
-        ratio=pair.assembly.ratio,
-        torques=load,
-        model=elastic_model(case, teeth),
-        segments_per_line=settings.segments_per_line,
-        edge_contact=edges,
-        solver=solver,
-        progress=progress,
-        **options,
-    )
+    Parameters
+    ----------
+    state
+        The pair in mesh.
+    torques, edge_contact, solver, progress, **options
+        As of ``analyze``.
+
+    Raises
+    ------
+    InputError, GeometryError, MissingSolverError
+        As ``analyze``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> analysis = contact_analysis(CaseInMesh.of(case), [100.0])
+    >>> [solved.solution.status.name for solved in analysis.cases]
+    ['CERTIFIED', 'CERTIFIED']
+    """
+    case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
+    load, edges = case_torques(case, torques), edges_touch(case) if edge_contact is None else edge_contact
+    if state.deviations:
+        require_line_contact(cycle.lost_contact, state.deviations)
+    unloaded = cycle.unloaded(separation=case.contact.separation)
+    loaded, cases = cycle.loaded(load, edge_contact=edges, solver=solver, progress=progress, **options)
     groups = {
-        "/": xr.Dataset(
-            attrs=provenance(case, pair, flank, solver, modification, edge_contact=edges)
-            | deviation_attributes(departures, deviated),
-        ),
+        "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
         "/teeth": geometry.teeth,
         "/unloaded": unloaded,
         "/loaded": loaded,
     }
-    if teeth is not None and case.compliance.model == "fe":
-        groups["/root_stress"] = root_stress(fields, teeth, cases, loaded)
-    tree = xr.DataTree.from_dict(groups)
-    if operation is not None:
-        if friction_feedback:
-            losses = with_feedback(tree, cases, operation, friction_model, solver=solver)
-        else:
-            losses = friction(tree, operation, friction_model)
-        tree = xr.DataTree.from_dict({**groups, "/friction": losses})
-    return Analysis(tree, cases)
+    if state.teeth is not None and case.compliance.model == "fe":
+        groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
+    return Analysis(xr.DataTree.from_dict(groups), cases)
 
 
 def analyze(
@@ -222,29 +207,52 @@ def analyze(
         that there is no line contact.
     MissingSolverError
         If the solver's package is not installed.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> tree = analyze(case, torques=[100.0, 200.0], misalignment=Misalignment(offset=0.05))
+    >>> tree["loaded/peak_to_peak"].sizes["torque"]
+    2
     """
-    checked = case if isinstance(case, Case) else read_case(case)
-    table = checked.friction
-    if table is not None:
-        friction_model = friction_model or table.model()
-        friction_feedback = table.feedback if friction_feedback is None else friction_feedback
-    return analyze_in_full(
-        checked,
+    case = checked_case(case)
+    require_solver(solver)
+    operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
+    if case.friction is not None:
+        friction_model = friction_model or case.friction.model()
+        friction_feedback = case.friction.feedback if friction_feedback is None else friction_feedback
+    if operation is not None:
+        from ..friction import FrictionModel
+
+        friction_model = friction_model or FrictionModel()
+        friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif friction_model is not None or friction_feedback:
+        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
+    case_torques(case, torques)  # a torque given twice shows before the work, too
+    state = CaseInMesh.of(
+        case,
         flank=flank,
-        torques=torques,
         misalignment=misalignment,
         deviations=deviations,
         deviated=deviated,
         interpolation=interpolation,
         modification=modification,
-        edge_contact=edge_contact,
-        solver=solver,
-        operation=operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil),
-        friction_model=friction_model,
-        friction_feedback=bool(friction_feedback),
-        progress=progress,
-        **options,
-    ).tree
+    )
+    found = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=progress, **options)
+    if operation is not None:
+        from ..friction import friction
+        from ..friction import friction_feedback as with_feedback
+
+        losses = (
+            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver)
+            if friction_feedback
+            else friction(found.tree, operation, friction_model)
+        )
+        found.tree["friction"] = xr.DataTree(losses)
+    return found.tree
 
 
 def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:
@@ -261,6 +269,11 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
     ------
     InputError
         If other conditions are given and no speed, or a value is not possible.
+
+    Examples
+    --------
+    >>> operation_of(None, speed=1000.0, temperature=None).temperature
+    90.0
     """
     given = {name: value for name, value in conditions.items() if value is not None}
     if table is not None:
@@ -275,3 +288,31 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
     from ..friction import Operation
 
     return Operation(**given)
+
+
+def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[str, Any]:
+    """Where a result came from, as netCDF attributes."""
+    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    own, case, pair = version("easeoff"), state.case, state.pair
+    errors, added = pair.assembly.misalignment, state.modification
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title,
+        "history": f"{now} easeoff {own} analyze",
+        "easeoff_version": own,
+        "schema_version": RESULT_SCHEMA_VERSION,
+        "case": case.text or case.model_dump_json(),
+        "solver": solver,
+        "flank": state.flank,
+        "edge_contact": int(edge_contact),
+        "pinion_teeth": pair.assembly.pinion_teeth,
+        "gear_teeth": pair.assembly.gear_teeth,
+        "pinion_hand": pair.assembly.pinion_hand,
+        "misalignment_offset_mm": errors.offset,
+        "misalignment_pinion_axial_mm": errors.pinion_axial,
+        "misalignment_gear_axial_mm": errors.gear_axial,
+        "misalignment_shaft_angle_rad": errors.shaft_angle,
+        "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
+        **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
+        **deviation_attributes(state.deviations, state.deviated),
+    }

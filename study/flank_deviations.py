@@ -23,11 +23,17 @@ from ..geometry.tooth.tooth_flanks import MemberName, named_member
 
 Source = Deviation | xr.Dataset | str | Path
 Deviated = Literal["ease_off", "surface"]
-MOST_LOST = 0.002  # of the points of the contact lines; with less, update and surfaces agree to a percent
+LOST_CONTACT_LIMIT = 0.002  # of the points of the contact lines; with less, update and surfaces agree to a percent
 
 
 def shipped_deviations() -> list[str]:
-    """Names of the measured grids that come with the package."""
+    """Names of the measured grids that come with the package.
+
+    Examples
+    --------
+    >>> shipped_deviations()[-1]
+    'fm-11x41-worn-pinion'
+    """
     folder = resources.files("easeoff.cases").joinpath("deviations")
     return sorted(f.name.removesuffix(".csv") for f in folder.iterdir() if f.name.endswith(".csv"))
 
@@ -39,6 +45,11 @@ def measured_file(name_or_path: str | Path) -> xr.Dataset:
     ------
     InputError
         If there is neither, or the file cannot be used.
+
+    Examples
+    --------
+    >>> measured_file("fm-11x41-worn-gear").attrs["member"]
+    'gear'
     """
     name = str(name_or_path)
     if name in shipped_deviations():
@@ -127,6 +138,13 @@ def flank_deviations(
     ------
     InputError
         If a source cannot be used, or does not belong to that flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> list(flank_deviations(pair, {"gear": "fm-11x41-worn-gear"}))
+    ['gear']
     """
     require_method(interpolation)
     found = {}
@@ -172,16 +190,38 @@ def deviated_geometry(
     ------
     InputError
         If the way is unknown; and as ``pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fm-11x41"))
+    >>> worn = flank_deviations(pair, {"gear": "fm-11x41-worn-gear"})
+    >>> bool((deviated_geometry(pair, (9, 7), worn).ease_off["gear_deviation"] < 0.0).any())
+    True
     """
     if deviated not in get_args(Deviated):
         raise InputError(f"deviated = {deviated!r}: allowed are {', '.join(get_args(Deviated))}")
-    if not deviations:
-        return pair_geometry(pair, nodes)
-    pinion, gear = deviations.get("pinion"), deviations.get("gear")
-    if deviated == "surface":
-        return pair_geometry(deviated_pair(pair, pinion=pinion, gear=gear), nodes)
-    designed = pair_geometry(pair, nodes)
-    return replace(designed, ease_off=deviated_ease_off(pair, designed.ease_off, pinion=pinion, gear=gear))
+    if deviations and deviated == "surface":
+        pair = deviated_pair(pair, pinion=deviations.get("pinion"), gear=deviations.get("gear"))
+    return updated_geometry(pair_geometry(pair, nodes), deviations, deviated)
+
+
+def updated_geometry(
+    geometry: PairGeometry, deviations: Mapping[str, Deviation], deviated: Deviated = "ease_off"
+) -> PairGeometry:
+    """The geometry of a pair with its ease-off updated for deviations, unless its surfaces have them already.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> geometry = pair_geometry(gear_pair(read_case("fm-11x41")), (9, 7))
+    >>> updated_geometry(geometry, {}) is geometry
+    True
+    """
+    if not deviations or deviated == "surface":
+        return geometry
+    ease_off = deviated_ease_off(geometry, pinion=deviations.get("pinion"), gear=deviations.get("gear"))
+    return replace(geometry, ease_off=ease_off)
 
 
 def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> None:
@@ -190,7 +230,7 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
     Parameters
     ----------
     lost
-        From ``contact.segments.lost_contact``.
+        ``MeshCycle.lost_contact``.
     deviations
         By member.
 
@@ -198,8 +238,12 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
     ------
     GeometryError
         If it is lost; names the member whose nodes scatter most.
+
+    Examples
+    --------
+    >>> require_line_contact(0.3, {})  # designed flanks are never refused
     """
-    if lost <= MOST_LOST or not deviations:
+    if lost <= LOST_CONTACT_LIMIT or not deviations:
         return
     scatter = {name: 1e3 * deviation.scatter for name, deviation in deviations.items()}
     worst = max(scatter, key=lambda name: scatter[name])
@@ -212,7 +256,15 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
 
 
 def deviation_attributes(deviations: Mapping[str, Deviation], deviated: str) -> dict[str, float | str]:
-    """What a result says about the deviations it was made with, as netCDF attributes."""
+    """What a result says about the deviations it was made with, as netCDF attributes.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> worn = flank_deviations(gear_pair(read_case("fm-11x41")), {"gear": "fm-11x41-worn-gear"})
+    >>> list(deviation_attributes(worn, "ease_off"))
+    ['deviated', 'largest_deviation_gear_um']
+    """
     if not deviations:
         return {}
     largest = {f"largest_deviation_{n}_um": 1e3 * float(np.max(np.abs(d.value))) for n, d in deviations.items()}

@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import elastic_model, finite_elements
-from ..cases.reading import read_case
+from ..cases.conversion import elastic_model
 from ..cases.schema.case_schema import Case
 from ..contact.modification.convex_programme import (
     Goal,
@@ -30,9 +29,10 @@ from ..contact.solvers import require_solver
 from ..core.attributes import labelled
 from ..core.errors import GeometryError, InputError
 from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.gear_pair import FlankName, GearPair, pair_geometry
+from ..geometry.pair.gear_pair import FlankName, GearPair
 from ..geometry.pair.modification import Modification, basis, terms
-from .analysis import analyze_in_full, prepared_pair
+from .analysis import case_torques, contact_analysis
+from .case_in_mesh import CaseInMesh, checked_case
 
 Array = NDArray[Any]
 
@@ -98,17 +98,28 @@ def optimize(
         If an argument is out of range.
     GeometryError
         If the pair cannot be analysed as it is.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> tree = optimize(case, torques=[200.0], order=2, programmes=1)
+    >>> before, after = tree["optimization/max_line_load"].values.ravel()
+    >>> bool(after <= before)
+    True
     """
-    checked = case if isinstance(case, Case) else read_case(case)
+    checked = checked_case(case)
     _check(transmission_error, end_load, largest, programmes)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
     # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
-    before = analyze_in_full(checked, flank=flank, torques=torques, edge_contact=False, solver=solver)
-    loaded = before.tree["loaded"].to_dataset()
+    own = CaseInMesh.of(checked, flank=flank)
+    loaded, _ = own.cycle.loaded(case_torques(checked, torques), solver=solver)
     torque = loaded["torque"].values
-    assemblies = [prepared_pair(checked, flank, other) for other in (None, *misalignments)]
-    contacts = [_contact(checked, pair, torque, names, solver) for pair in assemblies]
+    states = [own, *(own.misaligned(other) for other in misalignments)]
+    contacts = [ModifiedContact(state.cycle, torque, names, solver) for state in states]
 
     def solved(coefficients: Array) -> LoadResponse | None:
         parts = [contact.loads(coefficients, i * torque.size) for i, contact in enumerate(contacts)]
@@ -126,9 +137,8 @@ def optimize(
     held = stacked([contact.held(none, i * torque.size) for i, contact in enumerate(contacts)])
     found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
     best = contacts[0].modification(found.coefficients)
-    after = analyze_in_full(checked, flank=flank, torques=torques, modification=best, edge_contact=False, solver=solver)
-    tree = after.tree
-    record = _compared(checked, start, found, loaded, assemblies)
+    tree = contact_analysis(own.modified(best), torques, edge_contact=False, solver=solver).tree
+    record = _compared(checked, start, found, loaded, [state.pair for state in states])
     record.attrs |= {
         "objective": chosen,
         "transmission_error_limit_urad": math.inf if transmission_error is None else transmission_error,
@@ -152,21 +162,6 @@ def _check(transmission_error: float | None, end_load: float | None, largest: fl
         raise InputError(f"programmes = {programmes}: at least one is needed")
 
 
-def _contact(case: Case, pair: GearPair, torques: Array, names: tuple[str, ...], solver: str) -> ModifiedContact:
-    settings = case.contact
-    return ModifiedContact.of(
-        pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes)),
-        pair.assembly.pinion_teeth,
-        pair.assembly.ratio,
-        settings.mesh_positions,
-        torques=torques,
-        model=elastic_model(case, finite_elements(case, pair)),
-        segments_per_line=settings.segments_per_line,
-        names=names,
-        solver=solver,
-    )
-
-
 def _goal(
     start: LoadResponse,
     objective: Objective,
@@ -178,14 +173,14 @@ def _goal(
 ) -> Goal:
     load = worst_assembly(figures(start, "peak_load"), torques)
     at_ends = worst_assembly(end_loads(start), torques)
-    places = np.meshgrid(np.linspace(0.0, 1.0, 15), np.linspace(0.0, 1.0, 11), indexing="ij")
+    points = np.meshgrid(np.linspace(0.0, 1.0, 15), np.linspace(0.0, 1.0, 11), indexing="ij")
     return Goal(
         objective=objective,
         reference=worst_assembly(figures(start, objective), torques),
         load_reference=load,
         transmission_error=math.inf if transmission_error is None else transmission_error,
         end_load=np.maximum(at_ends, 0.0) if end_load is None else np.full(torques, end_load),
-        surface=basis(names, places[0].ravel(), places[1].ravel()),
+        surface=basis(names, points[0].ravel(), points[1].ravel()),
         largest=largest,
     )
 

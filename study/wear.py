@@ -14,24 +14,19 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import elastic_model, finite_elements
-from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
 from ..contact.archard_wear import MEMBERS, engagement, integral, on_flank, rolling_splines, touched
-from ..contact.lines.mesh_lines import lines_in_mesh, lost_contact
-from ..contact.loaded import loaded_contact, loaded_splines
 from ..contact.solvers import Status
 from ..core.attributes import labelled
 from ..core.errors import GeometryError
 from ..geometry.deviation.deviation import Deviation, Method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
 from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.ease_off import exact_ease_off
-from ..geometry.pair.gear_pair import FlankName, GearPair, PairGeometry, grid, pair_geometry
+from ..geometry.pair.gear_pair import FlankName, grid
 from ..geometry.pair.rolling import rolling
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
-from .analysis import prepared_pair
-from .flank_deviations import MOST_LOST, Source, flank_deviations, require_line_contact
+from .case_in_mesh import CaseInMesh, checked_case, prepared_pair
+from .flank_deviations import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
 __all__ = ["WearLaw", "wear"]
@@ -86,10 +81,21 @@ def wear(
         If an argument is out of range.
     GeometryError
         If the flanks do not meet, or the contact to begin with cannot be solved.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 11, "profile_nodes": 9}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> worn = wear(case, WearLaw(1e-12, 1e-12, revolutions=1e5), torque=200.0)
+    >>> worn.attrs["stop"]
+    'all revolutions done'
     """
-    checked = case if isinstance(case, Case) else read_case(case)
+    checked, shares = checked_case(case), duty_cycle(torque)
     pair = prepared_pair(checked, flank, misalignment)
-    run = _Run(checked, pair, law, duty_cycle(torque), solver, flank_deviations(pair, deviations or {}, interpolation))
+    start = flank_deviations(pair, deviations or {}, interpolation)
+    run = _Run(CaseInMesh.of(checked, flank=flank, misalignment=misalignment), law, shares, solver, start)
     history, completed = [run.state()], True
     while run.stop is None:
         try:
@@ -127,25 +133,19 @@ class _Run:
 
     def __init__(
         self,
-        case: Case,
-        pair: GearPair,
+        designed: CaseInMesh,
         law: WearLaw,
         shares: dict[float, float],
         solver: str,
         start: dict[str, Deviation],
     ) -> None:
-        self.case, self.pair, self.law, self.shares, self.solver, self.start = case, pair, law, shares, solver, start
-        settings = case.contact
-        self.nodes = (settings.lengthwise_nodes, settings.profile_nodes)
-        self.model = elastic_model(case, finite_elements(case, pair))
-        self.designed: PairGeometry = pair_geometry(pair, self.nodes)
-        surface = exact_ease_off(
-            pair.gear.flank(*grid(self.nodes)), pair.pinion.loaded, pair.pinion.section, pair.assembly
-        )
-        motion = {name: value.reshape(self.nodes) for name, value in vars(rolling(surface)).items()}
-        self.motion = rolling_splines(self.designed.ease_off, motion)
+        self.pair, self.designed = designed.pair, designed.cycle
+        self.law, self.shares, self.solver, self.start = law, shares, solver, start
+        geometry = self.designed.geometry
+        motion = {name: value.reshape(geometry.nodes) for name, value in vars(rolling(geometry.exact)).items()}
+        self.motion = rolling_splines(geometry.ease_off, motion)
         self.t, self.h = grid(WEAR_NODES)
-        flanks = {name: named_member(pair, name).flank(self.t, self.h) for name in MEMBERS}
+        flanks = {name: named_member(self.pair, name).flank(self.t, self.h) for name in MEMBERS}
         self.positions = {n: np.moveaxis(f.position.reshape(3, *WEAR_NODES), 0, -1) for n, f in flanks.items()}
         self.depth = {name: np.zeros(WEAR_NODES) for name in MEMBERS}
         self.volume = dict.fromkeys(MEMBERS, 0.0)
@@ -164,37 +164,25 @@ class _Run:
 
     def _solve(self) -> None:
         """The contact of the flanks as they are now, and what an engagement takes off them."""
-        settings, designed = self.case.contact, self.designed
         now = {name: self._deviation(name) for name in MEMBERS}
-        ease_off = deviated_ease_off(self.pair, designed.ease_off, pinion=now["pinion"], gear=now["gear"])
-        fields = loaded_splines(designed.flanks, ease_off, designed.teeth)
-        pitch = self.pair.assembly.pinion_pitch
-        mesh = lines_in_mesh(fields, pitch, settings.mesh_positions)
-        lost = lost_contact(fields, mesh)
+        ease_off = deviated_ease_off(self.designed.geometry, pinion=now["pinion"], gear=now["gear"])
+        cycle = self.designed.with_ease_off(ease_off)
+        lost = cycle.lost_contact
         if self.revolutions == 0.0:  # what was measured or left from elsewhere, not worn here
             require_line_contact(lost, now)
-        elif lost > MOST_LOST:
+        elif lost > LOST_CONTACT_LIMIT:
             raise GeometryError(
                 f"{CONTACT_LOST}: at {100 * lost:.1f} % of the points of the contact lines the worn flanks bend over "
                 "too short a way for a line contact"
             )
-        self.loaded, _ = loaded_contact(
-            fields,
-            designed.teeth,
-            mesh,
-            ratio=self.pair.assembly.ratio,
-            torques=np.array(list(self.shares)),
-            model=self.model,
-            segments_per_line=settings.segments_per_line,
-            solver=self.solver,
-        )
+        self.loaded, _ = cycle.loaded(list(self.shares), solver=self.solver)
         bad = int(np.count_nonzero(self.loaded["status"].values != Status.CERTIFIED))
         if bad and self.revolutions > 0.0:
             raise GeometryError(
                 f"{NOT_SOLVED}: {bad} of {self.loaded['status'].size} mesh positions of the worn flanks"
             )
-        count = settings.segments_per_line
-        parts = [(s, engagement(self.loaded, self.motion, pitch, count, i)) for i, s in enumerate(self.shares.values())]
+        known = self.loaded, self.motion, cycle.pinion_pitch, cycle.segments_per_line
+        parts = [(share, engagement(*known, torque)) for torque, share in enumerate(self.shares.values())]
         if not self.touched:
             self.touched = {name: touched(parts[0][1], name, self.t, self.h) for name in MEMBERS}
         # A tooth of the gear meets the pinion once in a revolution of the gear.

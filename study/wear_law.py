@@ -29,6 +29,11 @@ class WearLaw:
     ------
     InputError
         If a number cannot be used.
+
+    Examples
+    --------
+    >>> WearLaw(1e-12, 2e-12, revolutions=1e7).largest_step
+    0.5
     """
 
     pinion_coefficient: float
@@ -58,6 +63,11 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
     ------
     InputError
         If a torque or share is not positive, or the shares do not add up to one.
+
+    Examples
+    --------
+    >>> duty_cycle({100: 0.75, 300: 0.25})
+    {100.0: 0.75, 300.0: 0.25}
     """
     shares = dict(torque) if isinstance(torque, Mapping) else {torque: 1.0}
     total = sum(shares.values())

@@ -15,7 +15,7 @@ from easeoff.contact.lines.mesh_lines import gauss_points, lines_in_mesh, lost_c
 from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
 from easeoff.geometry.flanks.flank import solve_flank
-from easeoff.study.analysis import prepared_pair
+from easeoff.study.case_in_mesh import prepared_pair
 from easeoff.verification.flank_gap import flank_gap
 from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
 

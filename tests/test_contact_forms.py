@@ -31,7 +31,8 @@ from easeoff.contact.solvers import SOLVERS
 from easeoff.contact.solvers.adapters import lemke
 from easeoff.contact.solvers.backend import chosen_form
 from easeoff.core.errors import InputError
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
@@ -148,7 +149,7 @@ def test_every_form_holds_the_problems_of_shipped_cases(name: str) -> None:
     case = read_case(name)
     coarse = {"mesh_positions": 3, "segments_per_line": 11, "lengthwise_nodes": 17, "profile_nodes": 13}
     case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    solved = analyze_in_full(case, torques=[40.0, 150.0]).cases
+    solved = contact_analysis(CaseInMesh.of(case), [40.0, 150.0]).cases
     assert len(solved) == 6
     for item in solved:
         problem = item.problem

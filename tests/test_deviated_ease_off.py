@@ -19,7 +19,7 @@ from pairs import conjugate_pair
 import easeoff
 from easeoff.cases import gear_pair
 from easeoff.core.errors import InputError
-from easeoff.geometry import GearPair, pair_geometry
+from easeoff.geometry import GearPair, PairGeometry, pair_geometry
 from easeoff.geometry.cutting.blade_sections import Relief
 from easeoff.geometry.cutting.named_settings import get_setting, with_settings
 from easeoff.geometry.deviation.deviated_flank import deviated_member, deviated_pair
@@ -44,8 +44,8 @@ def case_pair() -> GearPair:
 
 
 @cache
-def designed(pair: GearPair) -> xr.Dataset:
-    return pair_geometry(pair, NODES).ease_off
+def designed(pair: GearPair) -> PairGeometry:
+    return pair_geometry(pair, NODES)
 
 
 def absolute(ease_off: xr.Dataset) -> Array:
@@ -64,7 +64,7 @@ def uniform(t: Array, h: Array) -> Array:
 def errors_of_the_update(pair: GearPair, pinion: Formula, gear: Formula, factor: float) -> tuple[float, float]:
     """Largest errors of the updated normal ease-off [um] and roll angle [rad], against the deviating flanks."""
     deviations = {"pinion": of(pair.pinion, pinion, factor), "gear": of(pair.gear, gear, factor)}
-    updated = deviated_ease_off(pair, designed(pair), pinion=deviations["pinion"], gear=deviations["gear"])
+    updated = deviated_ease_off(designed(pair), pinion=deviations["pinion"], gear=deviations["gear"])
     surfaces = deviated_pair(pair, pinion=deviations["pinion"], gear=deviations["gear"])
     exact = pair_geometry(surfaces, NODES).ease_off
     both = (updated["inside"].values & exact["inside"].values).astype(bool)
@@ -91,8 +91,8 @@ def test_no_deviation_changes_nothing_in_the_last_bit() -> None:
 def test_uniform_metal_on_one_member_takes_just_as_much_off_the_normal_ease_off(member: str) -> None:
     pair = case_pair()
     deviation = of(pair.pinion if member == "pinion" else pair.gear, uniform)
-    updated = deviated_ease_off(pair, designed(pair), **{member: deviation})
-    change = 1e3 * (absolute(updated) - absolute(designed(pair))) * updated["lever_arm"].values
+    updated = deviated_ease_off(designed(pair), **{member: deviation})
+    change = 1e3 * (absolute(updated) - absolute(designed(pair).ease_off)) * updated["lever_arm"].values
     inside = updated["inside"].values.astype(bool)
     np.testing.assert_allclose(change[inside], -10.0, rtol=0, atol=1e-9)
     np.testing.assert_allclose(updated["ease_off_change"].values[inside], -10.0, rtol=0, atol=1e-12)
@@ -106,9 +106,10 @@ def test_equal_and_opposite_deviations_of_conjugate_points_cancel() -> None:
     place = surface.pinion_position
     on_gear = gear.at(*np.meshgrid(t, h, indexing="ij"))
     pinion = Deviation(pair.pinion.section, place[2].reshape(NODES), np.hypot(*place[:2]).reshape(NODES), -on_gear)
-    updated = deviated_ease_off(pair, designed(pair), pinion=pinion, gear=gear)
+    updated = deviated_ease_off(designed(pair), pinion=pinion, gear=gear)
     assert np.max(np.abs(updated["gear_deviation"].values)) > 10.0
-    np.testing.assert_allclose(updated["ease_off"].values, designed(pair)["ease_off"].values, rtol=0, atol=1e-8)
+    before = designed(pair).ease_off
+    np.testing.assert_allclose(updated["ease_off"].values, before["ease_off"].values, rtol=0, atol=1e-8)
 
 
 def test_the_printed_form_is_low_by_the_square_of_the_cosine(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,8 +118,8 @@ def test_the_printed_form_is_low_by_the_square_of_the_cosine(monkeypatch: pytest
     studies = importlib.import_module("real_flanks_studies")
     pair = case_pair()
     gear = of(pair.gear, GEAR_ERRORS)
-    correct = deviated_ease_off(pair, designed(pair), gear=gear)
-    printed = studies.printed_update(pair, designed(pair), correct)
+    correct = deviated_ease_off(designed(pair), gear=gear)
+    printed = studies.printed_update(pair, designed(pair).ease_off, correct)
     flank = pair.gear.flank(*grid(NODES))
     radius = np.hypot(flank.position[0], flank.position[1])
     around = np.stack([-flank.position[1], flank.position[0], 0.0 * radius]) / radius
@@ -143,17 +144,17 @@ def test_the_update_errs_in_the_second_order_where_flanks_are_conjugate() -> Non
 def test_the_update_is_within_a_percent_on_a_real_pair(pinion: Formula, gear: Formula) -> None:
     pair = case_pair()
     gap, roll = errors_of_the_update(pair, pinion, gear, 1.0)
-    updated = deviated_ease_off(pair, designed(pair), pinion=of(pair.pinion, pinion), gear=of(pair.gear, gear))
+    updated = deviated_ease_off(designed(pair), pinion=of(pair.pinion, pinion), gear=of(pair.gear, gear))
     inside = updated["inside"].values.astype(bool)
     assert gap < 0.01 * np.max(np.abs(updated["ease_off_change"].values[inside]))
-    moved = np.abs((updated["roll_angle"] - designed(pair)["roll_angle"]).values[inside])
+    moved = np.abs((updated["roll_angle"] - designed(pair).ease_off["roll_angle"]).values[inside])
     assert roll < 0.05 * np.max(moved)
 
 
 @pytest.mark.thorough
 def test_what_is_of_first_order_in_the_error_is_the_lever_arm_of_the_pinion() -> None:
     """The gear's arm stands for both; with the arm of the pinion's own normal the error is of second order."""
-    pair, before = case_pair(), designed(case_pair())
+    pair, before = case_pair(), designed(case_pair()).ease_off
     arm = np.cross(before.attrs["gear_axis"], before["action_position"].values - before.attrs["gear_origin_mm"])
     share = before["lever_arm"].values / np.abs(np.sum(arm * before["action_normal"].values, axis=-1)) - 1.0
     inside = before["inside"].values.astype(bool)
@@ -161,7 +162,7 @@ def test_what_is_of_first_order_in_the_error_is_the_lever_arm_of_the_pinion() ->
     errors = []
     for factor in (1.0, 0.5, 0.25):
         pinion = of(pair.pinion, PINION_ERRORS, factor)
-        updated = deviated_ease_off(pair, before, pinion=pinion)
+        updated = deviated_ease_off(designed(pair), pinion=pinion)
         exact = pair_geometry(deviated_pair(pair, pinion=pinion), NODES).ease_off
         both = inside & exact["inside"].values.astype(bool)
         error = 1e3 * (absolute(updated) - absolute(exact)) * before["lever_arm"].values
@@ -206,7 +207,7 @@ def test_flanks_of_several_sections_deviate_too() -> None:
     assert set(surface.part) == {0, 1}
     nothing = deviated_pair(pair, pinion=of(pair.pinion, uniform, 0.0), gear=of(pair.gear, uniform, 0.0))
     same = pair_geometry(nothing, NODES).ease_off
-    for name, values in designed(pair).items():
+    for name, values in designed(pair).ease_off.items():
         np.testing.assert_array_equal(same[name].values, values.values, err_msg=str(name))
     gap, _ = errors_of_the_update(pair, PINION_ERRORS, GEAR_ERRORS, 1.0)
     assert gap < 0.5
@@ -220,11 +221,11 @@ def test_a_pinion_turned_as_a_whole_rolls_later_everywhere_by_its_angle() -> Non
     lever = np.abs(flank.position[0] * flank.normal[1] - flank.position[1] * flank.normal[0]).reshape(t.shape)
     axial, radial = pair.pinion.section.points(t, h)
     turned = Deviation(pair.pinion.section, axial, radial, -angle * lever)
-    updated = deviated_ease_off(pair, designed(pair), pinion=turned)
+    updated = deviated_ease_off(designed(pair), pinion=turned)
     inside = updated["inside"].values > updated["extrapolated"].values
-    later = (updated["roll_angle"] - designed(pair)["roll_angle"]).values[inside]
+    later = (updated["roll_angle"] - designed(pair).ease_off["roll_angle"]).values[inside]
     np.testing.assert_allclose(later, angle, rtol=1e-4)
-    gap = (absolute(updated) - absolute(designed(pair)))[inside]
+    gap = (absolute(updated) - absolute(designed(pair).ease_off))[inside]
     np.testing.assert_allclose(gap, angle / pair.assembly.ratio, rtol=1e-4)
 
 
@@ -245,11 +246,11 @@ def test_settings_of_a_machine_by_deviation() -> None:
         deviation = Deviation(pair.pinion.section, axial, radial, distance.reshape(t.shape))
         wanted = pair_geometry(replace(pair, pinion=second), NODES).ease_off
         by_surface = pair_geometry(deviated_pair(pair, pinion=deviation), NODES).ease_off
-        by_update = deviated_ease_off(pair, designed(pair), pinion=deviation)
+        by_update = deviated_ease_off(designed(pair), pinion=deviation)
         use = (by_update["inside"].values > by_update["extrapolated"].values) & (wanted["inside"].values == 1)
         exact, update, change = (
             np.max(np.abs(1e3 * (absolute(e) - absolute(wanted)) * wanted["lever_arm"].values)[use])
-            for e in (by_surface, by_update, designed(pair))
+            for e in (by_surface, by_update, designed(pair).ease_off)
         )
         assert exact < 1e-5
         assert update < 1e-3 * change

@@ -17,7 +17,7 @@ from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
-from easeoff.contact.loaded import REACH, loaded_contact, loaded_splines
+from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, loaded_contact, loaded_splines
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.geometry.pair.gear_pair import GearPair, PairGeometry
@@ -171,7 +171,7 @@ def test_what_touches_besides_holds_the_pair_back(name: str, torque: float) -> N
     edges, share = loaded(name, torque, edge_contact=True)
     assert np.all(nothing == 0.0)
     assert np.all(edges <= lines * (1.0 + 1e-9))
-    assert REACH >= 1.0
+    assert EDGE_SEARCH_ROTATION_FACTOR >= 1.0
     assert 0.03 < share.max() < 0.2
     without = share < 1e-12
     np.testing.assert_allclose(edges[without], lines[without], rtol=1e-9)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from click.testing import CliRunner
 from test_friction_kinematics import shape_operators, spur
 
 import easeoff
+from easeoff.cases import Case
 from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
@@ -25,7 +27,8 @@ from easeoff.friction.operation import named_models
 from easeoff.friction.surface_velocities import action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
-from easeoff.study.analysis import Analysis, analyze_in_full, operation_of
+from easeoff.study.analysis import Analysis, contact_analysis, operation_of
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
 from easeoff.study.report.result_summary import result_summary, uncertified
 
@@ -45,9 +48,12 @@ def replace_torques(torques: tuple[float, ...]) -> ContactTable:
     return CONTACT.model_copy(update={"torques": torques})
 
 
-def analysed(name: str, **options: Any) -> Analysis:
-    case = easeoff.read_case(name).model_copy(update={"contact": CONTACT})
-    return analyze_in_full(case, **options)
+def small_case(name: str) -> Case:
+    return easeoff.read_case(name).model_copy(update={"contact": CONTACT})
+
+
+def analysed(name: str, torques: Sequence[float] | None = None, **options: Any) -> Analysis:
+    return contact_analysis(CaseInMesh.of(small_case(name), **options), torques)
 
 
 @pytest.fixture(scope="module")
@@ -481,7 +487,7 @@ def test_feedback_ends_whatever_friction_takes(analysis: Analysis, coefficient: 
 
 def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: Analysis) -> None:
     case = easeoff.read_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
-    whole = analyze_in_full(case)
+    whole = contact_analysis(CaseInMesh.of(case))
     found = friction_feedback(whole.tree, whole.cases, Operation(3000.0, 30.0, 0.8))
     assert np.all(found["status"] == Status.NOT_CONVERGED)
     assert np.all(found["efficiency"].isnull())
@@ -650,12 +656,12 @@ def test_conditions_need_a_speed() -> None:
     with pytest.raises(InputError, match="oil and roughness without a speed"):
         operation_of(None, speed=None, oil="75w90", roughness=0.4, temperature=None)
     with pytest.raises(InputError, match="friction_feedback need the speed"):
-        analysed("fh-design-a", friction_feedback=True)
+        easeoff.analyze(small_case("fh-design-a").model_copy(update={"friction": None}), friction_feedback=True)
 
 
 def test_temperature_out_of_range_shows_before_the_work_or_is_flagged(tree: xr.DataTree) -> None:
     with pytest.raises(InputError, match="temperature = 120"):
-        analysed("fh-design-a", operation=Operation(1000.0, 120.0))
+        easeoff.analyze(small_case("fh-design-a"), speed=1000.0, temperature=120.0)
     found = friction(tree, Operation(1000.0, [100.0, 120.0]), FrictionModel(out_of_range="clamp"))
     assert found["temperature_clamped"].values.tolist() == [0, 1]
     np.testing.assert_allclose(found["efficiency"].isel(temperature=0), found["efficiency"].isel(temperature=1))

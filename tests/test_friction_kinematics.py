@@ -17,6 +17,7 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.datasets import ease_off_dataset
 from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
 from easeoff.geometry.pair.gear_pair import GearPair
+from easeoff.geometry.pair.rolling import drift
 from easeoff.geometry.vectors import column, cross, dot, rotate
 
 Array = NDArray[Any]
@@ -42,7 +43,7 @@ def grid() -> tuple[Array, Array]:
 
 @pytest.fixture(scope="module")
 def dataset(surface: EaseOff) -> xr.Dataset:
-    return ease_off_dataset(*grid(), surface)
+    return ease_off_dataset(*grid(), surface, drift(surface))
 
 
 def nodes(dataset: xr.Dataset) -> tuple[Array, Array]:
@@ -78,7 +79,7 @@ def test_the_gears_own_normal_would_not_do() -> None:
         motion, inside = found.motion, found.inside
         turn = (found.roll_angle + motion.center) / motion.assembly.ratio - found.angle
         normal = rotate(motion.gear_axis, turn, gear.normal)
-        data = ease_off_dataset(*grid(), found)
+        data = ease_off_dataset(*grid(), found, drift(found))
         pinion, driven = axes_of(data).velocities(1e-3 * found.action_position)
         worst = np.max(np.abs(dot(pinion - driven, normal))[inside])
         assert (worst < 1e-12) == exact
@@ -151,7 +152,7 @@ def test_points_of_action_of_one_moment_lie_along_the_line() -> None:
     """Chords of a level set of the roll angle: along the line, and in the flank."""
     pair = conjugate_pair()
     found = exact_ease_off(pair.gear.flank(*grid()), pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    data = ease_off_dataset(*grid(), found)
+    data = ease_off_dataset(*grid(), found, drift(found))
     fields = action_splines(data)
     points = np.random.default_rng(2).uniform(0.3, 0.7, (2, 20))
     here = surface_velocities(axes_of(data), fields, points)

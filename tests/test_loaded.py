@@ -12,11 +12,11 @@ import xarray as xr
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import available_solvers
 from easeoff.contact.compliance.elastic_model import ElasticModel, shells, tooth_dimensions
-from easeoff.contact.lines.mesh_lines import lines_in_mesh
-from easeoff.contact.loaded import all_segments, loaded_contact, loaded_splines
+from easeoff.contact.mesh_cycle import MeshCycle
 from easeoff.core.errors import InputError
 from easeoff.geometry import pair_geometry
-from easeoff.study.analysis import analyze, analyze_in_full
+from easeoff.study.analysis import analyze, contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 
 
 def small(name: str = "nasa-12x36", **changes: object) -> Case:
@@ -119,15 +119,10 @@ def test_error_converges_with_the_grid() -> None:
 
 def test_softer_pieces_make_a_softer_pair() -> None:
     """Clamped root below springs; thin shear factor above none; steel below softer steel."""
-    pair = gear_pair(read_case("nasa-12x36"))
-    geometry = pair_geometry(pair, (17, 13))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 3)
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (17, 13))
 
     def level(model: ElasticModel) -> float:
-        found, _ = loaded_contact(
-            fields, geometry.teeth, mesh, ratio=3.0, torques=np.array([150.0]), model=model, segments_per_line=15
-        )
+        found, _ = MeshCycle.of(geometry, model, mesh_positions=3, segments_per_line=15).loaded([150.0])
         return float(found["mean_level"][0])
 
     default = ElasticModel()
@@ -138,11 +133,8 @@ def test_softer_pieces_make_a_softer_pair() -> None:
 
 
 def test_segments_on_one_tooth_pair_are_coupled_and_others_are_not() -> None:
-    pair = gear_pair(read_case("nasa-12x36"))
-    geometry = pair_geometry(pair, (17, 13))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 3)
-    for here in all_segments(fields, geometry.teeth, ElasticModel(), mesh, 9):
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (17, 13))
+    for here in MeshCycle.of(geometry, mesh_positions=3, segments_per_line=9).segments.by_position:
         assert here is not None
         other = here.pair[:, None] != here.pair[None, :]
         bending = here.bending_problem.dense_compliance
@@ -165,7 +157,7 @@ def test_torques_must_be_positive(torques: list[float]) -> None:
 
 
 def test_contact_problems_are_kept_with_their_solutions() -> None:
-    analysis = analyze_in_full(small(mesh_positions=3), torques=[100.0])
+    analysis = contact_analysis(CaseInMesh.of(small(mesh_positions=3)), [100.0])
     assert len(analysis.cases) == 3
     for case in analysis.cases:
         assert case.problem.torque == pytest.approx(1e3 * 3.0 * 100.0)

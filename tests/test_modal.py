@@ -16,7 +16,8 @@ from easeoff.contact.problem.contact_problem import ContactProblem
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import ContactSolution, Status, available_solvers, modal_newton, native, solve
 from easeoff.contact.solvers.modal_system import ModalPoint, has_modal_form, modal_system
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 #: Classes in which every segment has a compliance of its own that counts.
@@ -145,7 +146,7 @@ def test_modal_method_agrees_with_other_programs(backend: str, path: str) -> Non
 def test_modal_method_agrees_on_the_shipped_cases(name: str, path: str) -> None:
     case = read_case(name)
     case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    for loaded in analyze_in_full(case, torques=case.contact.torques[:2]).cases:
+    for loaded in contact_analysis(CaseInMesh.of(case), case.contact.torques[:2]).cases:
         problem = loaded.problem
         assert has_modal_form(problem.scaling.scale(problem))
         assert len(factor_blocks(problem.compliance[1])) == len(set(loaded.segments.pair))

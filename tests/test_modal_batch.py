@@ -18,7 +18,8 @@ from easeoff.contact.line_contact.line_contact_law import LineContactLaw
 from easeoff.contact.solvers import problem_batch as many
 from easeoff.contact.solvers.modal_batch import LinearLaw, ModalBatch, newton_batch
 from easeoff.core.errors import InputError
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
@@ -192,9 +193,9 @@ def test_loaded_analysis_agrees_with_exact_programmes_one_by_one(name: str, monk
     """Two methods: modes with the law inverted, and a sequence of quadratic programmes on the dense matrix."""
     case = read_case(name)
     case = replace_positions(case, 5)
-    together = analyze_in_full(case).cases
+    together = contact_analysis(CaseInMesh.of(case)).cases
     monkeypatch.setattr(loaded_module, "solve_line_contacts", lambda given, *_: [None] * len(given))
-    for found, exact in zip(together, analyze_in_full(case).cases, strict=True):
+    for found, exact in zip(together, contact_analysis(CaseInMesh.of(case)).cases, strict=True):
         assert found.solution.message.startswith("modal")
         assert exact.solution.message.endswith("linear problems")
         assert (found.torque, found.mesh_position) == (exact.torque, exact.mesh_position)

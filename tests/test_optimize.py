@@ -14,14 +14,12 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff.cases import Case, read_case
-from easeoff.cases.conversion import elastic_model
 from easeoff.contact.modification.modified_contact import ModifiedContact
 from easeoff.contact.solvers import Status
 from easeoff.core.errors import InputError
 from easeoff.geometry import Misalignment
-from easeoff.geometry.pair.gear_pair import pair_geometry
 from easeoff.geometry.pair.modification import terms
-from easeoff.study.analysis import prepared_pair
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
 from easeoff.study.fitted_settings import recorded_modification
 from easeoff.study.optimization import optimize
@@ -110,17 +108,7 @@ def test_further_assembly_counts_as_much_as_the_own_one() -> None:
 def test_slopes_of_the_gear_are_differences_of_its_analyses() -> None:
     """All that is left is that a modification also changes the curvature, and with it the local compliance."""
     case, names = coarse_case(), terms(2)
-    pair, settings = prepared_pair(case, "drive", None), case.contact
-    contact = ModifiedContact.of(
-        pair_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes)),
-        pair.assembly.pinion_teeth,
-        pair.assembly.ratio,
-        settings.mesh_positions,
-        torques=np.array([250.0]),
-        model=elastic_model(case),
-        segments_per_line=settings.segments_per_line,
-        names=names,
-    )
+    contact = ModifiedContact(CaseInMesh.of(case).cycle, np.array([250.0]), names)
     loads = contact.loads(np.zeros(5))
     assert loads is not None
     for j, unit in enumerate(np.eye(5)):

@@ -19,7 +19,8 @@ from easeoff.contact import ContactProblem, read_labels, read_problems, solve
 from easeoff.contact.problem.problem_file import write_problems
 from easeoff.core.errors import InputError
 from easeoff.geometry.pair.assembly import Misalignment
-from easeoff.study.analysis import analyze_in_full
+from easeoff.study.analysis import contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.study.cli import main
 from easeoff.study.library import KINDS, PARTS, Entry, entries, generate, reference_answers, write_library
 from easeoff.study.library import library_files as files
@@ -91,9 +92,8 @@ def test_answers_ship_with_the_package() -> None:
 
 def test_problem_is_that_of_the_analysis(real: ContactProblem) -> None:
     source = BASES[BASE]
-    analysis = analyze_in_full(
-        read_case(source.case), flank=source.flank, torques=[source.torque], misalignment=Misalignment()
-    )
+    state = CaseInMesh.of(read_case(source.case), flank=source.flank, misalignment=Misalignment())
+    analysis = contact_analysis(state, [source.torque])
     assert read_case(source.case).contact.mesh_positions == MESH_POSITIONS
     assert read_case(source.case).contact.segments_per_line == source.segments_per_line
     (case,) = [case for case in analysis.cases if case.mesh_position == source.mesh_position]

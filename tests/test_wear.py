@@ -15,10 +15,8 @@ from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolli
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.pair.ease_off import exact_ease_off
-from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.pair.rolling import rolling
-from easeoff.study.analysis import prepared_pair
+from easeoff.study.case_in_mesh import prepared_pair
 from easeoff.study.wear import WearLaw, wear
 
 SEGMENTS = 15
@@ -36,9 +34,9 @@ def small_case(mesh_positions: int = 8) -> Case:
 @cache
 def moving_fields() -> FlankSplines:
     pair = prepared_pair(small_case(), "drive", None)
-    surface = exact_ease_off(pair.gear.flank(*grid(NODES)), pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    motion = {name: value.reshape(NODES) for name, value in vars(rolling(surface)).items()}
-    return rolling_splines(pair_geometry(pair, NODES).ease_off, motion)
+    geometry = pair_geometry(pair, NODES)
+    motion = {name: value.reshape(NODES) for name, value in vars(rolling(geometry.exact)).items()}
+    return rolling_splines(geometry.ease_off, motion)
 
 
 @cache
@@ -93,7 +91,7 @@ def test_the_field_on_the_flank_keeps_the_volume(member: str) -> None:
     found, _ = one_engagement(32)
     t, h = np.linspace(0, 1, 201), np.linspace(0, 1, 133)
     field = on_flank(found, member, t, h)
-    i, j = (np.round(f * (n - 1)).astype(int) for f, n in zip(found.place[member], (201, 133), strict=True))
+    i, j = (np.round(f * (n - 1)).astype(int) for f, n in zip(found.points[member], (201, 133), strict=True))
     at_samples = field[np.clip(i, 0, 200), np.clip(j, 0, 132)]
     assert float(np.sum(found.area[member] * at_samples)) == pytest.approx(found.work, rel=5e-3)
     assert np.all(field >= 0.0)

@@ -15,11 +15,11 @@ from test_wear import small_case
 
 import easeoff
 from easeoff.contact.lines.contact_lines import arc_length, contact_splines
-from easeoff.contact.loaded import loaded_contact
+from easeoff.contact.mesh_cycle import MeshCycle
 from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.geometry.deviation.deviation import deviation_from_formula
-from easeoff.study.analysis import prepared_pair
+from easeoff.study.case_in_mesh import prepared_pair
 from easeoff.study.cli import main
 from easeoff.study.wear import WearLaw, wear
 
@@ -159,7 +159,7 @@ def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
         solved.append(0.0)
         return 0.0 if len(solved) < 4 else 0.03
 
-    monkeypatch.setattr("easeoff.study.wear.lost_contact", lost_in_the_end)
+    monkeypatch.setattr(MeshCycle, "lost_contact", property(lost_in_the_end))
     out = tmp_path / "worn.nc"
     arguments = ["wear", "fm-11x41", "--torque", "200", "--revolutions", "1e8", "--largest-step", "1", "-o", str(out)]
     ended = CliRunner().invoke(main, arguments)
@@ -175,15 +175,16 @@ def test_wear_beyond_the_last_contact_stops_with_a_reason_of_its_own(
 
 def test_wear_whose_contact_is_not_solved_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[int] = []
+    solve = MeshCycle.loaded
 
     def failing(*arguments: Any, **options: Any) -> Any:
-        loaded, cases = loaded_contact(*arguments, **options)
+        loaded, cases = solve(*arguments, **options)
         calls.append(1)
         if len(calls) == 3:
             loaded["status"][0, 2:4] = 1
         return loaded, cases
 
-    monkeypatch.setattr("easeoff.study.wear.loaded_contact", failing)
+    monkeypatch.setattr(MeshCycle, "loaded", failing)
     history = wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, 1.0), torque=200.0)
     assert history.attrs["stop"] == "contact not solved: 2 of 8 mesh positions of the worn flanks"
     assert history.attrs["completed"] == 0

@@ -22,8 +22,7 @@ from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
 from ..geometry.flanks.flank import seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
-from ..geometry.pair.ease_off import exact_ease_off
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, grid, pair_geometry
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, pair_geometry
 from ..geometry.vectors import dot
 from .point_contact import PointContact, path_of_contact
 from .relative_curvature import RelativeCurvature, relative_curvature
@@ -84,8 +83,7 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
         As ``geometry.pair_geometry``.
     """
     geometry = pair_geometry(pair, nodes)
-    gear = pair.gear.flank(*grid(nodes))
-    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    gear, surface = geometry.members.gear, geometry.exact
     splines = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)

@@ -17,9 +17,7 @@ from ..contact.lines.contact_lines import arc_length, contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
-from ..geometry.pair.datasets import ease_off_dataset, flanks_dataset
-from ..geometry.pair.ease_off import exact_ease_off
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, grid
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, pair_geometry
 from .flank_gap import flank_gap
 
 Array = NDArray[Any]
@@ -49,24 +47,13 @@ class FlanksInMesh:
 
 
 def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
-    """Flanks of a pair with the splines of its ease-off; raises as ``geometry.pair_geometry``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> flanks = flanks_in_mesh(gear_pair(read_case("fm-11x41")), (13, 9))
-    >>> flanks.splines("lever_arm", np.array([[0.5], [0.5]])).round(1)
-    array([72.9])
-    """
-    t, h = grid(nodes)
-    gear = pair.gear.flank(t, h)
-    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    ease_off = ease_off_dataset(t, h, surface)
-    flanks = flanks_dataset(t, h, pair.pinion.flank(t, h), gear)
-    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, t.size, h.size), 0, -1)
-    usable = np.isfinite(surface.angle).reshape(t.size, h.size, 1)
-    splines = contact_splines(flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
-    return FlanksInMesh(pair, surface.motion, splines, float(ease_off.attrs["first_contact_rad"]))
+    """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
+    geometry = pair_geometry(pair, nodes)
+    surface, ease_off = geometry.exact, geometry.ease_off
+    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, *nodes), 0, -1)
+    usable = np.isfinite(surface.angle).reshape(*nodes, 1)
+    fields = contact_splines(geometry.flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
+    return FlanksInMesh(pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
 
 
 @dataclass(frozen=True)

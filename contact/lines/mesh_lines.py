@@ -1,4 +1,4 @@
-"""Contact segments: every potential contact line of every tooth pair, divided evenly, with their data."""
+"""Contact lines of every tooth pair over a mesh cycle, and quadrature points on their segments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,13 @@ GAUSS_POINTS = 3
 
 
 def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
-    """Pinion rotations (positions) [rad] spread evenly over one pitch, the middle of the flank in its middle."""
+    """Pinion rotations (positions) [rad] spread evenly over one pitch, the middle of the flank in its middle.
+
+    Examples
+    --------
+    >>> mesh_rotations(0.5, 4).tolist()
+    [-0.25, -0.125, 0.0, 0.125]
+    """
     return (np.arange(positions) / positions - 0.5) * pinion_pitch
 
 
@@ -40,6 +46,16 @@ class MeshLines:
         pair -1 is one pitch ahead of it, the pair 1 one pitch behind.
     pinion_pitch
         Angular pitch of the pinion [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> set(cycle.lines.position.tolist()), set(cycle.lines.at(1).position.tolist())
+    ({0, 1}, {0})
     """
 
     rotations: Array
@@ -48,6 +64,14 @@ class MeshLines:
     pair: NDArray[np.int64]
     pinion_pitch: float
 
+    def at(self, position: int) -> MeshLines:
+        """The contact lines of one pinion rotation alone."""
+        chosen = np.flatnonzero(self.position == position)
+        every = self.lines
+        lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])
+        here = np.zeros(chosen.size, dtype=np.int64)
+        return MeshLines(self.rotations[position : position + 1], lines, here, self.pair[chosen], self.pinion_pitch)
+
 
 def lines_in_mesh(fields: FlankSplines, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
     """Trace the contact lines of every tooth pair that can touch, over one mesh cycle.
@@ -55,7 +79,7 @@ def lines_in_mesh(fields: FlankSplines, pinion_pitch: float, mesh_positions: int
     Parameters
     ----------
     fields
-        Splines from ``contact_splines``.
+        Splines from ``contact_lines.contact_splines``.
     pinion_pitch
         Angular pitch of the pinion [rad].
     mesh_positions
@@ -65,8 +89,34 @@ def lines_in_mesh(fields: FlankSplines, pinion_pitch: float, mesh_positions: int
     ------
     GeometryError
         If no tooth pair can touch at any rotation.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import loaded_splines
+    >>> from easeoff.geometry import pair_geometry
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> geometry = pair_geometry(pair, (9, 7))
+    >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
+    >>> lines_in_mesh(fields, pair.assembly.pinion_pitch, 2).rotations.size
+    2
     """
-    rotations = mesh_rotations(pinion_pitch, mesh_positions)
+    return lines_at(fields, pinion_pitch, mesh_rotations(pinion_pitch, mesh_positions))
+
+
+def lines_at(fields: FlankSplines, pinion_pitch: float, rotations: Array) -> MeshLines:
+    """As ``lines_in_mesh``, at the given pinion rotations (k) [rad] of one pitch.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> lines_at(cycle.fields, cycle.pinion_pitch, np.array([0.0])).rotations.tolist()
+    [0.0]
+    """
     corner = np.linspace(0.0, 1.0, 21)
     roll = fields("roll_angle", np.stack(np.meshgrid(corner, corner, indexing="ij")))
     ahead = int(np.ceil((float(np.max(roll)) - float(np.min(rotations))) / pinion_pitch))
@@ -91,9 +141,19 @@ def lost_contact(fields: FlankSplines, mesh: MeshLines) -> float:
     Parameters
     ----------
     fields
-        Splines from ``contact_splines``.
+        Splines from ``contact_lines.contact_splines``.
     mesh
         Contact lines from ``lines_in_mesh``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> lost_contact(cycle.fields, cycle.lines)
+    0.0
     """
     closest = one_step(fields, mesh.lines.points)
     far = np.max(np.abs(closest.shift), axis=0) > SEARCH_RADIUS_LIMIT
@@ -114,6 +174,17 @@ def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
     -------
     tuple
         Points (2, m, segments * GAUSS_POINTS) and the weights (GAUSS_POINTS) of one segment, which add up to one.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> points, weights = gauss_points(cycle.lines.lines, 5)
+    >>> points.shape[2], weights.size
+    (15, 3)
     """
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     fraction = ((np.arange(segments)[:, None] + 0.5 * (nodes + 1.0)) / segments).ravel()

@@ -21,9 +21,7 @@ from numpy.typing import NDArray
 
 from ...core.attributes import labelled
 from ..pair.datasets import first_contact
-from ..pair.ease_off import exact_ease_off
-from ..pair.gear_pair import GearPair
-from ..pair.rolling import drift
+from ..pair.gear_pair import PairGeometry
 from .deviation import Deviation
 
 Array = NDArray[Any]
@@ -31,8 +29,7 @@ GRID = ("lengthwise", "profile")
 
 
 def deviated_ease_off(
-    pair: GearPair,
-    ease_off: xr.Dataset,
+    geometry: PairGeometry,
     *,
     pinion: Deviation | None = None,
     gear: Deviation | None = None,
@@ -45,10 +42,8 @@ def deviated_ease_off(
 
     Parameters
     ----------
-    pair
-        The pair.
-    ease_off
-        The ease-off of its designed flanks, from ``pair_geometry``.
+    geometry
+        The designed pair, from ``pair_geometry``.
     pinion, gear
         Deviations of the members' flanks. The pinion's is taken at the point conjugate to the gear's node.
 
@@ -61,13 +56,14 @@ def deviated_ease_off(
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, pair_geometry
     >>> pair = gear_pair(read_case("fm-11x41"))
-    >>> from easeoff.geometry import GlobalErrors, deviation_from_formula, ease_off
     >>> deviation = deviation_from_formula(pair.gear.section, GlobalErrors(spiral_angle=5.0))
-    >>> updated = deviated_ease_off(pair, ease_off(pair, (7, 5)), gear=deviation)
+    >>> updated = deviated_ease_off(pair_geometry(pair, (7, 5)), gear=deviation)
     >>> [round(float(v), 3) for v in updated["ease_off_change"].sel(profile=0.5)]  # metal at the heel closes the gap
     [5.0, 3.333, 1.667, 0.0, -1.667, -3.333, -5.0]
     """
+    ease_off, ratio = geometry.ease_off, geometry.pair.assembly.ratio
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
     lever = fields["lever_arm"]
     t, h = np.meshgrid(ease_off["lengthwise"].values, ease_off["profile"].values, indexing="ij")
@@ -76,8 +72,7 @@ def deviated_ease_off(
     on_pinion, beyond_pinion = _sampled(pinion, pinion_t, pinion_h)
     roll = fields["roll_angle"]
     if pinion is not None:
-        roll = roll + _later(pair, pinion, t, h)
-    ratio = pair.assembly.ratio
+        roll = roll + _later(geometry, pinion).reshape(t.shape)
     by_gear, by_pinion = 1.0 / lever, ratio / lever  # rotation of a member per deviation of its flank [rad/mm]
     change = -(on_pinion * by_pinion / ratio + on_gear * by_gear)
     angle = fields["ease_off_angle"] + change
@@ -104,11 +99,10 @@ def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> 
     return deviation.at(lengthwise, profile), deviation.extrapolated(lengthwise, profile)
 
 
-def _later(pair: GearPair, deviation: Deviation, lengthwise: Array, profile: Array) -> Array:
-    """Change of the roll angle of points (nt, nh) of the gear by the pinion's deviation [rad]."""
-    gear = pair.gear.flank(lengthwise[:, 0], profile[0])
-    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    position, lever, moving = surface.pinion_position, surface.lever_arm, drift(surface)
+def _later(geometry: PairGeometry, deviation: Deviation) -> Array:
+    """Change of the roll angle of the gear's nodes (n) by the pinion's deviation [rad]."""
+    exact, moving = geometry.exact, geometry.drift
+    position, lever = exact.pinion_position, exact.lever_arm
     value, slope = deviation.interpolant(position[2], np.hypot(position[0], position[1]))
     rate = (slope[0] * moving.axial + slope[1] * moving.radial) / lever - value * moving.lever_arm / lever**2
-    return np.asarray(rate / surface.separation_curvature).reshape(lengthwise.shape)
+    return np.asarray(rate / exact.separation_curvature)

@@ -12,7 +12,7 @@ from ...core.attributes import flag_attributes, labelled
 from ..flanks.curvature import principal_curvatures
 from ..flanks.flank import Flank, NodeStatus
 from .ease_off import EaseOff
-from .rolling import drift
+from .rolling import Drift
 from .tooth_body import ShellCoordinates, ToothBody
 
 Array = NDArray[Any]
@@ -85,7 +85,7 @@ def first_contact(angle: Array, inside: Array) -> float:
     return smallest - 0.5 * float(gradient @ np.linalg.solve(bend, gradient))
 
 
-def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr.Dataset:
+def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift: Drift) -> xr.Dataset:
     """Ease-off and roll angle on the gear's grid.
 
     Parameters
@@ -94,6 +94,8 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
         Grid coordinates (nt), (nh).
     ease_off
         Ease-off at the nt * nh nodes.
+    drift
+        How the conjugate points of the pinion move past the nodes.
 
     Returns
     -------
@@ -106,7 +108,6 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
     grid = ("lengthwise", "profile")
     zero = first_contact(ease_off.angle.reshape(shape), ease_off.inside.reshape(shape))
     angle = ease_off.angle - zero
-    passing = drift(ease_off)
     values = {
         "ease_off": 1e3 * angle * ease_off.lever_arm,
         "ease_off_angle": angle,
@@ -116,10 +117,10 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff) -> xr
         "separation_skew": ease_off.separation_skew,
         "pinion_lengthwise": ease_off.pinion_lengthwise,
         "pinion_profile": ease_off.pinion_profile,
-        "pinion_lengthwise_rate": passing.lengthwise[0],
-        "pinion_profile_rate": passing.profile[0],
-        "pinion_lengthwise_acceleration": passing.lengthwise[1],
-        "pinion_profile_acceleration": passing.profile[1],
+        "pinion_lengthwise_rate": drift.lengthwise[0],
+        "pinion_profile_rate": drift.profile[0],
+        "pinion_lengthwise_acceleration": drift.lengthwise[1],
+        "pinion_profile_acceleration": drift.profile[1],
         "blade_distance": ease_off.blade_distance,
     }
     vectors = {"action_position": ease_off.action_position, "action_normal": ease_off.action_normal}

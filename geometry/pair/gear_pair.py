@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +17,8 @@ from ..flanks.flank import Flank, solve_flank
 from .assembly import Assembly, Misalignment
 from .datasets import ease_off_dataset, flank_dataset, flanks_dataset, teeth_dataset
 from .ease_off import EaseOff, exact_ease_off
-from .tooth_body import ToothBody, middle_angle, opposite_surface, tooth_body
+from .rolling import Drift, drift
+from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surface, tooth_body
 
 Array = NDArray[Any]
 FlankName = Literal["drive", "coast"]
@@ -116,22 +118,93 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class PairGeometry:
-    """The three results of a pair's geometry, on one grid of the gear flank.
+class MemberGeometry:
+    """What the geometry of a pair has of each member alone: no assembly error changes it.
 
     Parameters
     ----------
-    flanks
-        Both flanks, each on its own blank.
-    ease_off
-        Ease-off and surface of roll angle.
-    teeth
-        Both teeth as plates, and where contact forces meet them.
+    lengthwise, profile
+        Fractions of the grid, the same on both flanks (nt), (nh).
+    pinion, gear
+        Loaded flanks on that grid, each on its own blank.
+    bodies
+        Teeth of pinion and gear.
     """
 
-    flanks: xr.Dataset
+    lengthwise: Array
+    profile: Array
+    pinion: Flank
+    gear: Flank
+    bodies: tuple[ToothBody, ToothBody]
+
+    @cached_property
+    def flanks(self) -> xr.Dataset:
+        """Both flanks as a dataset."""
+        return flanks_dataset(self.lengthwise, self.profile, self.pinion, self.gear)
+
+    @cached_property
+    def gear_feet(self) -> ShellCoordinates:
+        """Where the normals of the gear flank meet the middle surface of the gear's tooth."""
+        return self.bodies[1].shell_coordinates(self.gear.position, self.gear.normal)
+
+
+@dataclass(frozen=True)
+class PairGeometry:
+    """The three results of a pair's geometry, on one grid of the gear flank, and what they were made of.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    members
+        What belongs to each member alone.
+    exact
+        Ease-off of the pair's flanks at the nodes, with the conjugate motion and the conjugate points of the pinion.
+    drift
+        How those points move past the nodes.
+    ease_off
+        Ease-off and surface of roll angle as a dataset: made of ``exact``, or updated for deviations or a modification,
+        which leave ``exact`` as it is.
+    teeth
+        Both teeth as plates, and where contact forces meet them.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> dict(geometry.ease_off["ease_off"].sizes)
+    {'lengthwise': 9, 'profile': 7}
+    >>> geometry.misaligned(Misalignment(offset=0.05)).flanks is geometry.flanks
+    True
+    """
+
+    pair: GearPair
+    members: MemberGeometry
+    exact: EaseOff
+    drift: Drift
     ease_off: xr.Dataset
     teeth: xr.Dataset
+
+    @property
+    def nodes(self) -> tuple[int, int]:
+        """Grid nodes lengthwise and along the profile."""
+        return self.members.lengthwise.size, self.members.profile.size
+
+    @property
+    def flanks(self) -> xr.Dataset:
+        """Both flanks, each on its own blank."""
+        return self.members.flanks
+
+    def misaligned(self, misalignment: Misalignment) -> PairGeometry:
+        """Geometry of the same flanks in another assembly; updates of ``ease_off`` are not carried over.
+
+        Raises
+        ------
+        GeometryError
+            If the flanks do not meet.
+        """
+        pair = self.pair.misaligned(misalignment)
+        return _in_mesh(pair, self.members, _exact_ease_off(pair, self.members.gear))
 
 
 def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> PairGeometry:
@@ -150,21 +223,44 @@ def pair_geometry(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Pai
         If the grid is too coarse.
     GeometryError
         If a cutter meets no tooth of its blank, the flanks do not meet, or they leave no tooth between them.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> geometry.teeth["member"].values.tolist()
+    ['pinion', 'gear']
     """
     t, h = grid(nodes)
     gear = pair.gear.flank(t, h)
-    surface = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
-    return PairGeometry(
-        flanks_dataset(t, h, pair.pinion.flank(t, h), gear),
-        ease_off_dataset(t, h, surface),
-        _teeth(pair, t, h, gear, surface),
-    )
+    exact = _exact_ease_off(pair, gear)
+    return _in_mesh(pair, MemberGeometry(t, h, pair.pinion.flank(t, h), gear, bodies(pair)), exact)
+
+
+def _exact_ease_off(pair: GearPair, gear: Flank) -> EaseOff:
+    return exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+
+
+def _in_mesh(pair: GearPair, members: MemberGeometry, exact: EaseOff) -> PairGeometry:
+    """The geometry of a pair from its members and their ease-off."""
+    t, h = members.lengthwise, members.profile
+    pinion_feet = members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal)
+    teeth = teeth_dataset(t, h, members.bodies, (pinion_feet, members.gear_feet))
+    moving = drift(exact)
+    return PairGeometry(pair, members, exact, moving, ease_off_dataset(t, h, exact, moving), teeth)
 
 
 def flank(member: Member, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Dataset:
     """The loaded flank of one member on its own blank: positions, normals, curvatures over (lengthwise, profile).
 
     Raises as ``pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pinion = gear_pair(read_case("nasa-12x36")).pinion
+    >>> flank(pinion, (9, 7))["position"].sizes["xyz"]
+    3
     """
     t, h = grid(nodes)
     return flank_dataset(t, h, member.flank(t, h))
@@ -174,20 +270,17 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
     """Ease-off and surface of roll angle over (lengthwise, profile) of the gear (Kolivand 2009, chapter 2).
 
     Raises as ``pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> found = ease_off(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> found["ease_off"].attrs["units"]
+    'um'
     """
     t, h = grid(nodes)
-    gear = pair.gear.flank(t, h)
-    return ease_off_dataset(t, h, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly))
-
-
-def _teeth(pair: GearPair, lengthwise: Array, profile: Array, gear: Flank, surface: EaseOff) -> xr.Dataset:
-    """Where contact forces meet both teeth, on the gear's grid."""
-    pinion_body, gear_body = bodies(pair)
-    coordinates = (
-        pinion_body.shell_coordinates(surface.pinion_position, surface.pinion_normal),
-        gear_body.shell_coordinates(gear.position, gear.normal),
-    )
-    return teeth_dataset(lengthwise, profile, (pinion_body, gear_body), coordinates)
+    exact = _exact_ease_off(pair, pair.gear.flank(t, h))
+    return ease_off_dataset(t, h, exact, drift(exact))
 
 
 def tooth_angles(pair: GearPair) -> tuple[float, float]:

@@ -1,7 +1,9 @@
-"""Options of the commands that analyse a case, and the analysis with a progress bar."""
+"""Options of the commands that analyse a case, and their progress bar."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,7 +13,6 @@ from .options import MISALIGNMENT, deviation_option, flank_option, misalignment,
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ...cases import Case
-    from ..analysis import Analysis
 
 _PAIR = (
     click.argument("case"),
@@ -83,6 +84,11 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
     ------
     click.UsageError
         If one of the two is given without ``--deviation``.
+
+    Examples
+    --------
+    >>> with_defaults({"deviations": {}, "interpolation": None})
+    {'deviations': {}, 'interpolation': 'spline'}
     """
     own = {name: value for name, value in DEVIATING.items() if name in options}
     for name in own:
@@ -91,27 +97,22 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
     return options | {name: value for name, value in own.items() if options[name] is None}
 
 
-def analysed(case: str | Case, *, torques: Any, **options: Any) -> Analysis:
-    """Analyse a case with a progress bar, shown only on a terminal.
+@contextmanager
+def progress_bar(case: Case, torques: Any) -> Iterator[Callable[[], None]]:
+    """Show a progress bar on a terminal; yields the function to call at every step.
 
     Parameters
     ----------
     case
-        A checked case, or its name or path.
+        A checked case.
     torques
         Torques at the pinion [N m]; the case's own if ``None``.
-    **options
-        The other arguments of ``analyze_in_full``.
     """
     from tqdm import tqdm
 
-    from ...cases import read_case
-    from ..analysis import analyze_in_full
-
-    checked = read_case(case) if isinstance(case, str) else case
-    total = len(torques or checked.contact.torques) * checked.contact.mesh_positions
+    total = len(torques or case.contact.torques) * case.contact.mesh_positions
     with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
-        return analyze_in_full(checked, torques=torques, progress=lambda: _step(bar), **with_defaults(options))
+        yield lambda: _step(bar)
 
 
 def _step(bar: Any) -> None:

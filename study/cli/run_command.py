@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .analysis_options import analysed, analysis_options
+from .analysis_options import analysis_options, progress_bar, with_defaults
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import numbers, roughnesses
 
@@ -84,7 +84,7 @@ def run(
     """
     from ...cases import read_case
     from ...core.files import check_folder, check_writable
-    from ..analysis import operation_of
+    from ..analysis import analyze, operation_of
     from ..report.plausibility import plausibility
     from ..report.result_summary import uncertified
     from ..result import write_result
@@ -95,26 +95,27 @@ def run(
     check_writable(output, case, *options["deviations"].values(), *oils, suffix=".nc")
     if plots is not None:
         check_folder(plots, "pictures")
-    operation = operation_of(table, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
-    if operation is None and (friction_model is not None or clamp_temperature or friction_feedback):
+    conditions = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
+    model = None
+    if operation_of(table, **conditions) is not None:
+        model = _model(table, friction_model, clamp_temperature)
+    elif friction_model is not None or clamp_temperature or friction_feedback:
         raise click.UsageError(
             "--friction-model, --clamp-temperature and --friction-feedback must go with --speed or a table [friction]"
         )
-    if friction_feedback is None:
-        friction_feedback = table is not None and table.feedback
-    model = None if operation is None else _model(table, friction_model, clamp_temperature)
-    friction = {"operation": operation, "friction_model": model, "friction_feedback": friction_feedback}
-    analysis = analysed(checked, **options, **friction)
-    write_result(analysis.tree, output)
+    friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
+    with progress_bar(checked, options["torques"]) as step:
+        tree = analyze(checked, **with_defaults(options), **friction, progress=step)
+    write_result(tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:
         from ..plot import write_pictures
 
-        for picture in write_pictures(analysis.tree, plots):
+        for picture in write_pictures(tree, plots):
             click.echo(f"wrote {picture}")
-    for note in plausibility(analysis.tree):
+    for note in plausibility(tree):
         click.echo(note, err=True)
-    failures = uncertified(analysis.tree)
+    failures = uncertified(tree)
     if failures:
         click.echo("\n".join(failures), err=True)
         sys.exit(EXIT_UNCERTIFIED)

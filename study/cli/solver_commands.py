@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .analysis_options import analysed, analysis_options
+from .analysis_options import analysis_options, progress_bar, with_defaults
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import folder_option, output_option, problem_files, solvers
 
@@ -16,16 +16,24 @@ from .options import folder_option, output_option, problem_files, solvers
 @click.command()
 @analysis_options
 @output_option("netCDF file to write.")
-def problems(case: str, output: Path, **options: Any) -> None:
+def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, solver: str, **options: Any) -> None:
     """Write the contact problems of CASE to a file.
 
     There is one for each torque and mesh position.
     """
+    from ...cases import read_case
     from ...contact.problem.problem_file import write_problems
+    from ...contact.solvers import require_solver
     from ...core.files import check_writable
+    from ..analysis import contact_analysis
+    from ..case_in_mesh import CaseInMesh
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
-    analysis = analysed(case, **options)
+    checked = read_case(case)
+    require_solver(solver)
+    state = CaseInMesh.of(checked, **with_defaults(options))
+    with progress_bar(checked, torques) as step:
+        analysis = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=step)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from ...cases.conversion import elastic_model
 from ...cases.reading import read_case
-from ...contact.compliance.elastic_model import ElasticModel
-from ...contact.lines.contact_lines import ContactLines
-from ...contact.lines.flank_splines import FlankSplines
-from ...contact.lines.mesh_lines import MeshLines, lines_in_mesh
-from ...contact.loaded import all_segments, loaded_splines, solve_all
+from ...contact.mesh_cycle import MeshCycle
 from ...contact.problem.contact_problem import ContactProblem
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import pair_geometry
-from ..analysis import prepared_pair
+from ..case_in_mesh import prepared_pair
 from .library_entries import MESH_POSITIONS, Entry, Source
 from .problem_changes import CHANGES
 
@@ -42,16 +35,23 @@ def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]
     ------
     GeometryError
         The source has no certified solution, whose compliance could be taken.
+
+    Examples
+    --------
+    >>> from easeoff.study.library import entries
+    >>> entry, problem = next(generate(entries()))
+    >>> problem.separation.size > 0
+    True
     """
-    meshes: dict[Any, _Mesh] = {}
+    cycles: dict[Any, MeshCycle] = {}
     real: dict[Source, ContactProblem] = {}
     for entry in entries:
         source = entry.source
         if source not in real:
             key = (source.case, source.flank, source.offset_error, source.pinion_axial_error)
-            if key not in meshes:
-                meshes[key] = _mesh(source)
-            real[source] = _real_problem(meshes[key], source)
+            if key not in cycles:
+                cycles[key] = _cycle(source)
+            real[source] = _real_problem(cycles[key], source)
         problem = real[source]
         if entry.change:
             problem = CHANGES[entry.change](problem, entry.amount)
@@ -61,51 +61,32 @@ def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]
 
 
 def dense(problem: ContactProblem) -> ContactProblem:
-    """The same problem with its compliance as a matrix."""
+    """The same problem with its compliance as a matrix.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> given = np.array([1e-6, 2e-6]), np.array([[1e-3], [1e-3]])  # diagonal and factor
+    >>> dense(ContactProblem(np.zeros(2), np.ones(2), 1.0, given)).compliance.shape
+    (2, 2)
+    """
     return ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.dense_compliance)
 
 
-@dataclass(frozen=True)
-class _Mesh:
-    """What all instants of a pair have in common."""
-
-    fields: FlankSplines
-    teeth: Any
-    model: ElasticModel
-    ratio: float
-    lines: MeshLines
-
-
-def _mesh(source: Source) -> _Mesh:
+def _cycle(source: Source) -> MeshCycle:
+    """The pair of a source in mesh."""
     case = read_case(source.case)
     pair = prepared_pair(case, source.flank, Misalignment(source.offset_error, source.pinion_axial_error))
     geometry = pair_geometry(pair, (case.contact.lengthwise_nodes, case.contact.profile_nodes))
-    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
-    lines = lines_in_mesh(fields, pair.assembly.pinion_pitch, MESH_POSITIONS)
-    return _Mesh(fields, geometry.teeth, elastic_model(case), pair.assembly.ratio, lines)
+    return MeshCycle.of(geometry, elastic_model(case), mesh_positions=MESH_POSITIONS)
 
 
-def _real_problem(mesh: _Mesh, source: Source) -> ContactProblem:
+def _real_problem(cycle: MeshCycle, source: Source) -> ContactProblem:
     """The linear problem with the secant compliance at the solution of the nonlinear one."""
-    instant = _instant(mesh.lines, source.mesh_position)
-    (segments,) = all_segments(mesh.fields, mesh.teeth, mesh.model, instant, source.segments_per_line)
-    if segments is None:
+    found = cycle.at(source.mesh_position).with_segments(source.segments_per_line).solved([source.torque], "native")
+    if not found:
         raise GeometryError(f"{source}: no tooth pair can touch there")
-    (solved,) = solve_all([segments], np.array([source.torque]), mesh.ratio, "native", {})
+    (solved,) = found
     if not solved.solution.certified:
         raise GeometryError(f"{source}: {solved.solution.status.name} {solved.solution.message}")
     return solved.problem
-
-
-def _instant(mesh: MeshLines, position: int) -> MeshLines:
-    """The contact lines of one pinion rotation."""
-    chosen = np.flatnonzero(mesh.position == position)
-    every = mesh.lines
-    lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])
-    return MeshLines(
-        mesh.rotations[position : position + 1],
-        lines,
-        np.zeros(chosen.size, dtype=np.int64),
-        mesh.pair[chosen],
-        mesh.pinion_pitch,
-    )

@@ -1,0 +1,224 @@
+"""A pair in mesh over one pitch of the pinion: geometry, contact lines and elastic teeth, for any load and state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..geometry.pair.assembly import Misalignment
+from ..geometry.pair.gear_pair import PairGeometry
+from .compliance.elastic_model import ElasticModel, ElasticTooth, elastic_teeth
+from .lines.closest_approach import SEPARATION_FIELDS
+from .lines.flank_splines import FlankSplines
+from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations
+from .lines.opposite_points import PASSING_FIELDS
+from .loaded import loaded_splines, solve_all, solve_cycle
+from .loaded_cases import LoadedCase
+from .segments import CycleSegments, LineSegments
+from .unloaded import unloaded_contact
+
+Array = NDArray[Any]
+#: Splines on which neither contact lines nor compliance depend.
+GAP_FIELDS = {"ease_off_angle", "lever_arm", *SEPARATION_FIELDS, *PASSING_FIELDS}
+
+
+@dataclass(frozen=True)
+class MeshCycle:
+    """A pair in mesh over one pitch of the pinion.
+
+    ``of`` makes one. What is computed of it is kept, and passed on to the cycles that are made from it as far as it is
+    the same there.
+
+    Parameters
+    ----------
+    geometry
+        Flanks, ease-off and teeth.
+    segments
+        Potential contact segments at every mesh position, with the flank splines, contact lines and elastic teeth that
+        they are made from.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import Misalignment, pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
+    >>> loaded, cases = cycle.loaded([100.0, 200.0])
+    >>> loaded["transmission_error"].shape
+    (2, 2)
+    >>> away = cycle.misaligned(Misalignment(offset=0.05))
+    >>> away.elastic is cycle.elastic
+    True
+    """
+
+    geometry: PairGeometry
+    segments: CycleSegments
+
+    @classmethod
+    def of(
+        cls,
+        geometry: PairGeometry,
+        model: ElasticModel | None = None,
+        *,
+        mesh_positions: int = 32,
+        segments_per_line: int = 31,
+    ) -> MeshCycle:
+        """Trace the contact lines of a pair.
+
+        Parameters
+        ----------
+        geometry
+            From ``geometry.pair_geometry``.
+        model
+            How the teeth give way; steel shells on elastic roots if left out.
+        mesh_positions
+            Pinion rotations in one pitch.
+        segments_per_line
+            Segments of a contact line.
+
+        Raises
+        ------
+        GeometryError
+            If no tooth pair can touch at any rotation.
+        """
+        model = model or ElasticModel()
+        pitch = geometry.pair.assembly.pinion_pitch
+        fields = _fields(geometry)
+        lines = lines_at(fields, pitch, mesh_rotations(pitch, mesh_positions))
+        on_lines = LineSegments(fields, lines, elastic_teeth(geometry.teeth, model), segments_per_line)
+        return cls(geometry, CycleSegments(fields, on_lines, model))
+
+    @property
+    def fields(self) -> FlankSplines:
+        """Splines of everything the contact needs on the gear flank."""
+        return self.segments.fields
+
+    @property
+    def lines(self) -> MeshLines:
+        """Contact lines of every tooth pair."""
+        return self.segments.on_lines.lines
+
+    @property
+    def elastic(self) -> tuple[ElasticTooth, ElasticTooth]:
+        """Elastic teeth of pinion and gear."""
+        return self.segments.on_lines.elastic
+
+    @property
+    def ratio(self) -> float:
+        """Gear teeth over pinion teeth."""
+        return self.geometry.pair.assembly.ratio
+
+    @property
+    def pinion_pitch(self) -> float:
+        """Angular pitch of the pinion [rad]."""
+        return self.geometry.pair.assembly.pinion_pitch
+
+    @property
+    def segments_per_line(self) -> int:
+        """Segments of a contact line."""
+        return self.segments.on_lines.count
+
+    @property
+    def lost_contact(self) -> float:
+        """Share of the points of the contact lines without line contact, see ``mesh_lines.lost_contact``."""
+        return lost_contact(self.fields, self.lines)
+
+    def unloaded(self, *, separation: float = 6.0) -> xr.Dataset:
+        """Unloaded contact: transmission error, path of contact, contact lines that end at a separation [um]."""
+        return unloaded_contact(self.fields, self.lines, separation=separation)
+
+    def loaded(
+        self,
+        torques: Sequence[float] | Array,
+        *,
+        edge_contact: bool = False,
+        solver: str = "auto",
+        progress: Callable[[], None] | None = None,
+        **options: Any,
+    ) -> tuple[xr.Dataset, list[LoadedCase]]:
+        """Loaded contact.
+
+        Parameters
+        ----------
+        torques
+            Torques at the pinion (t) [N m].
+        edge_contact
+            Whether edges of the teeth may touch beside the contact lines.
+        solver
+            Name of the solver, see ``contact.available_solvers``.
+        progress
+            Called for every torque and mesh position where a tooth pair can touch.
+        **options
+            Passed to the solver.
+
+        Returns
+        -------
+        tuple
+            The dataset over (torque, mesh_position, segment), and every case with its contact problem.
+
+        Raises
+        ------
+        InputError
+            If a torque is not positive.
+        """
+        return solve_cycle(self.segments, np.asarray(torques), self.ratio, edge_contact, solver, options, progress)
+
+    def solved(self, torques: Sequence[float] | Array, solver: str = "auto") -> list[LoadedCase]:
+        """The cases of ``loaded`` alone, with contact on lines."""
+        return solve_all(self.segments.by_position, np.asarray(torques, dtype=float), self.ratio, solver, {})
+
+    def with_ease_off(self, ease_off: xr.Dataset) -> MeshCycle:
+        """The same pair with another ease-off on the same grid, as of deviating or modified flanks.
+
+        Flanks and elastic teeth stay; so do contact lines and bending compliance unless the roll angle changes.
+        """
+        return self.with_geometry(replace(self.geometry, ease_off=ease_off))
+
+    def misaligned(self, misalignment: Misalignment) -> MeshCycle:
+        """The same pair in another assembly; flanks and elastic teeth stay.
+
+        The ease-off is that of the flanks: one that ``with_ease_off`` put in its place is not carried over.
+
+        Raises
+        ------
+        GeometryError
+            If the flanks do not meet.
+        """
+        return self.with_geometry(self.geometry.misaligned(misalignment))
+
+    def with_geometry(self, geometry: PairGeometry) -> MeshCycle:
+        """The same teeth in another mesh: a geometry made from that of this cycle."""
+        fields, on_lines = _fields(geometry), self.segments.on_lines
+        if not _same(fields, self.fields):
+            lines = lines_at(fields, self.pinion_pitch, self.lines.rotations)
+            on_lines = replace(on_lines, fields=fields, lines=lines)
+        return MeshCycle(geometry, replace(self.segments, fields=fields, on_lines=on_lines))
+
+    def at(self, mesh_position: int) -> MeshCycle:
+        """The same pair at one of its mesh positions alone."""
+        return self._divided(lines=self.lines.at(mesh_position))
+
+    def with_segments(self, segments_per_line: int) -> MeshCycle:
+        """The same pair with another number of segments of a contact line."""
+        return self._divided(count=segments_per_line)
+
+    def _divided(self, **changed: Any) -> MeshCycle:
+        on_lines = replace(self.segments.on_lines, **changed)
+        return replace(self, segments=replace(self.segments, on_lines=on_lines))
+
+
+def _fields(geometry: PairGeometry) -> FlankSplines:
+    return loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
+
+
+def _same(fields: FlankSplines, other: FlankSplines) -> bool:
+    """Whether splines agree to the bit in all that contact lines and compliance depend on."""
+    if not np.array_equal(fields.holes, other.holes) or fields.spline.c.shape != other.spline.c.shape:
+        return False
+    columns = [own for name, (own, _) in fields.columns.items() if name not in GAP_FIELDS]
+    return all(np.array_equal(fields.spline.c[..., own], other.spline.c[..., own]) for own in columns)

@@ -1,0 +1,255 @@
+"""Potential contact segments of a mesh cycle: contact lines in even pieces, with their gap and their compliance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .compliance import WeberLineContact
+from .compliance.elastic_model import MEMBERS, ElasticModel, ElasticTooth, whitened_loads
+from .lines.closest_approach import ClosestApproach, closest_approach
+from .lines.flank_splines import FlankSplines
+from .lines.mesh_edges import edges_in_mesh
+from .lines.mesh_lines import MeshLines, gauss_points
+from .problem.contact_problem import ContactProblem
+from .problem.modal_basis import ModalBasis, basis_of_blocks
+
+Array = NDArray[Any]
+MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
+RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact, and a wider band is no harm
+DEPTHS = [f"depth_{member}" for member in MEMBERS]
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Potential contact segments of one mesh position (n).
+
+    Parameters
+    ----------
+    pair
+        Tooth pair of each segment.
+    point
+        Lengthwise and profile fractions on the gear (2, n).
+    separation_angle
+        Gap as a gear rotation [rad].
+    lever_arm
+        Of the normal force about the gear axis [mm].
+    bending
+        Compliance of teeth and roots in modes, a block for every tooth pair.
+    line_contact
+        Local compliance.
+    searched
+        Where flanks bend over so short a way that their closest approach was searched for, see ``closest_approach``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> first = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).segments.by_position[0]
+    >>> first.point.shape == (2, first.length.size)
+    True
+    """
+
+    pair: NDArray[np.int64]
+    point: Array
+    separation_angle: Array
+    lever_arm: Array
+    bending: ModalBasis
+    line_contact: WeberLineContact
+    searched: NDArray[np.bool_]
+
+    @property
+    def separation(self) -> Array:
+        """Normal gap (n) [mm]."""
+        return np.asarray(self.separation_angle * self.lever_arm)
+
+    @property
+    def length(self) -> Array:
+        """Length along the contact line (n) [mm]."""
+        return self.line_contact.length
+
+    @property
+    def equivalent_radius(self) -> Array:
+        """Radius of relative curvature across the contact line (n) [mm]."""
+        return self.line_contact.equivalent_radius
+
+    @property
+    def overhang(self) -> Array:
+        """How far beyond a tooth edge the flanks would come closest (n) [mm]; NaN on contact lines."""
+        return self.line_contact.overhang
+
+    @cached_property
+    def bending_problem(self) -> ContactProblem:
+        """The contact problem without local compliance and without torque."""
+        nothing = np.zeros(self.pair.size)
+        return ContactProblem.of_modes(self.separation, self.lever_arm, 0.0, nothing, self.bending)
+
+
+@dataclass(frozen=True)
+class LineSegments:
+    """Contact lines of a mesh cycle in even segments (n), and how the teeth bend under a unit load on each of them.
+
+    An ease-off that leaves the contact lines where they are leaves all of this as it is.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``loaded_splines``.
+    lines
+        Contact lines.
+    elastic
+        Pinion and gear from ``elastic_model.elastic_teeth``.
+    count
+        Segments per line.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> on_lines = cycle.segments.on_lines
+    >>> on_lines.table["length"].size == 5 * on_lines.lines.pair.size
+    True
+    """
+
+    fields: FlankSplines
+    lines: MeshLines
+    elastic: tuple[ElasticTooth, ElasticTooth]
+    count: int
+
+    @cached_property
+    def quadrature(self) -> tuple[Array, Array]:
+        """Points (2, m, count * g) on the lines (m), and the weights (g) of one segment."""
+        return gauss_points(self.lines.lines, self.count)
+
+    def mean(self, values: Array) -> Array:
+        """Means (..., n) over the segments of values (..., m, count * g) at the quadrature points."""
+        weights = self.quadrature[1]
+        return np.asarray(np.reshape(values, (*np.shape(values)[:-2], -1, weights.size)) @ weights)
+
+    @cached_property
+    def table(self) -> dict[str, Array]:
+        """Values of the segments by name, their number last; ``load`` has both teeth's whitened unit loads."""
+        points, weights = self.quadrature
+        mesh, lines = self.lines, self.lines.lines
+        load = whitened_loads(self.elastic, self.fields, np.reshape(points, (2, -1, weights.size)), weights)
+        return {name: self.mean(values) for name, values in self.fields.evaluate(DEPTHS, points).items()} | {
+            "position": np.repeat(mesh.position, self.count),
+            "pair": np.repeat(mesh.pair, self.count),
+            "point": self.mean(points),
+            "length": np.repeat(lines.length / self.count, self.count),
+            "overhang": np.full(lines.level.size * self.count, np.nan),
+            "load": load,
+        }
+
+    @cached_property
+    def bending(self) -> list[ModalBasis]:
+        """Bending compliance at every mesh position that has contact lines."""
+        return [_bending(here["pair"], here["load"]) for here in _parted(self.table).values()]
+
+
+@dataclass(frozen=True)
+class CycleSegments:
+    """Potential contact segments at every mesh position of a cycle.
+
+    Parameters
+    ----------
+    fields
+        Splines from ``loaded_splines``.
+    on_lines
+        Segments of the contact lines.
+    model
+        How the teeth give way.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> len(cycle.segments.by_position)
+    2
+    """
+
+    fields: FlankSplines
+    on_lines: LineSegments
+    model: ElasticModel
+
+    @cached_property
+    def closest(self) -> ClosestApproach:
+        """Closest approach of the flanks next to the quadrature points of ``on_lines``."""
+        return closest_approach(self.fields, self.on_lines.quadrature[0])
+
+    @cached_property
+    def by_position(self) -> list[Segments | None]:
+        """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
+        return self._split(self._on_lines, self.on_lines.bending)
+
+    def with_edges(self, widest: Array) -> list[Segments | None]:
+        """As ``by_position``, and the pieces of edges whose gap is below one for each mesh position (k) [rad]."""
+        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest)
+        found = edges.elements
+        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
+        on_edges = {name: getattr(found, name) for name in names} | {
+            **self.fields.evaluate(DEPTHS, found.points),
+            "position": edges.position,
+            "pair": edges.pair,
+            "point": found.points,
+            "searched": np.zeros(edges.pair.size, dtype=bool),
+            "load": whitened_loads(self.on_lines.elastic, self.fields, found.points[..., None], np.ones(1)),
+        }
+        on_lines = self._on_lines
+        both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
+        return self._split(both)
+
+    @cached_property
+    def _on_lines(self) -> dict[str, Array]:
+        """The table of the segments on lines, with their gap."""
+        closest, mean = self.closest, self.on_lines.mean
+        names = ("separation_angle", "lever_arm", "curvature")
+        expanded = np.reshape(closest.expanded, (-1, self.on_lines.quadrature[1].size))
+        gap = {name: mean(getattr(closest, name)) for name in names}
+        return self.on_lines.table | gap | {"searched": np.any(~expanded, axis=-1)}
+
+    def _split(self, table: dict[str, Array], bending: list[ModalBasis] | None = None) -> list[Segments | None]:
+        """Segments of a table by mesh position, with their bending where it is known."""
+        result: list[Segments | None] = [None] * self.on_lines.lines.rotations.size
+        for i, (k, here) in enumerate(_parted(table).items()):
+            depths = [np.maximum(here[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
+            contact = WeberLineContact(
+                here["length"],
+                1.0 / np.maximum(here["curvature"], RELATIVE_CURVATURE_MINIMUM),
+                depths[0],
+                depths[1],
+                self.model.pinion,
+                self.model.gear,
+                self.model.foot_correction,
+                overhang=here["overhang"],
+            )
+            basis = bending[i] if bending is not None else _bending(here["pair"], here["load"])
+            gap = here["separation_angle"], here["lever_arm"]
+            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact, here["searched"])
+        return result
+
+
+def _parted(table: dict[str, Array]) -> dict[int, dict[str, Array]]:
+    """Parts of a table by mesh position, those without segments left out."""
+    position = table["position"]
+    rows = {int(k): np.flatnonzero(position == k) for k in np.unique(position)}
+    return {k: {name: values[..., chosen] for name, values in table.items()} for k, chosen in rows.items()}
+
+
+def _bending(pairs: NDArray[np.int64], load: Array) -> ModalBasis:
+    """Bending compliance of segments from their tooth pairs (n) and whitened unit loads (k, n)."""
+    # Segments on different teeth are coupled through the blanks alone, which are taken as rigid.
+    blocks = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
+    return basis_of_blocks(pairs.size, blocks, [load[:, own].T for own in blocks])

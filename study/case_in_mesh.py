@@ -1,0 +1,123 @@
+"""The gear pair of a case in mesh: designed or deviating flanks, in an assembly, with or without a modification."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from ..cases.conversion import elastic_model, finite_elements, gear_pair
+from ..cases.reading import read_case
+from ..cases.schema.case_schema import Case
+from ..contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
+from ..contact.mesh_cycle import MeshCycle
+from ..geometry.deviation.deviation import Deviation, Method
+from ..geometry.pair.assembly import Misalignment
+from ..geometry.pair.gear_pair import FlankName, GearPair
+from ..geometry.pair.modification import Modification, modified_ease_off
+from ..geometry.tooth.tooth_flanks import MemberName
+from .flank_deviations import Deviated, Source, deviated_geometry, flank_deviations, updated_geometry
+
+
+def checked_case(case: Case | str | Path) -> Case:
+    """A case that is read already, or the name or path of one."""
+    return case if isinstance(case, Case) else read_case(case)
+
+
+def prepared_pair(case: Case, flank: FlankName, misalignment: Misalignment | None) -> GearPair:
+    """The gear pair of a case, with its own misalignment or another.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> prepared_pair(read_case("nasa-12x36"), "coast", Misalignment(offset=0.1)).assembly.misalignment.offset
+    0.1
+    """
+    pair = gear_pair(case, flank)
+    return pair if misalignment is None else pair.misaligned(misalignment)
+
+
+@dataclass(frozen=True)
+class CaseInMesh:
+    """The gear pair of a case in mesh, over one pitch of the pinion; ``of`` makes one.
+
+    Parameters
+    ----------
+    case
+        The checked case.
+    flank
+        ``drive`` or ``coast``.
+    pair
+        The designed pair, with its misalignment.
+    teeth
+        Teeth of pinion and gear by finite elements or as solid shells; ``None`` for plain shells.
+    deviations
+        Deviations of the flanks by member.
+    deviated
+        How the deviations are taken in.
+    modification
+        Added to the ease-off; ``None`` for none.
+    unmodified
+        The pair in mesh without the modification.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> state = CaseInMesh.of(read_case("nasa-12x36"), flank="coast")
+    >>> state.misaligned(Misalignment(offset=0.1)).pair.assembly.misalignment.offset
+    0.1
+    >>> state.modified(Modification({"lengthwise_crowning": 5.0})).cycle.lines is state.cycle.lines
+    True
+    """
+
+    case: Case
+    flank: FlankName
+    pair: GearPair
+    teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None
+    deviations: Mapping[str, Deviation]
+    deviated: Deviated
+    modification: Modification | None
+    unmodified: MeshCycle
+
+    @classmethod
+    def of(
+        cls,
+        case: Case,
+        *,
+        flank: FlankName = "drive",
+        misalignment: Misalignment | None = None,
+        deviations: Mapping[MemberName, Source] | None = None,
+        deviated: Deviated = "ease_off",
+        interpolation: Method = "spline",
+        modification: Modification | None = None,
+    ) -> CaseInMesh:
+        """Compute geometry, elastic teeth and contact lines of a case; arguments and raises as of ``analyze``."""
+        pair, settings = prepared_pair(case, flank, misalignment), case.contact
+        departures = flank_deviations(pair, deviations or {}, interpolation)
+        teeth = finite_elements(case, pair)
+        geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
+        cycle = MeshCycle.of(
+            geometry,
+            elastic_model(case, teeth),
+            mesh_positions=settings.mesh_positions,
+            segments_per_line=settings.segments_per_line,
+        )
+        return cls(case, flank, pair, teeth, departures, deviated, modification, cycle)
+
+    @cached_property
+    def cycle(self) -> MeshCycle:
+        """The pair in mesh, with the modification."""
+        if self.modification is None:
+            return self.unmodified
+        return self.unmodified.with_ease_off(modified_ease_off(self.unmodified.geometry.ease_off, self.modification))
+
+    def modified(self, modification: Modification | None) -> CaseInMesh:
+        """The same with this modification in place of its own."""
+        return replace(self, modification=modification)
+
+    def misaligned(self, misalignment: Misalignment) -> CaseInMesh:
+        """The same in another assembly: with its deviations and its modification."""
+        geometry = self.unmodified.geometry.misaligned(misalignment)
+        cycle = self.unmodified.with_geometry(updated_geometry(geometry, self.deviations, self.deviated))
+        return replace(self, pair=self.pair.misaligned(misalignment), unmodified=cycle)

@@ -1,0 +1,176 @@
+"""A pair in mesh over one pitch: cycles made from another equal those built anew, and share what is the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+from deviations import GEAR_ERRORS, PINION_ERRORS
+
+from easeoff.cases import Case, gear_pair, read_case
+from easeoff.contact import MeshCycle, lines_in_mesh, loaded_contact, loaded_splines
+from easeoff.core.errors import InputError
+from easeoff.geometry import (
+    Misalignment,
+    Modification,
+    PairGeometry,
+    deviated_ease_off,
+    deviation_from_formula,
+    modified_ease_off,
+    pair_geometry,
+)
+from easeoff.geometry.pair.ease_off import exact_ease_off
+from easeoff.study.analysis import analyze, contact_analysis
+from easeoff.study.case_in_mesh import CaseInMesh
+
+NODES = (17, 13)
+AWAY = Misalignment(offset=0.05, pinion_axial=-0.03, gear_axial=0.02, shaft_angle=1e-4)
+CROWNED = Modification({"lengthwise_crowning": 6.0, "bias": -3.0})
+TORQUES = [60.0, 250.0]
+CASES = ["nasa-12x36", "fm-11x41", "fh-12x41-45"]
+
+
+def of(geometry: PairGeometry) -> MeshCycle:
+    return MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
+
+
+@cache
+def designed(name: str) -> MeshCycle:
+    return of(pair_geometry(gear_pair(read_case(name)), NODES))
+
+
+def small(name: str) -> Case:
+    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": NODES[0], "profile_nodes": NODES[1]}
+    case = read_case(name)
+    return case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+
+
+def require_same(one: xr.Dataset, other: xr.Dataset) -> None:
+    """To the bit, attributes as well."""
+    assert set(one.variables) == set(other.variables)
+    for name in one.variables:
+        np.testing.assert_array_equal(one[name].values, other[name].values, err_msg=str(name))
+    assert set(one.attrs) == set(other.attrs)
+    for name in one.attrs:
+        np.testing.assert_array_equal(one.attrs[name], other.attrs[name], err_msg=name)
+
+
+def require_same_results(one: MeshCycle, other: MeshCycle) -> None:
+    for name in ("flanks", "ease_off", "teeth"):
+        require_same(getattr(one.geometry, name), getattr(other.geometry, name))
+    require_same(one.unloaded(), other.unloaded())
+    for edge_contact in (False, True):
+        found = [cycle.loaded(TORQUES, edge_contact=edge_contact)[0] for cycle in (one, other)]
+        require_same(*found)
+        assert np.all(found[0]["status"] == 0)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_modified_cycle_is_that_of_the_modified_ease_off(name: str) -> None:
+    cycle = designed(name)
+    cycle.loaded(TORQUES)  # what is kept of it must not show in the other
+    ease_off = modified_ease_off(cycle.geometry.ease_off, CROWNED)
+    modified = cycle.with_ease_off(ease_off)
+    require_same_results(modified, of(replace(cycle.geometry, ease_off=ease_off)))
+    assert modified.lines is cycle.lines
+    assert modified.segments.on_lines is cycle.segments.on_lines
+    assert modified.geometry.flanks is cycle.geometry.flanks
+    assert modified.geometry.exact is cycle.geometry.exact
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_misaligned_cycle_is_that_of_the_misaligned_pair(name: str) -> None:
+    cycle = designed(name)
+    away = cycle.misaligned(AWAY)
+    require_same_results(away, of(pair_geometry(cycle.geometry.pair.misaligned(AWAY), NODES)))
+    assert away.geometry.members is cycle.geometry.members
+    assert away.elastic is cycle.elastic
+    assert away.lines is not cycle.lines
+
+
+def test_there_and_back_is_where_it_began() -> None:
+    cycle = designed("fm-11x41")
+    back = cycle.misaligned(AWAY).misaligned(cycle.geometry.pair.assembly.misalignment)
+    require_same(back.loaded(TORQUES)[0], cycle.loaded(TORQUES)[0])
+
+
+def test_contact_lines_follow_a_roll_angle_that_changes() -> None:
+    """A deviation of the gear leaves them, one of the pinion moves them."""
+    cycle = designed("fm-11x41")
+    pair = cycle.geometry.pair
+    gear = deviation_from_formula(pair.gear.section, GEAR_ERRORS)
+    pinion = deviation_from_formula(pair.pinion.section, PINION_ERRORS)
+    worn = cycle.with_ease_off(deviated_ease_off(cycle.geometry, gear=gear))
+    assert worn.lines is cycle.lines
+    ease_off = deviated_ease_off(cycle.geometry, gear=gear, pinion=pinion)
+    both = cycle.with_ease_off(ease_off)
+    assert both.lines is not cycle.lines
+    assert both.elastic is cycle.elastic
+    require_same_results(both, of(replace(cycle.geometry, ease_off=ease_off)))
+    # And from there on they stay.
+    crowned = both.with_ease_off(modified_ease_off(ease_off, CROWNED))
+    assert crowned.lines is both.lines
+
+
+def test_geometry_keeps_the_exact_ease_off() -> None:
+    geometry = designed("nasa-12x36").geometry
+    pair = geometry.pair
+    fresh = exact_ease_off(geometry.members.gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    np.testing.assert_array_equal(geometry.exact.angle, fresh.angle)
+    np.testing.assert_array_equal(geometry.exact.pinion_position, fresh.pinion_position)
+    assert geometry.misaligned(AWAY).pair.assembly.misalignment == AWAY
+
+
+def test_cycle_is_its_parts_put_together() -> None:
+    """The functions of the stages, called by hand, give the same to the bit."""
+    cycle = designed("nasa-12x36")
+    geometry = cycle.geometry
+    fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
+    lines = lines_in_mesh(fields, cycle.pinion_pitch, 4)
+    by_hand, _ = loaded_contact(
+        fields, geometry.teeth, lines, ratio=cycle.ratio, torques=np.array(TORQUES), segments_per_line=9
+    )
+    require_same(cycle.loaded(TORQUES)[0], by_hand)
+
+
+def test_one_position_alone_has_the_lines_of_the_cycle() -> None:
+    cycle = designed("fm-11x41")
+    every = cycle.solved(TORQUES)
+    for position in range(4):
+        here = [case for case in every if case.mesh_position == position]
+        for alone, case in zip(cycle.at(position).solved(TORQUES), here, strict=True):
+            np.testing.assert_array_equal(alone.segments.separation, case.segments.separation)
+            np.testing.assert_allclose(alone.solution.force, case.solution.force, rtol=0, atol=1e-9)
+    finer = cycle.at(0).with_segments(18).segments.by_position
+    assert [here.length.size for here in finer if here is not None] == [2 * every[0].segments.length.size]
+
+
+def test_cycle_refuses_impossible_torques() -> None:
+    for torques in ([], [0.0], [np.nan]):
+        with pytest.raises(InputError, match="every torque must be a positive number"):
+            designed("nasa-12x36").loaded(torques)
+
+
+@pytest.mark.parametrize("deviated", ["ease_off", "surface"])
+def test_misaligned_case_keeps_deviations_and_modification(deviated: str) -> None:
+    """A study over assemblies gives what an analysis of each gives."""
+    case = small("fm-11x41")
+    pair = gear_pair(case)
+    state = {
+        "deviations": {
+            "gear": deviation_from_formula(pair.gear.section, lambda t, h: 0.3 * GEAR_ERRORS(t, h)),
+            "pinion": deviation_from_formula(pair.pinion.section, lambda t, h: 0.3 * PINION_ERRORS(t, h)),
+        },
+        "deviated": deviated,
+        "modification": CROWNED,
+    }
+    found = contact_analysis(CaseInMesh.of(case, **state).misaligned(AWAY), TORQUES).tree  # type: ignore[arg-type]
+    whole = analyze(case, misalignment=AWAY, torques=TORQUES, **state)  # type: ignore[arg-type]
+    for group in whole.children:
+        require_same(found[group].to_dataset(), whole[group].to_dataset())
+    assert {k: v for k, v in found.attrs.items() if k != "history"} == {
+        k: v for k, v in whole.attrs.items() if k != "history"
+    }
