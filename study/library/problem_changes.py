@@ -90,7 +90,7 @@ def twin_segments(problem: ContactProblem, _: float) -> ContactProblem:
 
 
 def copied_segments(problem: ContactProblem, _: float) -> ContactProblem:
-    """Every segment twice with the same row of C: singular, the load of a segment and its copy shared at will."""
+    """Every segment twice with the same row of C: singular, their shares of the load undetermined."""
     s, r, t, _d, _v = parts(problem)
     twice = np.repeat(np.arange(problem.size), 2)
     return ContactProblem(s[twice], r[twice], t, problem.dense_compliance[np.ix_(twice, twice)])
