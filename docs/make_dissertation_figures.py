@@ -54,17 +54,14 @@ SECTION_5_3 = """
 
 ![Ease-off of designs A and B](images/dissertation/figure_5_3.png)
 
-Two face-hobbed pairs that differ in their offset alone, as far as that is possible; the dissertation gave them similar
-ease-offs to isolate the influence of the offset on the efficiency. The cases are `fh-design-a` and `fh-design-b`; the
-thick line is the path of contact of the pair that carries.
+Two face-hobbed pairs, `fh-design-a` and `fh-design-b`, that differ in their offset alone as far as possible, with
+similar ease-offs. The thick line is the path of contact of the pair that carries.
 
 {table}
 
 {statements}
 
-This is agreement by design: the ease-off of our pairs was asked for from what the figure shows, and the fit of the
-pinion's machine settings delivered it. Contours in their details cannot be compared: the figure's text has its scale
-and its corners alone.
+The ease-off was fitted to what the figure shows: its scale and its corners.
 """
 
 

@@ -14,16 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import easeoff.study.library.reference_answers as answers_module
-from easeoff.study.library import (
-    KINDS,
-    PARTS,
-    Entry,
-    ReferenceAnswer,
-    entries,
-    generate,
-    proved_answer,
-    reference_answers,
-)
+from easeoff.study.library import KINDS, PARTS, Answer, entries, generate, proved_answer, reference_answers
 from easeoff.study.library.problem_changes import CHANGES
 from easeoff.study.library.reference_answers import TABLE, write_answers
 
@@ -75,26 +66,6 @@ def proof_table() -> str:
     return _table(head, rows)
 
 
-def problem_table() -> str:
-    """One row a problem."""
-    answers = reference_answers()
-    return _table(
-        ["name", "*n*", "touching", "condition of *C*", "θ beyond first contact [rad]"],
-        [_problem(entry, answers[entry.name]) for entry in entries()],
-    )
-
-
-def _problem(entry: Entry, answer: ReferenceAnswer) -> list[str]:
-    touching = str(answer.touching) if answer.touching >= 0 else "open"
-    return [
-        f"`{entry.name}`",
-        f"{answer.size}{' dense' if entry.dense else ''}",
-        touching,
-        _condition(answer.condition_number),
-        f"{answer.elastic_rotation:.10e}",
-    ]
-
-
 def _range(numbers: Iterable[int]) -> str:
     every = sorted(set(numbers))
     return str(every[0]) if len(every) == 1 else f"{every[0]} to {every[-1]}"
@@ -119,7 +90,6 @@ TABLES = {
     "kinds": kind_table,
     "changes": change_table,
     "proofs": proof_table,
-    "problems": problem_table,
 }
 
 
