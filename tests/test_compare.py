@@ -62,7 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def dataset(file: Path, folder: Path) -> xr.Dataset:
     """A comparison of a solver with others that misbehave."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "GRACE", 0.1)
+        patch.setattr(worker, "GRACE_TIME", 0.1)
         return compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
 
 

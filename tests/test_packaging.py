@@ -29,9 +29,6 @@ def test_only_the_package_file_stands_at_the_root() -> None:
     assert [p.name for p in ROOT.glob("*.py")] == ["__init__.py"]
 
 
-NEEDS = {"easeoff.contact.solvers.modal_kernel": "numba"}  # modules that only an optional package lets in
-
-
 def test_examples_in_docstrings_work() -> None:
     tried = 0
     for part in CODE:
@@ -39,8 +36,6 @@ def test_examples_in_docstrings_work() -> None:
             continue
         package = importlib.import_module(f"easeoff.{part}")
         for found in pkgutil.walk_packages(package.__path__, f"easeoff.{part}."):
-            if found.name in NEEDS and importlib.util.find_spec(NEEDS[found.name]) is None:
-                continue
             outcome = doctest.testmod(importlib.import_module(found.name))
             assert outcome.failed == 0, found.name
             tried += outcome.attempted
