@@ -17,15 +17,12 @@ import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.problem.contact_problem import ContactProblem
-from easeoff.contact.problem.scaling import ScaledProblem
+from easeoff.contact.problem.scaled_problem import ScaledProblem
 from easeoff.contact.solvers import available_solvers, solve, solve_many
-from easeoff.contact.solvers import problem_batch as many
-from easeoff.contact.solvers import modal_newton as modal
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
@@ -97,16 +94,9 @@ def median_seconds(work: list[Callable[[], Any]]) -> float:
                 return statistics.median(values[1:] or values)
 
 
-def as_arrays(scaled: ScaledProblem, start: Any) -> Any:
-    """The modal method as it runs without numba."""
-    with patch.object(modal, "compiled_kernel", lambda: None):
-        return modal.modal_newton(scaled, start)
-
-
-def many_as_arrays(cases: list[ContactProblem]) -> Any:
-    """Many problems at once as they are solved without numba."""
-    with patch.object(many, "compiled_kernel", lambda: None):
-        return solve_many(cases)
+def modal(scaled: ScaledProblem, start: Any) -> ScaledAnswer | None:
+    """The modal method on one problem."""
+    return modal_newton([scaled], [start])[0]
 
 
 def answered(answer: ScaledAnswer | None) -> ScaledAnswer:
@@ -129,7 +119,7 @@ class Rows:
         self.seconds: dict[str, float] = {}
         self.solutions = solve_many(self.cases)
         assert all(solution.certified for solution in self.solutions)
-        self.scaled = [case.scaling.scale(case) for case in self.cases]
+        self.scaled = [case.scaled() for case in self.cases]
         self._kernels()
         self._doors()
         self._others()
@@ -145,13 +135,10 @@ class Rows:
         if self.size <= LARGEST["Cholesky"]:
             matrix = self.scaled[0].compliance
             self.seconds["Cholesky factor of n x n"] = median_seconds([lambda: dpotrf(matrix.T, lower=1, clean=0)])
-        self.seconds["modal, cold"] = median_seconds([partial(modal_newton, s, a) for s, a in cold])
-        self.seconds["modal, warm from the position before"] = median_seconds(
-            [partial(modal_newton, s, a) for s, a in warm]
-        )
-        self.seconds["modal as arrays, cold"] = median_seconds([partial(as_arrays, s, a) for s, a in cold])
+        self.seconds["modal, cold"] = median_seconds([partial(modal, s, a) for s, a in cold])
+        self.seconds["modal, warm from the position before"] = median_seconds([partial(modal, s, a) for s, a in warm])
         self.iterations = [
-            statistics.mean(answered(modal_newton(s, a)).iterations for s, a in those) for those in (cold, warm)
+            statistics.mean(answered(modal(s, a)).iterations for s, a in those) for those in (cold, warm)
         ]
         self.error = np.nan
         if self.size <= LARGEST["dense active set"]:
@@ -175,7 +162,6 @@ class Rows:
         self.seconds["solve, cold"] = median_seconds([partial(anew, c) for c in self.cases])
         self.seconds["solve, warm"] = median_seconds([partial(anew, c, s.active) for c, s in warm])
         self.seconds["solve_many, each"] = median_seconds([lambda: solve_many(fresh())]) / POSITIONS
-        self.seconds["solve_many as arrays, each"] = median_seconds([lambda: many_as_arrays(fresh())]) / POSITIONS
 
     def _others(self) -> None:
         for name in available_solvers():
@@ -209,7 +195,7 @@ def main() -> None:
     """Print the tables."""
     sizes = tuple(int(word) for word in sys.argv[1:]) or SIZES
     print(f"{platform.machine()}, Python {platform.python_version()}, numpy {np.__version__}, one BLAS thread")
-    print(f"modal method {'as arrays' if modal.compiled_kernel() is None else 'compiled'}\n")
+    print()
     for refined in (False, True):
         print("local compliance " + ("grows with n, as under refinement" if refined else "the same for every n"))
         given_up: set[str] = set()

@@ -18,7 +18,7 @@ from easeoff.cases import read_case
 from easeoff.contact import ContactProblem, available_solvers, solve
 from easeoff.contact.solvers import SOLVERS
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
-from easeoff.contact.solvers.polish import recover_answer
+from easeoff.contact.solvers.polish import polished_answer
 from easeoff.study.analysis import contact_analysis
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
@@ -65,14 +65,14 @@ def agreement(name: str, chosen: Iterable[ContactProblem], form: str = "auto") -
     number, errors = 0, []
     for problem in chosen:
         number += 1
-        scaled, reference = problem.scaling.scale(problem), solve(problem)
+        scaled, reference = problem.scaled(), solve(problem)
         assert reference.certified
         settings = {**entry.settings, **({"form": "lifted"} if chosen_form(name, scaled, form) == "lifted" else {})}
         try:
             answer = adapter.solve_scaled(scaled, settings)
         except NoAnswerError:
             continue
-        found, _ = recover_answer(problem, scaled, answer, polished=False)
+        found, _ = polished_answer(problem, scaled, answer, polish=False)
         if not found.certificate.passes(entry.tolerance):
             continue
         rotation = reference.elastic_rotation / problem.scaling.rotation

@@ -58,14 +58,14 @@ def adapter(name: str) -> Any:
 
 def answer_of(name: str, problem: ContactProblem, **settings: Any) -> ScaledAnswer:
     """What the backend answers to the scaled problem, before anybody judges it."""
-    scaled = problem.scaling.scale(problem)
+    scaled = problem.scaled()
     found: ScaledAnswer = adapter(name).solve_scaled(scaled, {**SOLVERS[name].settings, **settings})
     return found
 
 
 def rotation_and_gap(problem: ContactProblem) -> tuple[float, Array, float]:
     """Rotation and gaps of the native solver in scaled numbers, and the greatest deflection."""
-    reference, scaled = solve(problem), problem.scaling.scale(problem)
+    reference, scaled = solve(problem), problem.scaled()
     rotation = reference.elastic_rotation / problem.scaling.rotation
     deflection = scaled.compliance @ (reference.force / problem.scaling.force)
     return rotation, deflection + scaled.separation - rotation * scaled.lever_arm, float(np.abs(deflection).max())

@@ -48,7 +48,7 @@ class Hurried:
         self._connection = connection
 
     def poll(self, limit: float) -> bool:
-        return limit == worker.START_LIMIT and self._connection.poll(limit)
+        return limit == worker.START_TIME_LIMIT and self._connection.poll(limit)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._connection, name)
@@ -91,7 +91,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def dataset(file: Path, folder: Path) -> xr.Dataset:
     """A comparison of a solver with others that misbehave."""
-    return compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker, "GRACE_TIME", 0.1)
+        return compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
 
 
 @pytest.fixture(scope="module")

@@ -25,8 +25,8 @@ from easeoff.contact import (
     solve,
     write_npz,
 )
+from easeoff.contact.problem.answer import Answer
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.problem.recovered import RecoveredAnswer
 from easeoff.contact.solvers import SOLVERS
 from easeoff.contact.solvers.adapters import lemke
 from easeoff.contact.solvers.backend import chosen_form
@@ -96,7 +96,7 @@ def exact(programme: qpsolvers.Problem) -> tuple[Array, Array, Array]:
     return x, answer[size : size + b.size], z[:inequalities]
 
 
-def assert_same(problem: ContactProblem, answer: RecoveredAnswer, tolerance: float = 1e-9) -> None:
+def assert_same(problem: ContactProblem, answer: Answer, tolerance: float = 1e-9) -> None:
     """Forces, rotation and gaps are those of the native solver."""
     reference = solve(problem)
     assert reference.certified
@@ -203,16 +203,16 @@ def test_lifted_form_loses_no_bit_in_scaling() -> None:
             diagonal, factor = problem.compliance
             parts = (diagonal * factor_of_two, factor)
             other = ContactProblem(problem.separation, problem.lever_arm, problem.torque, parts)
-            scaled = other.scaling.scale(other)
-            assert scaled.pair is not None
-            ratio = factor[factor != 0.0] / scaled.pair.factor[factor != 0.0]
+            scaled = other.scaled()
+            assert scaled.modal is not None
+            ratio = factor[factor != 0.0] / scaled.modal.factor[factor != 0.0]
             assert np.frexp(ratio[0])[0] == 0.5
             assert np.all(ratio == ratio[0])
-            assert np.array_equal(scaled.pair.diagonal * other.scaling.compliance, parts[0])
-            dense = scaled.pair.weight * scaled.pair.factor @ scaled.pair.factor.T
-            dense += np.diag(scaled.pair.diagonal)
+            assert np.array_equal(scaled.modal.diagonal * other.scaling.compliance, parts[0])
+            dense = scaled.modal.weight * scaled.modal.factor @ scaled.modal.factor.T
+            dense += np.diag(scaled.modal.diagonal)
             np.testing.assert_allclose(dense, scaled.compliance, rtol=1e-13)
-            weights.add(scaled.pair.weight)
+            weights.add(scaled.modal.weight)
     assert weights == {0.5, 1.0}
 
 
@@ -291,14 +291,14 @@ def test_backends_give_the_same_in_either_form(name: str) -> None:
 
 def test_form_follows_the_size_and_the_table() -> None:
     problem = large()
-    scaled = problem.scaling.scale(problem)
+    scaled = problem.scaled()
     least = SOLVERS["osqp"].lifted_from
     assert least is not None
     assert least <= problem.size
     assert chosen_form("osqp", scaled, "auto") == chosen_form("osqp", scaled, "lifted") == "lifted"
     assert chosen_form("osqp", scaled, "dense") == chosen_form("daqp", scaled, "auto") == "dense"
     few = next(problems("realistic", 1))
-    assert chosen_form("osqp", few.scaling.scale(few), "auto") == "dense"
+    assert chosen_form("osqp", few.scaled(), "auto") == "dense"
 
 
 def test_impossible_form_is_refused() -> None:

@@ -152,7 +152,7 @@ def test_no_scale_is_taken_from_nothing(value: float) -> None:
 def test_scaled_numbers_are_of_order_one_whatever_the_load(torque: float) -> None:
     for problem in problems("realistic", 5):
         loaded = problem.with_torque(torque)
-        scaled = loaded.scaling.scale(loaded)
+        scaled = loaded.scaled()
         solution = solve(loaded)
         assert 0.5 < scaled.compliance.diagonal().mean() < 2.0
         assert 0.5 < np.abs(scaled.lever_arm).mean() < 2.0
@@ -192,9 +192,9 @@ def test_clipping_changes_no_answer(name: str) -> None:
         clipped_somewhere += int(scaling.certainly_open.any())
         assert not (solution.force[scaling.certainly_open] > 0.0).any()
         assert (solution.gap[scaling.certainly_open] > 0.0).all()
-        full = scaling.scale(problem, clip=False)
-        clipped = scaling.scale(problem)
-        for answer in answers(full, solution.active, {}):
+        full = problem.scaled(clip=False)
+        clipped = problem.scaled()
+        for _, answer in answers(full, solution.active, {}):
             deflection = full.compliance @ answer.force - answer.rotation * full.lever_arm
             tolerance = 1e-9 * (1.0 + abs(answer.rotation))
             assert (deflection + clipped.separation > -tolerance).all()
@@ -296,7 +296,7 @@ def test_wrong_signs_that_qpsolvers_calls_optimal_are_refused() -> None:
     """qpsolvers checks residuals, not the sign of multipliers: a penetrating solution passes its test, but not ours."""
     problem = next(problems("realistic", 1))
     solution = solve(problem)
-    scaled = problem.scaling.scale(problem)
+    scaled = problem.scaled()
     crippled = np.flatnonzero(solution.active)[1:]  # one touching segment is forgotten
     point = solve_active_set(scaled, crippled)
     assert point is not None

@@ -70,9 +70,9 @@ def test_programme_is_translated_once_for_each_form(translations: list[tuple[int
 
 def test_every_number_of_the_programme_is_a_parameter(translations: list[tuple[int, int]]) -> None:
     for problem in mesh_cycle():
-        root = cvxpy_programme.compliance_root(problem.scaling.scale(problem), lifted=True)
+        root = cvxpy_programme.compliance_root(problem.scaled(), lifted=True)
         np.testing.assert_allclose(
-            (root.matrix @ root.matrix.T).toarray(), problem.scaling.scale(problem).compliance, rtol=1e-12, atol=1e-15
+            (root.matrix @ root.matrix.T).toarray(), problem.scaled().compliance, rtol=1e-12, atol=1e-15
         )
         assert cvxpy_programme.ParametrisedProgramme(root).programme.is_dpp()
 
@@ -102,10 +102,10 @@ def test_shelf_is_small_and_keeps_nothing_that_failed(translations: list[tuple[i
     problem = dense(next(problems("realistic", 1)))
     assert not solve(problem, "cvxpy", backend="nobody").certified
     assert not cvxpy_programme._shelf
-    for size in range(2, 4 + cvxpy_programme.KEPT):
+    for size in range(2, 4 + cvxpy_programme.MAX_KEPT_PROGRAMMES):
         parts = (np.full(size, 2e-6), np.zeros((size, 0)))
         assert_right(dense(ContactProblem(np.zeros(size), np.full(size, 40.0), 1e5, parts)))
-    assert len(cvxpy_programme._shelf) == cvxpy_programme.KEPT
+    assert len(cvxpy_programme._shelf) == cvxpy_programme.MAX_KEPT_PROGRAMMES
 
 
 def test_backend_behind_cvxpy_has_a_programme_of_its_own(translations: list[tuple[int, int]]) -> None:

@@ -10,7 +10,7 @@ import pytest
 from easeoff.contact import ContactProblem, lcp, solve
 from easeoff.contact.solvers import Status
 from easeoff.contact.solvers.adapters.lemke import lemke
-from easeoff.contact.solvers.solver_table import PIVOTING
+from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
 from easeoff.core.errors import InputError
 from easeoff.verification.problem_classes import problems
 
@@ -115,7 +115,7 @@ def test_pivot_limit_is_a_status() -> None:
 
 
 def test_large_problems_are_refused() -> None:
-    n = PIVOTING + 1
+    n = LARGEST_PIVOTING + 1
     problem = ContactProblem(np.zeros(n), np.ones(n), 1.0, (np.ones(n), np.zeros((n, 0))))
     with pytest.raises(InputError, match=f"{n} segments"):
         solve(problem, "lemke")

@@ -1,40 +1,40 @@
-"""The modal method: the blocks it finds, its line search, and its answers beside those of all other methods."""
+"""The modal method: its blocks, its line search, its answers beside those of all other methods, one or many at once."""
 
 from __future__ import annotations
 
-import importlib.util
-import sys
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
+import easeoff.contact.loaded as loaded_module
 from easeoff.cases import read_case
+from easeoff.contact.compliance import Material, WeberLineContact
+from easeoff.contact.line_contact.line_contact_law import LineContactLaw
+from easeoff.contact.problem.compliance_matrix import ModalCompliance
 from easeoff.contact.problem.contact_problem import ContactProblem
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
-from easeoff.contact.solvers import ContactSolution, Status, available_solvers, modal_newton, native, solve
-from easeoff.contact.solvers.modal_system import ModalPoint, has_modal_form, modal_system
+from easeoff.contact.solvers import ContactSolution, Status, available_solvers, problem_batch, solve, solve_many
+from easeoff.contact.solvers import modal_newton as method_of_newton
+from easeoff.contact.solvers.modal_batch import ModalBatch
+from easeoff.contact.solvers.modal_newton import LinearLaw, has_modal_form, modal_newton, newton_batch
+from easeoff.contact.solvers.native import METHODS
+from easeoff.core.errors import InputError
 from easeoff.study.analysis import contact_analysis
 from easeoff.study.case_in_mesh import CaseInMesh
 from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+
+Array = NDArray[np.float64]
 
 #: Classes in which every segment has a compliance of its own that counts.
 MODAL_CLASSES = tuple(
     name for name in PROBLEM_CLASSES if name not in ("weak_local", "nearly_singular", "spread_local", "random_dense")
 )
-HAS_NUMBA = importlib.util.find_spec("numba") is not None
-
-
-@pytest.fixture(params=["arrays", "compiled"])
-def path(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Both forms of the method; the compiled one where numba is installed."""
-    if request.param == "compiled" and not HAS_NUMBA:
-        pytest.skip("numba is not installed")
-    if request.param == "arrays":
-        monkeypatch.setattr(modal_newton, "compiled_kernel", lambda: None)
-    return str(request.param)
 
 
 def rebuilt(factor: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
@@ -115,7 +115,7 @@ def test_basis_is_kept_when_torque_or_local_compliance_change() -> None:
 
 
 @pytest.mark.parametrize("name", MODAL_CLASSES)
-def test_modal_method_agrees_with_the_dense_one(name: str, path: str) -> None:
+def test_modal_method_agrees_with_the_dense_one(name: str) -> None:
     for problem in problems(name, 30, seed=21):
         force, rotation = relative_difference(problem, "modal", solve(problem, method="primal_dual_active_set"))
         assert force < 1e-11
@@ -133,7 +133,7 @@ def test_modal_method_proves_any_load(name: str, seed: int, decades: float) -> N
 
 
 @pytest.mark.parametrize("backend", ["clarabel", "daqp"])
-def test_modal_method_agrees_with_other_programs(backend: str, path: str) -> None:
+def test_modal_method_agrees_with_other_programs(backend: str) -> None:
     assert backend in available_solvers()
     for name in ("realistic", "plain", "signed_modes", "far_apart"):
         for problem in problems(name, 5, seed=4):
@@ -143,12 +143,12 @@ def test_modal_method_agrees_with_other_programs(backend: str, path: str) -> Non
 
 
 @pytest.mark.parametrize("name", ["fm-11x41", "nasa-12x36"])
-def test_modal_method_agrees_on_the_shipped_cases(name: str, path: str) -> None:
+def test_modal_method_agrees_on_the_shipped_cases(name: str) -> None:
     case = read_case(name)
     case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
     for loaded in contact_analysis(CaseInMesh.of(case), case.contact.torques[:2]).cases:
         problem = loaded.problem
-        assert has_modal_form(problem.scaling.scale(problem))
+        assert has_modal_form(problem.scaled())
         assert len(factor_blocks(problem.compliance[1])) == len(set(loaded.segments.pair))
         force, rotation = relative_difference(problem, "modal", solve(problem, method="primal_dual_active_set"))
         assert force < 1e-11
@@ -156,7 +156,18 @@ def test_modal_method_agrees_on_the_shipped_cases(name: str, path: str) -> None:
         assert np.abs(solve(problem).force - loaded.solution.force).max() < 1e-9 * loaded.solution.force.max()
 
 
-def test_one_segment_carries_all(path: str) -> None:
+@pytest.mark.parametrize("method", METHODS)
+def test_every_native_method_serves_an_analysis(method: str) -> None:
+    case = read_case("fm-11x41")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
+    chosen = contact_analysis(CaseInMesh.of(case), [100.0], solver="native", method=method).cases
+    for found, usual in zip(chosen, contact_analysis(CaseInMesh.of(case), [100.0]).cases, strict=True):
+        assert found.solution.certified
+        assert found.solution.method == method
+        assert found.solution.rotation == pytest.approx(usual.solution.rotation, rel=1e-13)
+
+
+def test_one_segment_carries_all() -> None:
     """F = T / r, theta = (S + C F) / r."""
     problem = ContactProblem(np.array([0.3]), np.array([20.0]), 100.0, (np.array([1e-5]), np.array([[2e-3, 1e-3]])))
     solution = solve(problem, method="modal")
@@ -165,7 +176,7 @@ def test_one_segment_carries_all(path: str) -> None:
 
 
 @pytest.mark.parametrize("width", [0, 3])
-def test_springs_without_coupling_share_the_load_evenly(width: int, path: str) -> None:
+def test_springs_without_coupling_share_the_load_evenly(width: int) -> None:
     n, arm, torque, spring = 8, 40.0, 3.2e5, 2e-6
     problem = ContactProblem(np.zeros(n), np.full(n, arm), torque, (np.full(n, spring), np.zeros((n, width))))
     solution = solve(problem, method="modal")
@@ -173,7 +184,7 @@ def test_springs_without_coupling_share_the_load_evenly(width: int, path: str) -
     assert solution.rotation == pytest.approx(spring * torque / (n * arm**2), rel=1e-14)
 
 
-def test_segment_doubled_into_two_halves_changes_nothing(path: str) -> None:
+def test_segment_doubled_into_two_halves_changes_nothing() -> None:
     """Two segments in one place, each with twice the local compliance, carry half the load each."""
     for problem in problems("realistic", 5, seed=8):
         assert isinstance(problem.compliance, tuple)
@@ -187,7 +198,7 @@ def test_segment_doubled_into_two_halves_changes_nothing(path: str) -> None:
         assert np.abs(2.0 * two.force - one.force[twice]).max() < 1e-11 * one.force.max()
 
 
-def test_any_start_leads_to_the_same_answer(path: str) -> None:
+def test_any_start_leads_to_the_same_answer() -> None:
     rng = np.random.default_rng(12)
     for problem in problems("realistic", 5, seed=1):
         reference = solve(problem, method="modal")
@@ -201,7 +212,7 @@ def test_any_start_leads_to_the_same_answer(path: str) -> None:
             assert np.abs(solution.force - reference.force).max() < 1e-13 * reference.force.max()
 
 
-def test_springs_pressed_against_each_other_without_torque(path: str) -> None:
+def test_springs_pressed_against_each_other_without_torque() -> None:
     """Full steps go to and fro between the two springs, at the same energy; the line search meets in the middle."""
     compliance = (np.full(2, 1e-6), np.zeros((2, 1)))
     problem = ContactProblem(np.array([0.0, -0.1]), np.array([40.0, -40.0]), 0.0, compliance)
@@ -212,7 +223,7 @@ def test_springs_pressed_against_each_other_without_torque(path: str) -> None:
 
 
 @pytest.mark.parametrize("magnitude", [1e-300, 1e-160, 1e160, 1e300])
-def test_absurd_magnitudes_change_nothing(magnitude: float, path: str) -> None:
+def test_absurd_magnitudes_change_nothing(magnitude: float) -> None:
     compliance = (np.full(2, magnitude), np.full((2, 1), np.sqrt(magnitude)))
     for torque in (1e-300, 1e5, 1e306):
         problem = ContactProblem(np.array([0.1, 0.3]), np.full(2, 40.0), torque, compliance)
@@ -223,52 +234,16 @@ def test_absurd_magnitudes_change_nothing(magnitude: float, path: str) -> None:
 # Line search
 
 
-def energy_along(point: ModalPoint, target: ModalPoint, length: float) -> float:
-    return point.system.towards(point, target, length).energy
-
-
-def test_step_is_the_minimum_along_the_line() -> None:
-    """Between random points, against a fine grid: the functional is convex, so its least grid value brackets it."""
-    rng = np.random.default_rng(3)
-    inside = 0
-    for problem in problems("realistic", 40, seed=6):
-        scaled = problem.scaling.scale(problem)
-        system = modal_system(scaled)
-        points = [
-            system.point(scale * rng.standard_normal(system.rows[:, 0, :-2].shape), float(rng.uniform(-1.0, 20.0)))
-            for scale in (3.0, 1.0)
-        ]
-        for point, target in (points, points[::-1]):
-            length = modal_newton.exact_step(system, point, target)
-            grid = [energy_along(point, target, float(at)) for at in np.linspace(0.0, 1.0, 201)]
-            least = energy_along(point, target, length)
-            assert least <= min(grid) + 1e-12 * abs(min(grid))
-            inside += 0.0 < length < 1.0
-    assert inside > 10
-
-
 def test_line_search_ends_what_full_steps_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """Full steps are enough on everyday problems; with little local compliance they can go round in circles."""
-    searched = 0
-    search = modal_newton.exact_step
-
-    def counted(*arguments: Any) -> float:
-        nonlocal searched
-        searched += 1
-        return search(*arguments)
-
-    monkeypatch.setattr(modal_newton, "compiled_kernel", lambda: None)
-    monkeypatch.setattr(modal_newton, "exact_step", counted)
 
     def unsolved(name: str, count: int) -> int:
-        scaled = [(p.scaling.scale(p), p.scaling.estimated_active) for p in problems(name, count, seed=1)]
-        return sum(modal_newton.modal_newton(s, active) is None for s, active in scaled if has_modal_form(s))
+        scaled = [(p.scaled(), p.scaling.estimated_active) for p in problems(name, count, seed=1)]
+        return sum(modal_newton([s], [active])[0] is None for s, active in scaled if has_modal_form(s))
 
-    assert unsolved("realistic", 50) == 0
-    assert searched == 0
     assert unsolved("weak_local", 400) == 0
-    assert searched > 0
-    monkeypatch.setattr(modal_newton, "exact_step", lambda *arguments: 1.0)
+    monkeypatch.setattr(method_of_newton, "MAX_HALVINGS", 0)
+    assert unsolved("realistic", 50) == 0
     assert unsolved("weak_local", 400) > 0
 
 
@@ -277,10 +252,10 @@ def test_line_search_ends_what_full_steps_do_not(monkeypatch: pytest.MonkeyPatch
 
 def test_tiny_local_compliance_is_left_to_the_other_methods() -> None:
     for problem in problems("nearly_singular", 10, seed=2):
-        assert not has_modal_form(problem.scaling.scale(problem))
+        assert not has_modal_form(problem.scaled())
         solution = solve(problem)
         assert solution.status is Status.CERTIFIED
-        assert solution.message == ""
+        assert solution.method != "modal"
         assert solve(problem, method="modal").status is Status.NOT_CONVERGED
 
 
@@ -298,73 +273,222 @@ def test_blocks_of_very_different_size_are_left_to_the_other_methods() -> None:
     factor[:100, :100] = rng.standard_normal((100, 100)) * 1e-4
     factor[100:, 100:] = np.eye(100) * 1e-3
     problem = ContactProblem(np.zeros(200), np.full(200, 40.0), 1e5, (np.full(200, 1e-6), factor))
-    assert not has_modal_form(problem.scaling.scale(problem))
+    assert not has_modal_form(problem.scaled())
     assert solve(problem).status is Status.CERTIFIED
 
 
 def test_matrix_is_never_formed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(problem: ContactProblem) -> None:
+    def refuse(compliance: ModalCompliance) -> None:
         raise AssertionError("the dense compliance was asked for")
 
-    monkeypatch.setattr(ContactProblem, "dense_compliance", property(refuse))
+    monkeypatch.setattr(ModalCompliance, "dense", property(refuse))
     for problem in problems("realistic", 3):
         assert solve(problem, method="modal").status is Status.CERTIFIED
 
 
-@pytest.mark.parametrize(
-    ("size", "compiled", "compressed", "first"),
-    [(60, False, True, ""), (60, True, False, ""), (60, True, True, "modal"), (240, False, False, "modal")],
-)
-def test_what_is_faster_comes_first(
-    size: int, compiled: bool, compressed: bool, first: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize(("size", "first"), [(60, "primal_dual_active_set"), (480, "modal")])
+def test_what_is_faster_comes_first(size: int, compressed: bool, first: str) -> None:
     """Calling numpy costs the modal method more than small dense matrices cost the active set."""
-    monkeypatch.setattr(native, "compiled_kernel", lambda: object() if compiled else None)
-    monkeypatch.setattr(modal_newton, "compiled_kernel", lambda: None)
     along = np.linspace(-1.0, 1.0, size)
     factor = np.asarray(1e-3 * np.polynomial.legendre.legvander(along, 5), dtype=np.float64)
-    problem = ContactProblem(0.01 * along**2, np.full(size, 40.0), 1e5, (np.full(size, 1e-6), factor))
+    gap, arm, local = 0.01 * along**2, np.full(size, 40.0), np.full(size, 1e-6)
+    problem = ContactProblem(gap, arm, 1e5, (local, factor))
     if compressed:
-        assert problem.modal_basis is not None
+        problem = ContactProblem.of_modes(gap, arm, 1e5, local, modal_basis(factor))
     solution = solve(problem)
     assert solution.certified
-    assert solution.message == first
+    assert solution.method == first
+    assert problem.modal_basis is not None
+    assert solve(problem).method == first  # whatever has been computed before
 
 
-# Compiled
+# Many at once
 
 
-def test_solution_says_which_form_ran(path: str) -> None:
-    expected = {"arrays": "modal", "compiled": "modal, compiled"}[path]
-    assert solve(next(problems("realistic", 1)), method="modal").message == expected
+def structured(count: int, seed: int = 0) -> list[ContactProblem]:
+    return [*problems("plain", count, seed), *problems("signed_modes", count, seed)]
 
 
-def test_missing_or_broken_numba_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    modal_newton.compiled_kernel.cache_clear()
-    real = importlib.util.find_spec
-    with monkeypatch.context() as patch:
-        patch.setattr(importlib.util, "find_spec", lambda name: None if name == "numba" else real(name))
-        assert solve(next(problems("realistic", 1)), method="modal").message == "modal"
-    modal_newton.compiled_kernel.cache_clear()
-    with monkeypatch.context() as patch:
-        patch.setattr(importlib.util, "find_spec", lambda name: object())
-        patch.setitem(sys.modules, "easeoff.contact.solvers.modal_kernel", None)
-        assert solve(next(problems("realistic", 1)), method="modal").message == "modal"
-    modal_newton.compiled_kernel.cache_clear()
+@pytest.mark.parametrize("name", PROBLEM_CLASSES)
+def test_every_kind_of_problem_has_the_answer_of_solve(name: str) -> None:
+    given = list(problems(name, 40, 7))
+    for problem, found in zip(given, solve_many(given), strict=True):
+        alone = solve(problem)
+        assert found.status is alone.status
+        if found.certified:
+            assert found.certificate.worst <= 1e-9
+            assert found.rotation == pytest.approx(alone.rotation, rel=1e-9)
 
 
-@pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
-@pytest.mark.parametrize("name", [*MODAL_CLASSES, "weak_local"])
-def test_compiled_form_takes_the_same_steps(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    for problem in problems(name, 40, seed=1):
-        scaled, start = problem.scaling.scale(problem), problem.scaling.estimated_active
-        compiled = modal_newton.modal_newton(scaled, start)
-        with monkeypatch.context() as patch:
-            patch.setattr(modal_newton, "compiled_kernel", lambda: None)
-            arrays = modal_newton.modal_newton(scaled, start)
-        if arrays is None or compiled is None:
-            assert arrays is compiled
-            continue
-        assert name == "lattice" or compiled.iterations == arrays.iterations  # rounding decides about its ties
-        assert compiled.rotation == pytest.approx(arrays.rotation, rel=1e-13)
-        assert np.abs(compiled.force - arrays.force).max() < 1e-11 * arrays.force.max()
+def test_the_common_kinds_need_no_other_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any, **__: Any) -> None:
+        raise AssertionError("solved one by one")
+
+    monkeypatch.setattr(problem_batch, "solve", refuse)
+    for name in ("plain", "touching", "duplicated", "light_load", "heavy_load", "far_apart", "interfering"):
+        assert all(found.certified for found in solve_many(list(problems(name, 60, 3))))
+
+
+def test_answers_come_in_order_whatever_the_form() -> None:
+    given = structured(3)
+    dense = [ContactProblem(p.separation, p.lever_arm, p.torque, p.dense_compliance) for p in given]
+    idle = given[0].with_torque(0.0)
+    mixed = [dense[2], given[0], idle, given[1], dense[1]]
+    for problem, found in zip(mixed, solve_many(mixed), strict=True):
+        assert found.rotation == pytest.approx(solve(problem).rotation, rel=1e-12, abs=1e-15)
+    assert solve_many([]) == []
+
+
+def test_company_changes_nothing() -> None:
+    """A problem is not touched by those that stand beside it, larger, smaller or without an answer yet."""
+    given = structured(20)
+    together = solve_many(given)
+    for problem, found in zip(given, together, strict=True):
+        alone = solve_many([problem])[0]
+        assert np.abs(found.force - alone.force).max() <= 1e-13 * alone.force.max()
+
+
+def test_any_start_of_many_leads_to_the_same_answer() -> None:
+    given = structured(10)
+    right = solve_many(given)
+    rng = np.random.default_rng(0)
+    wrong = solve_many(given, initial_active=[rng.random(p.size) < 0.3 for p in given])
+    none = solve_many(given, initial_active=[np.zeros(p.size, dtype=bool) for p in given])
+    for a, b, c in zip(right, wrong, none, strict=True):
+        assert np.abs(a.force - b.force).max() <= 1e-12 * a.force.max()
+        assert np.abs(a.force - c.force).max() <= 1e-12 * a.force.max()
+
+
+def test_warm_starts_are_checked() -> None:
+    given = structured(1)
+    with pytest.raises(InputError, match="1 entries for 2 problems"):
+        solve_many(given, initial_active=[None])
+    with pytest.raises(InputError, match="shape"):
+        solve_many(given, initial_active=[None, np.zeros(10_000, dtype=bool)])
+
+
+# Local laws
+
+
+@dataclass
+class PowerLaw:
+    """F = k indentation ** exponent: beside bending it makes every kind of trouble for full steps."""
+
+    factor: float
+    exponent: float
+
+    def response(self, indentation: Array, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            force = self.factor * indentation**self.exponent
+            stiffness = np.where(indentation > 0.0, self.exponent * force / indentation, 0.0)
+        return force, stiffness
+
+
+def batch_of(given: list[ContactProblem]) -> ModalBatch:
+    return ModalBatch.of(
+        [p.modal_basis for p in given],  # type: ignore[misc]
+        [p.lever_arm for p in given],
+        [p.separation_at_first_contact for p in given],
+        np.array([p.torque for p in given]),
+    )
+
+
+def even_start(batch: ModalBatch) -> tuple[Array, Array]:
+    arm = np.maximum(batch.rows[..., -1], 0.0)
+    force = arm * (batch.torque / np.sum(arm**2, axis=(1, 2)))[:, None, None]
+    return batch.start(force, force)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
+def test_conditions_hold_for_any_convex_law(exponent: float) -> None:
+    given = list(problems("realistic", 12, 5))
+    batch = batch_of(given)
+    law = PowerLaw(3e5 if exponent == 1.0 else 3e5 * 1e3 ** (exponent - 1.0), exponent)
+    answer = newton_batch(batch, law, *even_start(batch))
+    assert answer.ended.all()
+    for problem, force, rotation in zip(given, batch.by_segments(answer.force), answer.rotation, strict=True):
+        assert isinstance(problem.compliance, tuple)
+        modes = problem.compliance[1]
+        gap = modes @ (modes.T @ force) + problem.separation_at_first_contact - rotation * problem.lever_arm
+        assert force @ problem.lever_arm == pytest.approx(problem.torque, rel=1e-12)
+        expected = law.response(np.maximum(-gap, 0.0), np.arange(1))[0]
+        assert np.abs(force - expected).max() <= 1e-9 * force.max()
+
+
+def test_linear_law_is_the_linear_problem() -> None:
+    given = list(problems("realistic", 12, 5))
+    batch = batch_of(given)
+    stiffness = batch.in_blocks([1.0 / p.compliance[0] for p in given], 0.0)
+    answer = newton_batch(batch, LinearLaw(stiffness), *even_start(batch))
+    for problem, force in zip(given, batch.by_segments(answer.force), strict=True):
+        exact = solve(problem, method="primal_dual_active_set").force
+        assert np.abs(force - exact).max() <= 1e-12 * exact.max()
+
+
+def test_smooth_law_converges_quadratically(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The residual falls by the square from step to step once it is small."""
+    batch = batch_of(list(problems("realistic", 6, 2)))
+    seen: list[Array] = []
+    honest = method_of_newton._residual
+
+    def noted(*arguments: Any) -> Array:
+        seen.append(honest(*arguments))
+        return seen[-1]
+
+    monkeypatch.setattr(method_of_newton, "_residual", noted)
+    answer = newton_batch(batch, PowerLaw(3e5 * 10.0, 1.2), *even_start(batch))
+    assert answer.ended.all()
+    assert answer.iterations.max() <= 20
+    for before, after in pairwise(seen):
+        if after.size == before.size:
+            small = before < 1e-5
+            assert (after[small] <= np.maximum(1e6 * before[small] ** 2, 1e-12)).all()
+
+
+def test_line_contact_is_inverted_over_all_decades() -> None:
+    steel = Material(206000.0, 0.3)
+    count = 200
+    contact = WeberLineContact(
+        np.full(count, 1.3), np.full(count, 40.0), np.full(count, 2.0), np.full(count, 3.0), steel, steel
+    )
+    force = np.geomspace(1e-9, 1e6, count)
+    segment = np.append(np.arange(count), count)[None, None, :]
+    law = LineContactLaw(contact, segment, np.full(count, 100.0))
+    indentation = np.append(contact.deflection(force), 0.0)[None, None, :]
+    found, stiffness = law.response(indentation, np.arange(1))
+    assert np.abs(found[0, 0, :-1] / force - 1.0).max() < 1e-13
+    assert np.abs(stiffness[0, 0, :-1] * contact.tangent(force) - 1.0).max() < 1e-7
+    assert found[0, 0, -1] == stiffness[0, 0, -1] == 0.0
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+def test_loaded_analysis_agrees_with_exact_programmes_one_by_one(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two methods: modes with the law inverted, and a sequence of quadratic programmes on the dense matrix."""
+    case = read_case(name)
+    case = replace_positions(case, 5)
+    together = contact_analysis(CaseInMesh.of(case)).cases
+    monkeypatch.setattr(loaded_module, "solve_line_contacts", lambda given, *_: [None] * len(given))
+    for found, exact in zip(together, contact_analysis(CaseInMesh.of(case)).cases, strict=True):
+        assert found.solution.message.startswith("modal")
+        assert exact.solution.message.endswith("linear problems")
+        assert (found.torque, found.mesh_position) == (exact.torque, exact.mesh_position)
+        assert np.abs(found.solution.force - exact.solution.force).max() <= 1e-12 * exact.solution.force.max()
+        assert found.solution.rotation == pytest.approx(exact.solution.rotation, rel=1e-13)
+
+
+def replace_positions(case: Any, count: int) -> Any:
+    return case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": count})})
+
+
+def test_basis_knows_its_factor() -> None:
+    for problem in structured(5):
+        basis = problem.modal_basis
+        assert basis is not None
+        again = ContactProblem.of_modes(
+            problem.separation, problem.lever_arm, problem.torque, problem.compliance[0], basis
+        )
+        largest = np.abs(problem.dense_compliance).max()
+        assert np.abs(again.dense_compliance - problem.dense_compliance).max() <= 1e-14 * largest
+        assert again.modal_basis is basis
+        assert replace(basis).factor.shape == (problem.size, np.count_nonzero(basis.modes.any(axis=1)))

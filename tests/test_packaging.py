@@ -22,14 +22,9 @@ def test_only_the_package_file_stands_at_the_root() -> None:
     assert [p.name for p in PACKAGE.glob("*.py")] == ["__init__.py"]
 
 
-NEEDS = {"easeoff.contact.solvers.modal_kernel": "numba"}  # modules that only an optional package lets in
-
-
 def test_examples_in_docstrings_work() -> None:
     tried = 0
     for name in ["easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."))]:
-        if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
-            continue
         outcome = doctest.testmod(importlib.import_module(name))
         assert outcome.failed == 0, name
         tried += outcome.attempted

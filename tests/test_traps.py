@@ -163,7 +163,7 @@ def test_no_backend_writes_into_the_problem(name: str) -> None:
     for size in (1, 5):
         matrix = np.asfortranarray(np.diag(np.full(size, 2e-6)) + 1e-6)
         problem = ContactProblem(np.linspace(0.0, 0.01, size), np.full(size, 40.0), 1e5, matrix)
-        scaled = problem.scaling.scale(problem)
+        scaled = problem.scaled()
         parts = (scaled.compliance, scaled.separation, scaled.lever_arm)
         before = [part.copy() for part in parts]
         answer: ScaledAnswer = adapter(name).solve_scaled(scaled, SOLVERS[name].settings)

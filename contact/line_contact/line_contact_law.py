@@ -18,15 +18,16 @@ from ..compliance import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
-from ..solvers.modal_batch import ModalBatch, newton_batch
+from ..solvers.modal_batch import ModalBatch
+from ..solvers.modal_newton import newton_batch
 from .line_contact_solution import certified_on_secant
 
 Array = NDArray[np.float64]
 
 #: Steps of the inversion; four are usual.
-MAX_STEPS = 30
+MAX_INVERSION_STEPS = 30
 #: Relative error of the deflection below which one more step leaves only rounding.
-NEARLY = 1e-8
+INVERSION_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,37 +44,37 @@ class LineContacts:
 
 @dataclass(frozen=True, eq=False)
 class LineContactLaw:
-    """Line contact as a law of force over indentation, see `modal_batch.LocalLaw`.
+    """Line contact as a law of force over indentation, see `modal_newton.LocalLaw`.
 
     Parameters
     ----------
-    line_contact : WeberLineContact
+    line_contact
         Of all segments of all problems, (s).
-    place : (b, p, m) int array
-        Number of the segment that stands in a place; s where padded.
-    guess : (s) array
-        Forces of the usual size [N].
+    segment
+        Number of the segment that stands here (b, p, m); s where padded.
+    guess
+        Forces of the usual size (s) [N].
     """
 
     line_contact: WeberLineContact
-    place: NDArray[np.intp]
+    segment: NDArray[np.intp]
     guess: Array
 
     def response(self, indentation: Array, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
-        """See `modal_batch.LocalLaw`."""
-        place = self.place[chosen]
+        """See `modal_newton.LocalLaw`."""
+        segment = self.segment[chosen]
         wanted = np.zeros(self.guess.size + 1)
-        wanted[place] = indentation
+        wanted[segment] = indentation
         force, stiffness = self._inverse(wanted[:-1])
-        return np.append(force, 0.0)[place], np.append(stiffness, 0.0)[place]
+        return np.append(force, 0.0)[segment], np.append(stiffness, 0.0)[segment]
 
     def _inverse(self, indentation: Array) -> tuple[Array, Array]:
         force = indentation / self.line_contact.secant(self.guess)
-        for _ in range(MAX_STEPS):
+        for _ in range(MAX_INVERSION_STEPS):
             error = indentation - self.line_contact.deflection(force)
             tangent = self.line_contact.tangent(force)
             force = np.maximum(force + error / tangent, 0.0)
-            if (np.abs(error) <= NEARLY * indentation).all():
+            if (np.abs(error) <= INVERSION_TOLERANCE * indentation).all():
                 break
         return force, np.where(indentation > 0.0, 1.0 / tangent, 0.0)
 
@@ -85,12 +86,12 @@ def solve_line_contacts(
 
     Parameters
     ----------
-    bendings : sequence of ContactProblem
+    bendings
         Structured, with the compliance of bending alone, and a positive torque.
-    contacts : LineContacts
+    contacts
         The local part of each.
-    starts : sequence of (n) arrays or None
-        Forces near the solution, such as those of a lower torque [N].
+    starts
+        Forces of each near the solution (n) [N], such as those of a lower torque, or None.
 
     Returns
     -------
@@ -106,10 +107,10 @@ def solve_line_contacts(
     )
     forces = [_balanced(problem, start) for problem, start in zip(bendings, starts, strict=True)]
     total, first = int(sizes.sum()), np.concatenate([[0], np.cumsum(sizes)[:-1]])
-    place = np.where(batch.place < sizes[:, None, None], batch.place + first[:, None, None], total)
+    segment = np.where(batch.segment < sizes[:, None, None], batch.segment + first[:, None, None], total)
     mean = np.concatenate([np.full(force.size, force.sum() / np.count_nonzero(force)) for force in forces])
-    law = LineContactLaw(contacts.joined, place, mean)
-    deflection = np.append(contacts.joined.deflection(np.concatenate(forces)), 0.0)[place]
+    law = LineContactLaw(contacts.joined, segment, mean)
+    deflection = np.append(contacts.joined.deflection(np.concatenate(forces)), 0.0)[segment]
     answer = newton_batch(batch, law, *batch.start(batch.in_blocks(forces, 0.0), deflection))
     found: list[tuple[ContactSolution, ContactProblem] | None] = []
     for i, force in enumerate(batch.by_segments(answer.force)):
@@ -125,7 +126,7 @@ def solve_line_contacts(
             "native",
             tolerance=EXACT_TOLERANCE,
             iterations=count,
-            polished=False,
+            method="modal",
             message=f"modal, {count} steps",
         )
         found.append(solved if solved[0].certified else None)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
-from ..problem.scaling import ScaledProblem, Scaling
+from ..problem.scaling import Scaling
 from ..solvers import Status, solve
 from ..solvers.native import answers
 from ..solvers.solver_table import SOLVERS
@@ -21,7 +21,7 @@ MAX_ITERATIONS = 50
 #: Residual, relative to the scale of the gaps, at which the iteration is at rounding level.
 ROUNDING_RESIDUAL = 4e-15
 #: The iteration ends after so many steps without progress, once the residual is below this.
-PATIENCE, STALLED_RESIDUAL = 2, 1e-6
+MAX_STALLED_STEPS, STALLED_RESIDUAL = 2, 1e-6
 #: A slope of the energy below this, relative to its terms, is rounding.
 ROUNDING_SLOPE = 1e-14
 #: Shortest step of the damped iteration.
@@ -51,19 +51,16 @@ class NativeStep:
     polished = False
 
     def __init__(self, linear: ContactProblem, bending: ContactProblem, settings: dict[str, Any]) -> None:
-        self._scaling = linear.scaling
-        self._arm = bending.lever_arm / self._scaling.lever_arm
-        self._torque = bending.torque / self._scaling.lever_arm / self._scaling.force
-        self._matrix = bending.dense_compliance / self._scaling.compliance
-        self._diagonal = np.diag_indices(bending.size)
-        self._settings = settings
+        self._scaling, self._bending, self._settings = linear.scaling, bending, settings
+        self.method = ""
 
     def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
-        matrix = self._matrix.copy()
-        matrix[self._diagonal] += tangent / self._scaling.compliance
-        problem = ScaledProblem(matrix, separation / self._scaling.gap, self._arm, self._torque)
-        for answer in answers(problem, active, self._settings):
+        compliance = self._bending.compliance_matrix.with_added(tangent)
+        data = (separation, self._bending.lever_arm, self._bending.torque, compliance)
+        problem = self._scaling.scale(*data, clip=False)
+        for method, answer in answers(problem, active, self._settings):
+            self.method = method
             return answer.force * self._scaling.force, self._scaling.unscale_elastic_rotation(answer.rotation)
         return Status.NOT_CONVERGED
 
@@ -75,6 +72,7 @@ class BackendStep:
         self._bending, self._name, self._polish, self._settings = bending, name, polish, settings
         self.tolerance = EXACT_TOLERANCE
         self.polished = polish
+        self.method = ""
 
     def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
@@ -82,6 +80,7 @@ class BackendStep:
         solution = solve(problem, self._name, polish=self._polish, **self._settings)
         if not solution.certified:
             return solution.status
+        self.method = solution.method
         if not solution.polished:
             self.polished = False
             self.tolerance = max(self.tolerance, SOLVERS[self._name].tolerance)
@@ -126,7 +125,7 @@ class NewtonIteration:
             force = target if length == 1.0 else np.maximum(force + length * (target - force), 0.0)
             feasible = True
             stalled = 0 if self._note(force, rotation) else stalled + 1
-            if stalled >= PATIENCE and self.residual < STALLED_RESIDUAL:
+            if stalled >= MAX_STALLED_STEPS and self.residual < STALLED_RESIDUAL:
                 break  # nothing is left but the accuracy of the solver
         return None
 

@@ -21,11 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
+from ..problem.answer import with_certificate
 from ..problem.contact_problem import ContactProblem
-from ..problem.recovered import with_certificate
 from ..solvers import ContactSolution, Status, require_solver, solve
-from ..solvers.judge import judge
-from ..solvers.solution import no_solution
+from ..solvers.solution import judged, no_solution
 from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
 
 Array = NDArray[np.float64]
@@ -48,19 +47,20 @@ def solve_line_contact(
 
     Parameters
     ----------
-    separation, lever_arm : (n) array
-        [mm], see `ContactProblem`.
-    torque : float
-        [N mm].
-    bending_compliance : (n, n) array, or pair of an (n) and an (n, k) array
-        Compliance B of teeth and roots, without the local part [mm/N], positive semidefinite.
-    line_contact : LineContact
+    separation, lever_arm
+        Of the segments (n) [mm], see `ContactProblem`.
+    torque
+        About the gear axis [N mm].
+    bending_compliance
+        Compliance B of teeth and roots, without the local part [mm/N], positive semidefinite: an (n, n) array, or the
+        pair of an (n) and an (n, k) array.
+    line_contact
         The local part.
-    solver : str
+    solver
         What solves the linear problems; see `solve`.
-    initial_force : (n) array, optional
-        Warm start: the forces of a neighbouring problem [N]. Ignored if they are NaN, as where that problem failed.
-    polish : bool
+    initial_force
+        Warm start: the forces of a neighbouring problem (n) [N]. Ignored if they are NaN, as where that problem failed.
+    polish
         See `solve`.
     **settings
         Passed to the solver.
@@ -77,6 +77,18 @@ def solve_line_contact(
     ------
     InputError, MissingSolverError
         As `ContactProblem` and `solve`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact.compliance import Material, WeberLineContact
+    >>> steel = Material(206000.0, 0.3)
+    >>> sizes = [np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)]  # length, radius and depths [mm]
+    >>> bending = (np.zeros(3), np.full((3, 1), 1e-3))
+    >>> gap, arm = np.array([0.01, 0.0, 0.01]), np.full(3, 40.0)
+    >>> solution, _ = solve_line_contact(gap, arm, 1.2e5, bending, WeberLineContact(*sizes, steel, steel))
+    >>> solution.certified, round(float(solution.force.sum()), 6)
+    (True, 3000.0)
     """
     bending = ContactProblem(separation, lever_arm, torque, bending_compliance)
     return solve_on_bending(bending, line_contact, solver, initial_force=initial_force, polish=polish, **settings)
@@ -118,6 +130,7 @@ def solve_on_bending(
         name,
         tolerance=iteration.step.tolerance,
         iterations=iteration.count,
+        method=iteration.step.method,
         polished=iteration.step.polished,
         message=f"{iteration.count} linear problems",
     )
@@ -132,19 +145,21 @@ def certified_on_secant(
     *,
     tolerance: float,
     iterations: int,
-    polished: bool,
     message: str,
+    method: str = "",
+    polished: bool = False,
 ) -> tuple[ContactSolution, ContactProblem]:
-    """Certify an answer of the nonlinear problem on the linear one with its secant compliance; see `judge`."""
+    """Certify an answer of the nonlinear problem on the linear one with its secant compliance; see `judged`."""
     try:
         problem = bending.with_added_compliance(line_contact.secant(force))
     except InputError as error:
         return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}", iterations), bending
-    solution = judge(
+    solution = judged(
         name,
         with_certificate(problem, force, elastic_rotation),
         tolerance=tolerance,
         iterations=iterations,
+        method=method,
         polished=polished,
         message=message,
         suspicion=Status.NOT_CONVERGED,

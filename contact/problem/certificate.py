@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from .contact_problem import ContactProblem
 
+Array = NDArray[np.float64]
+
 #: What the native solver and every polished answer must reach.
 EXACT_TOLERANCE = 1e-9
 
@@ -28,16 +30,21 @@ class Certificate:
 
     Attributes
     ----------
-    equilibrium : float
+    equilibrium
         |r'F - T| / T.
-    negative_force : float
+    negative_force
         max(-F, 0) over the peak force.
-    negative_gap : float
+    negative_gap
         max(-Y, 0), penetration, over the mean deflection of the loaded segments.
-    complementarity : float
+    complementarity
         max of min(F, Y), each by its scale: no segment carries load across a gap.
-    duality_gap : float
+    duality_gap
         |F'CF + S'F - theta T| over the deformation energy: work of the torque against work on the segments.
+
+    Examples
+    --------
+    >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).worst, Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).passes(1e-6)
+    (1e-07, True)
     """
 
     equilibrium: float
@@ -56,7 +63,7 @@ class Certificate:
             self.complementarity,
             self.duality_gap,
         )
-        # The built-in maximum may or may not notice a NaN, depending on its place.
+        # The built-in maximum may or may not notice a NaN, depending on where it stands.
         return math.inf if any(map(math.isnan, entries)) else max(entries)
 
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
@@ -69,18 +76,19 @@ NO_CERTIFICATE = Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
 def certify(
-    problem: ContactProblem, force: NDArray[np.float64], rotation: float, elastic_rotation: float | None = None
+    problem: ContactProblem, force: Array, rotation: float, elastic_rotation: float | None = None
 ) -> Certificate:
     """Measure how well an answer satisfies the contact problem.
 
     Parameters
     ----------
-    problem : ContactProblem
-    force : (n) array
-        Normal forces [N].
-    rotation : float
+    problem
+        The contact problem.
+    force
+        Normal forces (n) [N].
+    rotation
         Rotation theta [rad].
-    elastic_rotation : float, optional
+    elastic_rotation
         Rotation beyond first contact [rad], where it is known to more digits than the difference of `rotation` and
         the rotation of first contact can hold (light loads, large separations).
 
@@ -92,6 +100,16 @@ def certify(
     Notes
     -----
     A penetration that the last digit of the given rotation cannot express is not held against the answer.
+
+    Examples
+    --------
+    The second of two springs carries nothing, although the bodies have closed its gap:
+
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> round(certify(springs, np.array([2000.0, 0.0]), 5e-5).negative_gap, 9)
+    1.0
     """
     force = np.asarray(force, dtype=np.float64)
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
@@ -109,10 +127,10 @@ def certify(
 
 def violations(
     problem: ContactProblem,
-    force: NDArray[np.float64],
+    force: Array,
     elastic_rotation: float,
-    deflection: NDArray[np.float64],
-    gap: NDArray[np.float64],
+    deflection: Array,
+    gap: Array,
     resolution: float,
 ) -> Certificate:
     """Return the certificate where the deflections C F and the gaps [mm], both (n), are known already.
@@ -121,9 +139,9 @@ def violations(
     ----------
     problem, force, elastic_rotation
         As `certify` has them.
-    deflection, gap : (n) array
-        Of these forces, at this rotation.
-    resolution : float
+    deflection, gap
+        Of these forces, at this rotation (n) [mm].
+    resolution
         What the last digit of the rotation is worth [rad].
     """
     if not np.isfinite(gap).all():
@@ -151,9 +169,7 @@ def violations(
         )
 
 
-def _gap_scale(
-    problem: ContactProblem, magnitude: NDArray[np.float64], total: float, deflection: NDArray[np.float64]
-) -> float:
+def _gap_scale(problem: ContactProblem, magnitude: Array, total: float, deflection: Array) -> float:
     """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves."""
     if total > 0.0:
         mean = float(magnitude @ np.abs(deflection)) / total
@@ -166,7 +182,7 @@ def _gap_scale(
     return largest if largest > 0.0 else 1.0
 
 
-def _ratio(values: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+def _ratio(values: Array, scale: float) -> Array:
     return values / scale if scale > 0.0 else values
 
 

@@ -27,26 +27,35 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .answer import Answer, require_convex, unscaled, vector_of
 from .contact_problem import ContactProblem
-from .recovered import RecoveredAnswer, recovered, require_convex, vector_of
-from .scaling import ScaledProblem
+from .scaled_problem import ScaledProblem
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LCP:
-    """The linear complementarity form of a contact problem, scaled.
+    """Linear complementarity form of a contact problem, scaled; `lcp` makes it.
 
     Attributes
     ----------
-    matrix : (n, n) array
-        M, positive semidefinite, not symmetric.
-    vector : (n) array
-        q.
-    eliminated : int
+    matrix
+        M (n, n), positive semidefinite, not symmetric.
+    vector
+        q (n).
+    eliminated
         The segment k. Entry k of z is its gap and entry k of w its force; every other entry of z is the force of its
         segment and of w its gap: no segment is renumbered.
-    problem : ContactProblem
+    problem
         Where it comes from.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> form = lcp(springs)
+    >>> form.recover([0.0, form.vector[0] / 2]).force.tolist()
+    [1000.0, 1000.0]
     """
 
     matrix: NDArray[np.float64]
@@ -54,12 +63,13 @@ class LCP:
     eliminated: int
     problem: ContactProblem
 
-    def recover(self, z: ArrayLike) -> RecoveredAnswer:
+    def recover(self, z: ArrayLike) -> Answer:
         """Return forces, rotation and gaps from a solution.
 
         Parameters
         ----------
-        z : (n) array
+        z
+            Solution of the linear complementarity problem (n).
 
         Raises
         ------
@@ -67,8 +77,7 @@ class LCP:
             An array of the wrong shape.
         """
         solution = vector_of(z, "z", self.problem.size)
-        scaled = self.problem.scaling.scale(self.problem)
-        return recovered(self.problem, *forces_and_rotation(scaled, self.eliminated, solution))
+        return unscaled(self.problem, *forces_and_rotation(self.problem.scaled(), self.eliminated, solution))
 
 
 def lcp(problem: ContactProblem) -> LCP:
@@ -76,16 +85,24 @@ def lcp(problem: ContactProblem) -> LCP:
 
     Parameters
     ----------
-    problem : ContactProblem
+    problem
         Dense or structured; the matrix is dense in any case.
 
     Raises
     ------
     InputError
         The compliance has a negative eigenvalue.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> lcp(springs).matrix.shape
+    (2, 2)
     """
     require_convex(problem)
-    return LCP(*eliminated_system(problem.scaling.scale(problem)), problem)
+    return LCP(*eliminated_system(problem.scaled()), problem)
 
 
 def eliminated_system(problem: ScaledProblem) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:

@@ -16,48 +16,41 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
-from .problem_dataset import problem_data, problem_to_dataset
+from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
+from .modal_basis import ModalBasis
+from .problem_dataset import problem_data, problem_dataset
+from .scaled_problem import ScaledProblem
 from .scaling import Scaling
-from .validation import (
-    compliance_array,
-    finite_array,
-    nonnegative_torque,
-    read_only,
-    segment_array,
-    structured_compliance,
-    symmetric_compliance,
-)
+from .validation import compliance_array, finite_array, nonnegative_torque, read_only, segment_array
 
 if TYPE_CHECKING:
     import qpsolvers
 
-    from .modal_basis import ModalBasis
-
-#: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
-NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
+Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class ContactProblem:
     """Separation, lever arm, torque and compliance of the segments of one mesh position.
 
     Parameters
     ----------
-    separation : (n) array
-        Normal gap S of each segment, unloaded, at zero rotation [mm].
-    lever_arm : (n) array
-        Lever arm r of the contact normal about the gear axis [mm]: dY/dtheta = -r. At least one must be positive.
-    torque : float
+    separation
+        Normal gap S of each segment (n), unloaded, at zero rotation [mm].
+    lever_arm
+        Lever arm r of the contact normal about the gear axis (n) [mm]: dY/dtheta = -r. At least one must be positive.
+    torque
         Torque T about the gear axis [N mm], not negative.
-    compliance : (n, n) array, or pair of an (n) and an (n, k) array
-        C [mm/N], symmetric and positive semidefinite; or the pair (d, V) that stands for C = diag(d) + V V^T, d >= 0.
+    compliance
+        C (n, n) [mm/N], symmetric and positive semidefinite; or the pair (d, V) of an (n) and an (n, k) array that
+        stands for C = diag(d) + V V^T, d >= 0; or either as a `ComplianceMatrix`, which is not copied.
 
     Raises
     ------
@@ -77,36 +70,32 @@ class ContactProblem:
     2
     """
 
-    separation: NDArray[np.float64]
-    lever_arm: NDArray[np.float64]
+    separation: Array
+    lever_arm: Array
     torque: float
-    compliance: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.float64]]
+    compliance_matrix: ComplianceMatrix
 
-    def __post_init__(self) -> None:
-        separation = finite_array(self.separation, "separation", 1)
-        if separation.size == 0:
+    def __init__(
+        self,
+        separation: ArrayLike,
+        lever_arm: ArrayLike,
+        torque: float,
+        compliance: ArrayLike | tuple[ArrayLike, ArrayLike] | ComplianceMatrix,
+    ) -> None:
+        gap = finite_array(separation, "separation", 1)
+        if gap.size == 0:
             raise InputError("separation is empty: a contact problem has at least one segment")
-        lever_arm = segment_array(self.lever_arm, "lever_arm", separation.size)
-        if lever_arm.max() <= 0.0:
+        arm = segment_array(lever_arm, "lever_arm", gap.size)
+        if arm.max() <= 0.0:
             raise InputError("lever_arm has no positive entry: no segment can carry the torque")
-        given: Any = self.compliance
-        is_pair = (
-            isinstance(given, tuple | list) and len(given) == 2 and np.ndim(given[0]) == 1 and np.ndim(given[1]) == 2
-        )
-        check = structured_compliance if is_pair else symmetric_compliance
-        object.__setattr__(self, "separation", separation)
-        object.__setattr__(self, "lever_arm", lever_arm)
-        object.__setattr__(self, "torque", nonnegative_torque(self.torque))
-        object.__setattr__(self, "compliance", check(given, separation.size))
+        object.__setattr__(self, "separation", gap)
+        object.__setattr__(self, "lever_arm", arm)
+        object.__setattr__(self, "torque", nonnegative_torque(torque))
+        object.__setattr__(self, "compliance_matrix", compliance_matrix(compliance, gap.size))
 
     @classmethod
     def of_modes(
-        cls,
-        separation: NDArray[np.float64],
-        lever_arm: NDArray[np.float64],
-        torque: float,
-        local: NDArray[np.float64],
-        basis: ModalBasis,
+        cls, separation: ArrayLike, lever_arm: ArrayLike, torque: float, local: ArrayLike, basis: ModalBasis
     ) -> ContactProblem:
         """Return the problem with C = diag(local) + U U^T, the factor U being compressed already.
 
@@ -114,14 +103,13 @@ class ContactProblem:
         ----------
         separation, lever_arm, torque
             As of the class.
-        local : (n) array
-            Compliance of each segment by itself [mm/N], not negative.
-        basis : ModalBasis
+        local
+            Compliance of each segment by itself (n) [mm/N], not negative.
+        basis
             Blocks of U.
         """
-        problem = cls(separation, lever_arm, torque, (local, basis.factor))
-        vars(problem)["modal_basis"] = basis  # what the cached property would find anew
-        return problem
+        compliance = ModalCompliance(compliance_array(local, "local compliance", basis.size), basis)
+        return cls(separation, lever_arm, torque, compliance)
 
     @property
     def size(self) -> int:
@@ -129,42 +117,35 @@ class ContactProblem:
         return int(self.separation.size)
 
     @property
+    def compliance(self) -> Array | tuple[Array, Array]:
+        """C [mm/N] in the form in which it was given: an (n, n) array, or the pair of d (n) and V (n, k)."""
+        return self.compliance_matrix.given
+
+    @property
     def is_structured(self) -> bool:
         """Whether the compliance is the pair (diagonal, factor)."""
-        return isinstance(self.compliance, tuple)
+        return isinstance(self.compliance_matrix, ModalCompliance)
 
-    @cached_property
-    def dense_compliance(self) -> NDArray[np.float64]:
+    @property
+    def dense_compliance(self) -> Array:
         """C as an (n, n) array [mm/N]."""
-        if not isinstance(self.compliance, tuple):
-            return self.compliance
-        diagonal, factor = self.compliance
-        dense = factor @ factor.T
-        dense[np.diag_indices_from(dense)] += diagonal
-        return read_only(dense)
+        return self.compliance_matrix.dense
 
-    @cached_property
-    def compliance_diagonal(self) -> NDArray[np.float64]:
+    @property
+    def compliance_diagonal(self) -> Array:
         """Diagonal of C [mm/N], (n)."""
-        if isinstance(self.compliance, tuple):
-            diagonal, factor = self.compliance
-            return read_only(diagonal + np.einsum("ij,ij->i", factor, factor))
-        return read_only(self.compliance.diagonal().copy())
+        return self.compliance_matrix.diagonal
 
-    @cached_property
-    def local_fraction(self) -> float:
-        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii; zero if C is dense."""
-        if not isinstance(self.compliance, tuple):
-            return 0.0
-        whole = self.compliance_diagonal
-        return float((self.compliance[0] / whole).min()) if whole.min() > 0.0 else 0.0
-
-    @cached_property
+    @property
     def modal_basis(self) -> ModalBasis | None:
         """The factor of a structured compliance, compressed by blocks; None if the compliance is dense."""
-        from .modal_basis import modal_basis  # the rest of this module needs no scipy
+        matrix = self.compliance_matrix
+        return matrix.modes.basis if isinstance(matrix, ModalCompliance) else None
 
-        return modal_basis(self.compliance[1]) if isinstance(self.compliance, tuple) else None
+    @property
+    def is_positive_semidefinite(self) -> bool:
+        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum."""
+        return self.compliance_matrix.is_positive_semidefinite
 
     @property
     def first_contact_rotation(self) -> float:
@@ -172,12 +153,12 @@ class ContactProblem:
         return self._first_contact[0]
 
     @property
-    def separation_at_first_contact(self) -> NDArray[np.float64]:
+    def separation_at_first_contact(self) -> Array:
         """S - r theta at first contact [mm], (n). Not negative where r > 0; computed so that this holds to the bit."""
         return self._first_contact[1]
 
     @cached_property
-    def _first_contact(self) -> tuple[float, NDArray[np.float64]]:
+    def _first_contact(self) -> tuple[float, Array]:
         positive = (self.lever_arm > 0.0).nonzero()[0]
         rotation = self.separation[positive] / self.lever_arm[positive]
         first = int(rotation.argmin())
@@ -187,83 +168,62 @@ class ContactProblem:
         return float(rotation[first]), read_only(shifted)
 
     @cached_property
-    def is_positive_semidefinite(self) -> bool:
-        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum."""
-        if self.is_structured:
-            return True  # diag(d) + V V^T with d >= 0
-        from scipy.linalg.lapack import dpotrf  # the rest of this module needs no scipy
-
-        # The matrix is symmetric, so its transpose is the same matrix in the order LAPACK wants.
-        if dpotrf(self.dense_compliance.T, lower=1, clean=0)[1] == 0:
-            return True
-        eigenvalues = np.linalg.eigvalsh(self.dense_compliance)
-        return bool(eigenvalues[0] >= -NEGATIVE_EIGENVALUE_TOLERANCE * self.size * max(eigenvalues[-1], 0.0))
-
-    @cached_property
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
+        rotation, separation = self._first_contact
         # Absurd data shall become a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Scaling.of(self)
+            return Scaling.of(separation, self.lever_arm, self.torque, self.compliance_matrix, rotation)
 
-    def deflection(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scaled(self, *, clip: bool = True) -> ScaledProblem:
+        """Return the problem in scaled numbers, see `scaling`.
+
+        Parameters
+        ----------
+        clip
+            Lower separations that are so large that they cannot matter.
+        """
+        data = (self.separation_at_first_contact, self.lever_arm, self.torque, self.compliance_matrix)
+        return self.scaling.scale(*data, clip=clip)
+
+    def deflection(self, force: Array) -> Array:
         """C F [mm], (n), in O(n k) when the compliance is structured."""
-        if isinstance(self.compliance, tuple):
-            diagonal, factor = self.compliance
-            return diagonal * force + factor @ (force @ factor)
-        return self.compliance @ force
+        return self.compliance_matrix.deflection(force)
 
-    def gap(self, force: NDArray[np.float64], rotation: float) -> NDArray[np.float64]:
+    def gap(self, force: Array, rotation: float) -> Array:
         """Y = C F + S - r theta [mm], (n), under the forces F [N] at the rotation theta [rad]."""
         elastic_rotation = rotation - self.first_contact_rotation
         return self.deflection(force) + self.separation_at_first_contact - elastic_rotation * self.lever_arm
 
     def with_torque(self, torque: float) -> ContactProblem:
         """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
-        return self._changed(("scaling",), torque=nonnegative_torque(torque))
+        return ContactProblem(self.separation, self.lever_arm, torque, self.compliance_matrix)
 
-    def with_added_compliance(
-        self, local: NDArray[np.float64], separation: NDArray[np.float64] | None = None
-    ) -> ContactProblem:
+    def with_added_compliance(self, local: Array, separation: Array | None = None) -> ContactProblem:
         """Return the problem with a local compliance added to the diagonal.
 
         Parameters
         ----------
-        local : (n) array
-            Compliance of each segment by itself [mm/N], not negative.
-        separation : (n) array, optional
-            Another separation [mm].
+        local
+            Compliance of each segment by itself (n) [mm/N], not negative.
+        separation
+            Another separation (n) [mm].
 
         Raises
         ------
         InputError
             A wrong shape, a number that is not finite, a negative compliance.
         """
-        local = compliance_array(local, "local compliance", self.size)
-        if isinstance(self.compliance, tuple):
-            compliance: Any = (read_only(self.compliance[0] + local), self.compliance[1])
-        else:
-            compliance = self.compliance.copy()
-            compliance[np.diag_indices(self.size)] += local
-            read_only(compliance)
-        stale = ("scaling", "dense_compliance", "compliance_diagonal", "local_fraction", "is_positive_semidefinite")
-        if separation is None:
-            return self._changed(stale, compliance=compliance)
-        separation = segment_array(separation, "separation", self.size)
-        return self._changed((*stale, "_first_contact"), compliance=compliance, separation=separation)
-
-    def _changed(self, stale: tuple[str, ...], **fields: Any) -> ContactProblem:
-        """Return a copy with other fields, already checked, without the derived values that they make stale."""
-        other = object.__new__(ContactProblem)
-        vars(other).update({name: value for name, value in vars(self).items() if name not in stale} | fields)
-        return other
+        added = self.compliance_matrix.with_added(compliance_array(local, "local compliance", self.size))
+        gap = self.separation if separation is None else segment_array(separation, "separation", self.size)
+        return ContactProblem(gap, self.lever_arm, self.torque, added)
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the scaled problem for any solver behind qpsolvers.
 
         Parameters
         ----------
-        sparse : bool
+        sparse
             Give the matrices in compressed sparse column form, as the sparse solvers want them.
 
         Returns
@@ -273,7 +233,7 @@ class ContactProblem:
             ``problem.scaling.unscale(x, -y[0])`` gives forces and rotation: qpsolvers adds +y (A x - b), hence the
             sign.
         """
-        return self.scaling.scale(self).as_qp(sparse=sparse)
+        return self.scaled().as_qp(sparse=sparse)
 
     def identical(self, other: ContactProblem) -> bool:
         """Whether all data of two problems agree to the bit and in form."""
@@ -285,7 +245,7 @@ class ContactProblem:
 
     def to_dataset(self) -> xr.Dataset:
         """Return the problem as a Dataset with units, without loss: `from_dataset` gives the identical problem back."""
-        return problem_to_dataset(self)
+        return problem_dataset(self.separation, self.lever_arm, self.torque, self.compliance)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> ContactProblem:
@@ -299,6 +259,6 @@ class ContactProblem:
         return cls(*problem_data(dataset))
 
 
-def _arrays(problem: ContactProblem) -> tuple[NDArray[np.float64], ...]:
+def _arrays(problem: ContactProblem) -> tuple[Array, ...]:
     parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
     return (problem.separation, problem.lever_arm, *parts)

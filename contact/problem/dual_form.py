@@ -28,9 +28,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.errors import InputError
+from .answer import Answer, require_convex, unscaled, vector_of
 from .contact_problem import ContactProblem
 from .lifted_form import diagonal_matrix
-from .recovered import RecoveredAnswer, recovered, require_convex, vector_of
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -38,28 +38,39 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class DualQP:
-    """The dual form of a contact problem.
+    """Dual form of a contact problem; `dual_qp` makes it.
 
     Attributes
     ----------
-    programme : qpsolvers.Problem
+    programme
         Scaled, with inequalities G x <= h alone. Its unknowns are u (n), the modal amplitudes z (k, structured
         compliance only), theta. Matrices in compressed sparse columns where the compliance is structured.
-    problem : ContactProblem
+    problem
         Where it comes from.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> form = dual_qp(springs)
+    >>> scale = springs.scaling
+    >>> form.recover([1e3 / scale.force, 1e3 / scale.force, 2.5e-5 / scale.rotation]).certificate.worst < 1e-15
+    True
     """
 
     programme: qpsolvers.Problem
     problem: ContactProblem
 
-    def recover(self, x: ArrayLike, z: ArrayLike | None = None) -> RecoveredAnswer:
+    def recover(self, x: ArrayLike, z: ArrayLike | None = None) -> Answer:
         """Return forces, rotation and gaps from an answer to the programme.
 
         Parameters
         ----------
-        x : (n + k + 1) array
-        z : (n) array, optional
-            Multipliers of the inequalities, not negative, in the sign of qpsolvers: P x + q + G'z = 0. They are the
+        x
+            Its unknowns (n + k + 1), or (n + 1) where C is dense.
+        z
+            Multipliers of the inequalities (n), not negative, in the sign of qpsolvers: P x + q + G'z = 0. They are the
             forces, and more exact than those in `x` where d is small; without them the forces are taken from `x`.
 
         Raises
@@ -70,7 +81,7 @@ class DualQP:
         size = self.problem.size
         unknowns = vector_of(x, "x", self.programme.q.size)
         force = unknowns[:size] if z is None else vector_of(z, "z", size)
-        return recovered(self.problem, force, float(unknowns[-1]))
+        return unscaled(self.problem, force, float(unknowns[-1]))
 
 
 def dual_qp(problem: ContactProblem) -> DualQP:
@@ -78,27 +89,35 @@ def dual_qp(problem: ContactProblem) -> DualQP:
 
     Parameters
     ----------
-    problem : ContactProblem
+    problem
         Its compliance diag(d) + V V^T with d > 0, or dense and positive definite.
 
     Raises
     ------
     InputError
         Some segment has no compliance of its own, or the matrix is not positive definite: u would not be unique.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> dual_qp(springs).programme.P.shape
+    (3, 3)
     """
     import qpsolvers
     from scipy.sparse import csc_matrix
 
-    scaled = problem.scaling.scale(problem)
+    scaled = problem.scaled()
     size = problem.size
-    if scaled.pair is None:
+    if scaled.modal is None:
         _require_definite(problem)
         hessian = np.zeros((size + 1, size + 1))
         hessian[:size, :size] = scaled.compliance
         inequality = np.column_stack([-scaled.compliance, scaled.lever_arm])
         linear = np.append(np.zeros(size), -scaled.torque)
         return DualQP(qpsolvers.Problem(hessian, linear, G=inequality, h=scaled.separation), problem)
-    diagonal, factor, weight = scaled.pair.diagonal, scaled.pair.factor, scaled.pair.weight
+    diagonal, factor, weight = scaled.modal.diagonal, scaled.modal.factor, scaled.modal.weight
     if not diagonal.min() > 0.0:
         raise InputError(
             f"the dual form needs a positive diagonal d in C = diag(d) + V V^T; {np.count_nonzero(diagonal <= 0.0)} "

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError
+from .answer import Answer, unscaled, vector_of
 from .contact_problem import ContactProblem
-from .recovered import RecoveredAnswer, recovered, vector_of
-from .scaling import ScaledProblem
+from .scaled_problem import ScaledProblem
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -32,27 +32,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LiftedQP:
-    """The lifted form of a contact problem.
+    """Lifted form of a contact problem; `lifted_qp` makes it.
 
     Attributes
     ----------
-    programme : qpsolvers.Problem
+    programme
         Scaled; its unknowns are the n forces, then the modal amplitudes. Matrices in compressed sparse columns.
-    problem : ContactProblem
+    problem
         Where it comes from.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, (np.full(2, 1e-6), np.zeros((2, 1))))
+    >>> form, scale = lifted_qp(springs), springs.scaling
+    >>> form.recover([1e3 / scale.force, 1e3 / scale.force, 0.0], [-2.5e-5 / scale.rotation, 0.0]).certificate.worst
+    0.0
     """
 
     programme: qpsolvers.Problem
     problem: ContactProblem
 
-    def recover(self, x: ArrayLike, y: ArrayLike) -> RecoveredAnswer:
+    def recover(self, x: ArrayLike, y: ArrayLike) -> Answer:
         """Return forces, rotation and gaps from an answer to the programme.
 
         Parameters
         ----------
-        x : (n + k) array
-        y : (1 + k) array
-            Multipliers of the equalities, in the sign of qpsolvers: P x + q + A'y + z_box = 0.
+        x
+            Its unknowns (n + k).
+        y
+            Multipliers of the equalities (1 + k), in the sign of qpsolvers: P x + q + A'y + z_box = 0.
 
         Raises
         ------
@@ -61,7 +71,7 @@ class LiftedQP:
         """
         unknowns = vector_of(x, "x", self.programme.q.size)
         multipliers = vector_of(y, "y", unknowns.size - self.problem.size + 1)
-        return recovered(self.problem, unknowns[: self.problem.size], -float(multipliers[0]))
+        return unscaled(self.problem, unknowns[: self.problem.size], -float(multipliers[0]))
 
 
 def lifted_qp(problem: ContactProblem, *, compress: bool = False) -> LiftedQP:
@@ -69,17 +79,25 @@ def lifted_qp(problem: ContactProblem, *, compress: bool = False) -> LiftedQP:
 
     Parameters
     ----------
-    problem : ContactProblem
+    problem
         With a compliance diag(d) + V V^T.
-    compress : bool
+    compress
         Replace V by the directions that matter; C then changes by rounding.
 
     Raises
     ------
     InputError
         The compliance is one dense matrix.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, (np.full(2, 1e-6), np.zeros((2, 1))))
+    >>> lifted_qp(springs).programme.A.shape
+    (2, 3)
     """
-    return LiftedQP(lifted_programme(problem.scaling.scale(problem), compress=compress), problem)
+    return LiftedQP(lifted_programme(problem.scaled(), compress=compress), problem)
 
 
 def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Problem:
@@ -87,12 +105,12 @@ def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Pro
     import qpsolvers
     from scipy.sparse import csc_matrix
 
-    if problem.pair is None:
+    if problem.modal is None:
         raise InputError(
             "the lifted form needs a structured compliance, the pair (d, V) of C = diag(d) + V V^T; "
             "this one is a single dense matrix"
         )
-    structure = problem.pair
+    structure = problem.modal
     factor = structure.compressed_factor if compress else structure.factor
     size, modes = factor.shape
     # Filled as one array and converted once: joining sparse blocks costs more than solving a small problem.

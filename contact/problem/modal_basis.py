@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpstrf
 
 Array = NDArray[np.float64]
 
@@ -27,12 +26,12 @@ class ModalBasis:
 
     Attributes
     ----------
-    size : int
+    size
         Number of segments n.
-    index : (p, m) int array
-        Segments of each block; n where padded. Every segment is in one block.
-    modes : (p, m, k) array
-        U of each block [(mm/N)^0.5], zero where padded.
+    index
+        Segments of each block (p, m); n where padded. Every segment is in one block.
+    modes
+        U of each block (p, m, k) [(mm/N)^0.5], zero where padded.
     """
 
     size: int
@@ -48,18 +47,37 @@ class ModalBasis:
         factor.setflags(write=False)
         return factor[:-1]
 
+    @property
+    def basis(self) -> ModalBasis:
+        """These modes themselves: they are compressed."""
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class BendingFactor:
+    """A factor V as it was given; its blocks are found and compressed when they are first asked for.
+
+    Attributes
+    ----------
+    factor
+        V (n, k) [(mm/N)^0.5].
+    """
+
+    factor: Array
+
+    @cached_property
+    def basis(self) -> ModalBasis:
+        """The factor compressed by blocks."""
+        return modal_basis(self.factor)
+
 
 def modal_basis(factor: Array) -> ModalBasis:
     """Find the blocks of a factor and compress them.
 
     Parameters
     ----------
-    factor : (n, k) array
-        V [(mm/N)^0.5].
-
-    Returns
-    -------
-    ModalBasis
+    factor
+        V (n, k) [(mm/N)^0.5].
     """
     blocks = factor_blocks(factor)
     return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], [factor[np.ix_(*both)] for both in blocks])
@@ -70,25 +88,21 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], factors: Sequen
 
     Parameters
     ----------
-    size : int
+    size
         Number of segments n.
-    rows : sequence of (m) int arrays
-        Segments of each block; together each of the n segments once.
-    factors : sequence of (m, k) arrays
-        V of each block [(mm/N)^0.5].
-
-    Returns
-    -------
-    ModalBasis
+    rows
+        Segments of each block (m); together each of the n segments once.
+    factors
+        V of each block (m, k) [(mm/N)^0.5].
     """
     compressed = [_compressed(factor) for factor in factors]
     longest = max(own.size for own in rows)
     rank = max(block.shape[1] for block in compressed)
     index = np.full((len(compressed), longest), size, dtype=np.intp)
     modes = np.zeros((len(compressed), longest, rank))
-    for place, (own, block) in enumerate(zip(rows, compressed, strict=True)):
-        index[place, : own.size] = own
-        modes[place, : own.size, : block.shape[1]] = block
+    for number, (own, block) in enumerate(zip(rows, compressed, strict=True)):
+        index[number, : own.size] = own
+        modes[number, : own.size, : block.shape[1]] = block
     return ModalBasis(size, index, modes)
 
 
@@ -97,12 +111,14 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
 
     Parameters
     ----------
-    factor : (n, k) array
+    factor
+        V (n, k).
 
     Returns
     -------
-    list of (rows, columns)
-        Index arrays; every row is in one group. Rows of zeros make one group without columns.
+    list
+        Pairs of index arrays, rows and columns; every row is in one group. Rows of zeros make one group without
+        columns.
     """
     present = factor != 0.0
     # Few patterns occur among many rows: compare patterns, not rows.
@@ -128,6 +144,8 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
 
 def _compressed(block: Array) -> Array:
     """Return U with U U^T = V V^T up to rounding, of as few columns as that takes."""
+    from scipy.linalg.lapack import dpstrf  # the contact problem itself needs no scipy
+
     rows, columns = block.shape
     if rows <= 2 * columns:
         product = block @ block.T

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 
-if TYPE_CHECKING:
-    from .contact_problem import ContactProblem
+Array = NDArray[np.float64]
 
 FORMAT = "easeoff contact problem"
 FORMAT_VERSION = 1
@@ -27,18 +26,20 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
 }
 
 
-def problem_to_dataset(problem: ContactProblem) -> xr.Dataset:
+def problem_dataset(
+    separation: Array, lever_arm: Array, torque: float, compliance: Array | tuple[Array, Array]
+) -> xr.Dataset:
     """Return separation, lever_arm (segment), torque, and compliance (segment, segment_other) or its two parts."""
-    variables: dict[str, tuple[tuple[str, ...], NDArray[np.float64]]] = {
-        "separation": (("segment",), problem.separation),
-        "lever_arm": (("segment",), problem.lever_arm),
-        "torque": ((), np.array(problem.torque)),
+    variables: dict[str, tuple[tuple[str, ...], Array]] = {
+        "separation": (("segment",), separation),
+        "lever_arm": (("segment",), lever_arm),
+        "torque": ((), np.array(torque)),
     }
-    if isinstance(problem.compliance, tuple):
-        variables["compliance_diagonal"] = (("segment",), problem.compliance[0])
-        variables["compliance_factor"] = (("segment", "mode"), problem.compliance[1])
+    if isinstance(compliance, tuple):
+        variables["compliance_diagonal"] = (("segment",), compliance[0])
+        variables["compliance_factor"] = (("segment", "mode"), compliance[1])
     else:
-        variables["compliance"] = (("segment", "segment_other"), problem.compliance)
+        variables["compliance"] = (("segment", "segment_other"), compliance)
     return xr.Dataset(
         {name: (dims, values.copy(), ATTRIBUTES[name]) for name, (dims, values) in variables.items()},
         attrs={"format": FORMAT, "format_version": FORMAT_VERSION},
@@ -46,7 +47,7 @@ def problem_to_dataset(problem: ContactProblem) -> xr.Dataset:
 
 
 def problem_data(dataset: xr.Dataset) -> tuple[Any, Any, Any, Any]:
-    """Return separation, lever arm, torque and compliance from `problem_to_dataset`.
+    """Return separation, lever arm, torque and compliance from `problem_dataset`.
 
     Raises
     ------

@@ -57,21 +57,33 @@ def write_problems(
 
     Parameters
     ----------
-    problems : sequence of ContactProblem
+    problems
         At least one.
-    path : path
+    path
         The file, replaced if it exists. It appears complete or not at all.
-    labels : mapping of name to (number of problems) array, optional
-        What each problem is, for instance ``torque_index`` and ``mesh_position``; numbers or text. A DataArray brings
-        its attributes along, such as units.
-    attributes : mapping of name to text or number, optional
-        What the whole file is: further global attributes.
+    labels
+        What each problem is, for instance ``torque_index`` and ``mesh_position``: by name an array (number of
+        problems) of numbers or text. A DataArray brings its attributes along, such as units.
+    attributes
+        What the whole file is: further global attributes, text or numbers by name.
 
     Raises
     ------
     InputError
         No problems, a label of the wrong length or with the name of a variable of the file, or an attribute with the
         name of one of the file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_problems([springs], Path(folder, "problems.nc"), labels={"mesh_position": [0.25]})
+    ...     read_labels(Path(folder, "problems.nc"))["mesh_position"].tolist()
+    [0.25]
     """
     if not problems:
         raise InputError("no contact problems to write")
@@ -102,6 +114,18 @@ def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
     ------
     InputError
         The file cannot be read, lacks a variable, has other units, or holds data that are no contact problem.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_problems([springs], Path(folder, "problems.nc"))
+    ...     read_problems(Path(folder, "problems.nc"))[0].identical(springs)
+    True
     """
     with _opened(path) as dataset:
         try:
@@ -118,6 +142,18 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     ------
     InputError
         As `read_problems`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_problems([springs], Path(folder, "problems.nc"), labels={"name": ["two springs"]})
+    ...     [str(name) for name in read_labels(Path(folder, "problems.nc"))["name"]]
+    ['two springs']
     """
     with _opened(path) as dataset:
         problem = dataset["torque"].dims

@@ -36,10 +36,11 @@ def write_npz(problem: ContactProblem, path: str | os.PathLike[str], *, form: st
 
     Parameters
     ----------
-    problem : ContactProblem
-    path : path
+    problem
+        The contact problem.
+    path
         The file, replaced if it exists; its name should end in ``.npz``. It appears complete or not at all.
-    form : str
+    form
         ``"dense"``, the scaled programme of `ContactProblem.as_qp`; ``"lifted"`` or ``"dual"``, that of `lifted_qp` or
         `dual_qp`. All matrices are written dense: qpsolvers loses sparse constraint matrices in its own files.
 
@@ -47,6 +48,18 @@ def write_npz(problem: ContactProblem, path: str | os.PathLike[str], *, form: st
     ------
     InputError
         An unknown form, or one the problem cannot have; the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_npz(springs, Path(folder, "problem.npz"), form="dual")
+    ...     sorted(np.load(Path(folder, "problem.npz")).files)[:2]
+    ['A', 'G']
     """
     programme = _programme(problem, form)
     with whole_file(path) as temporary:
@@ -63,7 +76,8 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
 
     Parameters
     ----------
-    path : path
+    path
+        The file.
 
     Returns
     -------
@@ -75,6 +89,18 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
     ------
     InputError
         The file cannot be read, or its programme is no contact problem: one equality and F >= 0.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_npz(springs, Path(folder, "problem.npz"))
+    ...     read_npz(Path(folder, "problem.npz")).identical(springs)
+    True
     """
     require_file(path)
     try:

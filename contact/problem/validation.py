@@ -58,15 +58,6 @@ def nonnegative_torque(value: Any) -> float:
     return torque
 
 
-def structured_compliance(value: Any, size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return diagonal (n) and factor (n, k) of diag(d) + V V^T; InputError for wrong shapes or a negative diagonal."""
-    diagonal = compliance_array(value[0], "compliance diagonal", size)
-    factor = finite_array(value[1], "compliance factor", 2)
-    if factor.shape[0] != size:
-        raise InputError(f"compliance factor has {factor.shape[0]} rows, expected {size}")
-    return diagonal, factor
-
-
 def symmetric_compliance(value: Any, size: int) -> NDArray[np.float64]:
     """Return a symmetric (n, n) matrix without negative diagonal; asymmetry of the size of rounding is averaged out.
 

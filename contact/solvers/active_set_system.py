@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-from ..problem.scaling import ScaledProblem
+from ..problem.scaled_problem import ScaledProblem
 
 #: First shift of a numerically singular block, relative to its mean diagonal.
 SMALLEST_SHIFT = 1e-14
@@ -27,13 +27,14 @@ class ActiveSetPoint:
 
     Attributes
     ----------
-    index : (a) int array
-        The active segments.
-    force : (a) array
-        Their forces, of any sign.
-    rotation : float
-    gap : (n) array
-        Gaps of all segments; zero up to rounding on the active ones.
+    index
+        The active segments (a).
+    force
+        Their forces (a), of any sign.
+    rotation
+        Beyond first contact.
+    gap
+        Gaps of all segments (n); zero up to rounding on the active ones.
     """
 
     index: NDArray[np.intp]
@@ -72,9 +73,10 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
 
     Parameters
     ----------
-    problem : ScaledProblem
-    index : (a) int array
-        Active segments, at least one of them with a lever arm other than zero.
+    problem
+        The scaled problem.
+    index
+        Active segments (a), at least one of them with a lever arm other than zero.
 
     Returns
     -------

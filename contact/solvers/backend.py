@@ -1,6 +1,6 @@
 """What all backends behind qpsolvers share: the call, and reading off forces and rotation.
 
-To add a backend: a row in the table of `settings`, and a module named after it with a function
+To add a backend: a row in `solver_table`, and a module in ``adapters`` named after it with a function
 ``solve_scaled(problem, settings) -> ScaledAnswer``. The answer may be anything; it is certified by the caller.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ..problem.lifted_form import lifted_programme
-from ..problem.scaling import ScaledProblem
+from ..problem.scaled_problem import ScaledProblem
 from .scaled_answer import ScaledAnswer
 from .solution import Status
 from .solver_table import SOLVERS
@@ -55,9 +55,11 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
 
     Parameters
     ----------
-    name : str
-    problem : ScaledProblem
-    form : str
+    name
+        Of the backend.
+    problem
+        The scaled problem.
+    form
         ``"dense"``, ``"lifted"``, or ``"auto"``: lifted where the compliance is structured, with fewer modes than
         segments, and the problem so large that the backend gains, by the table of settings.
 
@@ -73,13 +75,13 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
         if least is None:
             able = ", ".join(other for other, entry in SOLVERS.items() if entry.lifted_from is not None)
             raise InputError(f"{name} takes the dense form only; the lifted one is for {able}")
-        if problem.pair is None:
+        if problem.modal is None:
             raise InputError(
                 "form='lifted' needs a structured compliance, the pair (d, V); this one is a single dense matrix"
             )
         return "lifted"
-    if form == "auto" and least is not None and problem.pair is not None:
-        size, modes = problem.separation.size, problem.pair.mode_count
+    if form == "auto" and least is not None and problem.modal is not None:
+        size, modes = problem.separation.size, problem.modal.mode_count
         return "lifted" if size >= least and modes < size else "dense"
     return "dense"
 
@@ -123,9 +125,10 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
 
     Parameters
     ----------
-    name : str
+    name
         Of the backend.
-    settings : mapping
+    settings
+        Keywords for it.
     *known
         Collections of names, or objects whose attributes are the settings there are.
 

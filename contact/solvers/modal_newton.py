@@ -1,146 +1,283 @@
-"""Newton's method in the space of bending modes: the fast first stage of the native solver for C = diag(d) + U U^T.
+"""Newton's method in the space of bending modes, for one contact problem or many at once.
 
-With forces eliminated, the unknowns are the modal amplitudes c = U^T F, a dozen per tooth pair, and the rotation:
+With forces eliminated the unknowns are the modal amplitudes c = U^T F, a dozen per tooth pair, and the rotation. The
+local law F = f(indentation) may be any that is convex; with its energy Psi, Psi' = f, the function to be minimised is
 
-    g = U c + S - r theta,    F = max(0, -g) / d,
-    minimise  phi(c, theta) = 1/2 c'c + 1/2 sum max(0, -g)^2 / d - T theta .
+    phi(c, theta) = 1/2 c'c + sum Psi(max(0, -g)) - T theta,    g = U c + S - r theta,
 
-phi is convex, continuously differentiable and piecewise quadratic; its gradient vanishes where U^T F = c and r'F = T.
-Newton's method on it is the primal-dual active set (a segment is active where g < 0), but with a function that must
-fall: a full step that does not lower it gives way to the exact minimum along the step, where g is linear. The method
-therefore ends, whatever the start. The Hessian is block-diagonal, I + U_A^T d_A^-1 U_A for each tooth pair, with theta
-as a border: an iteration costs O(n m^2) for m modes a pair, and C is never formed.
+convex and once differentiable, with the gradient (c - U'F, r'F - T) and, K being the tangent stiffness of the law, the
+Hessian [I + U'K U, -U'K r; -r'K U, r'K r]: one small block a tooth pair, with theta as a border. An iteration costs
+O(n m^2) for m modes a pair, and C is never formed. A step that passes the minimum along its line is halved until phi
+surely falls. With a linear law the iteration ends after finitely many steps, with a smooth one its convergence is
+quadratic. Signs and complementarity of the forces are exact by construction; what is left is rounding in c and theta.
 
-Signs and complementarity of the forces are exact by construction; what is left is rounding in c and theta, of which
-one step of refinement removes most. Digits are lost, and iterations gained, in the ratio of the bending to the local
-compliance, so the method declines where that is extreme.
-
-Where numba is installed, the same steps run as one compiled loop; the message of the answer says so.
+Problems stand side by side in arrays with a leading axis, so that they share the cost of calling numpy. None feels the
+company of the others.
 """
 
 from __future__ import annotations
 
-import importlib.util
-from collections.abc import Callable
-from functools import cache
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.scaling import ScaledPair, ScaledProblem
+from ..problem.scaled_problem import ScaledModes, ScaledProblem
 from .active_set_system import first_contact_index
-from .modal_system import Array, ModalPoint, ModalSystem, has_modal_form, modal_system
+from .modal_batch import ModalBatch
 from .scaled_answer import ScaledAnswer
 
-#: Iterations before giving up; two to eight are usual.
+Array = NDArray[np.float64]
+
 MAX_ITERATIONS = 60
-#: A gap or a fall of phi below this, relative to its largest term, is rounding.
-ROUNDING = 1e-14
+#: Halvings of a step before a problem is given up.
+MAX_HALVINGS = 20
+#: Gradient, relative to its terms, at which only rounding is left; and below which a problem is done when a step gains
+#: less than a factor of two.
+ROUNDING_RESIDUAL, STALLED_RESIDUAL = 2e-15, 1e-8
+#: A slope of phi below this, relative to its terms, is rounding.
+ROUNDING_SLOPE = 1e-12
+#: Smallest local compliance for which the method is tried, relative to the whole compliance of a segment: digits are
+#: lost, and iterations gained, in the ratio of the two.
+SMALLEST_LOCAL_FRACTION = 1e-4
+#: Padding the blocks to one size may cost this many times the memory of the factor.
+LARGEST_PADDING = 4
 
 
-def modal_newton(
-    problem: ScaledProblem, active: NDArray[np.bool_], *, max_iterations: int = MAX_ITERATIONS
-) -> ScaledAnswer | None:
-    """Solve the scaled problem from a starting set.
+class LocalLaw(Protocol):
+    """The local compliance of all segments of all problems, each a spring of its own."""
+
+    def response(self, indentation: Array, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return force and tangent stiffness (b, p, m), zero where the indentation is zero.
+
+        Parameters
+        ----------
+        indentation
+            Of every segment (b, p, m), not negative.
+        chosen
+            Numbers of the problems (b).
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class LinearLaw:
+    """Springs of constant stiffness (b, p, m)."""
+
+    stiffness: Array
+
+    def response(self, indentation: Array, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
+        """See `LocalLaw`."""
+        stiffness = self.stiffness[chosen]
+        return indentation * stiffness, np.where(indentation > 0.0, stiffness, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class BatchAnswer:
+    """Where the iteration ended.
+
+    Attributes
+    ----------
+    amplitudes
+        Of the modes (b, p, k).
+    rotation
+        Beyond first contact (b).
+    force
+        Of every segment (b, p, m).
+    iterations
+        Steps to the best point met (b).
+    ended
+        False where the method gave up (b); the rest means little there.
+    """
+
+    amplitudes: Array
+    rotation: Array
+    force: Array
+    iterations: NDArray[np.intp]
+    ended: NDArray[np.bool_]
+
+
+def has_modal_form(problem: ScaledProblem) -> bool:
+    """Whether the modal method can be used.
+
+    It cannot if the compliance is a dense matrix, if some segment has (nearly) no compliance of its own, or if
+    blocks of very different sizes would be mostly padding.
+    """
+    modal = problem.modal
+    if modal is None or not modal.compliance.local_fraction > SMALLEST_LOCAL_FRACTION:
+        return False
+    padded = modal.compliance.modes.basis.modes.size
+    return padded <= LARGEST_PADDING * problem.separation.size * (modal.mode_count + 1)
+
+
+def modal_newton(problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.bool_]]) -> list[ScaledAnswer | None]:
+    """Solve scaled problems that have the modal form.
 
     Parameters
     ----------
-    problem : ScaledProblem
-    active : (n) bool array
-        Segments thought to touch.
-    max_iterations : int
-        Linear systems solved before giving up.
+    problems
+        The scaled problems.
+    active
+        Segments of each that are thought to touch (n).
 
     Returns
     -------
-    ScaledAnswer or None
-        None if the compliance has not the structure that this method lives on, or if it did not end.
+    list of ScaledAnswer or None
+        None for a problem in which the method did not end.
     """
-    if not has_modal_form(problem):
-        return None
-    kernel = compiled_kernel()
-    if kernel is None:
-        return _iterate(modal_system(problem), problem, active, max_iterations)
-    pair = problem.given_compliance
-    assert isinstance(pair, ScaledPair)
-    basis = pair.modal_basis
-    iterations, rotation, force = kernel(
-        basis.index,
-        basis.modes,
-        pair.mode_unit,
-        pair.diagonal,
-        problem.lever_arm,
-        problem.separation,
-        problem.torque,
-        np.array(active, dtype=np.bool_, order="C"),  # one kind of array, one compilation
-        max_iterations,
-        ROUNDING,
+    given = [problem.given_compliance for problem in problems]
+    modes = [modal for modal in given if isinstance(modal, ScaledModes)]
+    batch = ModalBatch.of(
+        [modal.basis for modal in modes],
+        [problem.lever_arm for problem in problems],
+        [problem.separation for problem in problems],
+        np.array([problem.torque for problem in problems]),
     )
-    return ScaledAnswer(force, rotation, iterations, "modal, compiled") if iterations > 0 else None
+    law = LinearLaw(batch.in_blocks([1.0 / modal.diagonal for modal in modes], 0.0))
+    touching = [_touching(problem, mask) for problem, mask in zip(problems, active, strict=True)]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        start = _minimum_on(batch, law.stiffness * batch.in_blocks(touching, 0.0))
+    found = newton_batch(batch, law, *start)
+    return [
+        ScaledAnswer(force, float(found.rotation[i]), int(found.iterations[i]) + 1, "modal") if found.ended[i] else None
+        for i, force in enumerate(batch.by_segments(found.force))
+    ]
 
 
-@cache
-def compiled_kernel() -> Callable[..., Any] | None:
-    """Return the compiled loop, or None where numba is missing or does not work."""
-    if importlib.util.find_spec("numba") is None:
-        return None
-    try:
-        from .modal_kernel import newton
-    except Exception:  # numba refuses some versions of numpy when it is imported, in more than one way
-        return None
-    return newton  # type: ignore[no-any-return, unused-ignore]
+def _touching(problem: ScaledProblem, active: NDArray[np.bool_]) -> Array:
+    """One for segments that are thought to touch and turn the gear, (n); of these some press, whatever the others."""
+    touching = active & (problem.lever_arm > 0.0)
+    if not touching.any():
+        touching[first_contact_index(problem)] = True
+    return touching.astype(np.float64)
 
 
-def _iterate(
-    system: ModalSystem, problem: ScaledProblem, start: NDArray[np.bool_], max_iterations: int
-) -> ScaledAnswer | None:
-    active = system.to_blocks(start)
-    point: ModalPoint | None = None
-    for iteration in range(1, max_iterations + 1):
-        if not system.lever_arm[active].any():
-            active = active | (system.index == first_contact_index(problem))
-        newton = system.newton_system(active)
-        if newton is None:
-            return None
-        target = newton.solution()
-        new_active = target.gap < 0.0
-        changed = new_active != active
-        level = ROUNDING * float(np.abs(target.gap[active]).max() + abs(target.rotation) * system.largest_arm)
-        if not changed.any() or float(np.abs(target.gap[changed]).max()) <= level:
-            refined = newton.refined(target)
-            return ScaledAnswer(system.from_blocks(refined.force), refined.rotation, iteration, "modal")
-        if point is not None and target.energy >= point.energy - ROUNDING * target.energy_scale:
-            target = system.towards(point, target, exact_step(system, point, target))
-            new_active = target.gap < 0.0
-        point, active = target, new_active
-    return None
+def _minimum_on(batch: ModalBatch, stiffness: Array) -> tuple[Array, Array]:
+    """Return amplitudes and rotation that minimise phi if the segments with a stiffness (b, p, m) stuck together."""
+    count, blocks = stiffness.shape[:2]
+    amplitudes, rotation = np.zeros((count, blocks, batch.rows.shape[-1] - 1)), np.zeros(count)
+    force = -stiffness * batch.separation
+    here = _Point(amplitudes, rotation, batch.separation, force, stiffness, batch.loads(force))
+    return _newton_direction(batch, here)
 
 
-def exact_step(system: ModalSystem, point: ModalPoint, target: ModalPoint) -> float:
-    """Return the step length in [0, 1] from a point to another that minimises phi.
+def newton_batch(batch: ModalBatch, law: LocalLaw, amplitudes: Array, rotation: Array) -> BatchAnswer:
+    """Solve all problems of a batch.
 
-    The slope of phi along the step is piecewise linear and never falls; its kinks are where a segment opens or closes.
+    Parameters
+    ----------
+    batch
+        The problems.
+    law
+        Local compliance.
+    amplitudes, rotation
+        Where to begin, (b, p, k) and (b).
     """
-    change = target.gap - point.gap
-    turn = target.rotation - point.rotation
-    amplitude = target.amplitudes - point.amplitudes
-    closed = (point.gap < 0.0) | ((point.gap == 0.0) & (change < 0.0))
-    level_of, growth_of = system.stiffness * point.gap * change, system.stiffness * change * change
-    level = float(np.vdot(point.amplitudes, amplitude)) - system.torque * turn + float(level_of[closed].sum())
-    growth = float(np.vdot(amplitude, amplitude)) + float(growth_of[closed].sum())
-    kinked = np.where(closed, target.gap > 0.0, target.gap < 0.0)
-    place = -point.gap[kinked] / change[kinked]
-    order = np.argsort(place)
-    sign = np.where(closed[kinked], -1.0, 1.0)[order]
-    levels = level + np.concatenate([[0.0], np.cumsum(sign * level_of[kinked][order])])
-    growths = growth + np.concatenate([[0.0], np.cumsum(sign * growth_of[kinked][order])])
-    ends: Array = np.append(place[order], 1.0)
-    rising = np.flatnonzero(levels + growths * ends >= 0.0)
-    if not rising.size:
-        return 1.0
-    piece = int(rising[0])
-    begin = 0.0 if piece == 0 else float(ends[piece - 1])
-    if not growths[piece] > 0.0:
-        return begin
-    return float(np.clip(-levels[piece] / growths[piece], begin, ends[piece]))
+    count = rotation.size
+    best = np.full(count, np.inf)
+    answer = BatchAnswer(
+        np.array(amplitudes),
+        np.array(rotation),
+        np.zeros(batch.segment.shape),
+        np.zeros(count, dtype=np.intp),
+        np.zeros(count, dtype=np.bool_),
+    )
+    chosen = np.arange(count)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        point = _point(batch, law, chosen, amplitudes, rotation)
+        for iteration in range(MAX_ITERATIONS):
+            residual = _residual(batch, point)
+            before = best[chosen]
+            better = residual < before
+            kept = chosen[better]
+            best[kept], answer.iterations[kept] = residual[better], iteration
+            answer.amplitudes[kept], answer.rotation[kept] = point.amplitudes[better], point.rotation[better]
+            answer.force[kept] = point.force[better]
+            done = (residual <= ROUNDING_RESIDUAL) | (~(residual < 0.5 * before) & (before < STALLED_RESIDUAL))
+            answer.ended[chosen[done]] = True
+            going = ~done & np.isfinite(residual)
+            if not going.any():
+                break
+            if not going.all():
+                chosen, batch, point = chosen[going], batch.part(going), point.part(going)
+            point = _step(batch, law, chosen, point)
+    return answer
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A point of the iteration: amplitudes (b, p, k), rotation (b), gap, force, stiffness (b, p, m), loads."""
+
+    amplitudes: Array
+    rotation: Array
+    gap: Array
+    force: Array
+    stiffness: Array
+    loads: Array
+
+    def part(self, chosen: NDArray[Any]) -> _Point:
+        return _Point(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+
+def _point(batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], amplitudes: Array, rotation: Array) -> _Point:
+    gap = batch.closing(amplitudes, rotation) + batch.separation
+    force, stiffness = law.response(np.maximum(-gap, 0.0), chosen)
+    return _Point(amplitudes, rotation, gap, force, stiffness, batch.loads(force))
+
+
+def _residual(batch: ModalBatch, point: _Point) -> Array:
+    """Gradient of phi relative to its terms, (b)."""
+    level = batch.torque
+    if not level.all():  # without a torque, segments press against each other
+        level = np.where(level > 0.0, level, np.sum(point.force * np.abs(batch.rows[..., -1]), axis=(1, 2)))
+    imbalance = np.abs(batch.torque - point.loads[..., -1].sum(axis=1)) / level
+    amplitude = np.abs(point.amplitudes).max(axis=(1, 2), initial=0.0)
+    left = np.abs(point.loads[..., :-1] - point.amplitudes).max(axis=(1, 2), initial=0.0)
+    return np.asarray(np.maximum(imbalance, left / np.where(amplitude > 0.0, amplitude, 1.0)))
+
+
+def _newton_direction(batch: ModalBatch, point: _Point) -> tuple[Array, Array]:
+    """Change of amplitudes and rotation at which the gradient of phi would vanish if it were linear."""
+    gram = (batch.rows * point.stiffness[..., None]).swapaxes(2, 3) @ batch.rows
+    hessian = gram[..., :-1, :-1] + np.eye(gram.shape[-1] - 1)
+    border = gram[..., :-1, -1]
+    solved = np.linalg.solve(hessian, np.stack([border, point.loads[..., :-1] - point.amplitudes], axis=-1))
+    pivot = gram[..., -1, -1].sum(axis=1) - np.sum(border * solved[..., 0], axis=(1, 2))
+    imbalance = batch.torque - point.loads[..., -1].sum(axis=1)
+    turn = (imbalance + np.sum(border * solved[..., 1], axis=(1, 2))) / pivot
+    return solved[..., 1] + turn[:, None, None] * solved[..., 0], turn
+
+
+def _step(batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], point: _Point) -> _Point:
+    """Take Newton's step, or a half, a quarter ... of it: the longest along which phi surely falls.
+
+    The slope of a convex function never decreases, so over a step a its change is at most a/2 (slope(a/2) + slope(a)).
+    """
+    change, turn = _newton_direction(batch, point)
+    end = _point(batch, law, chosen, point.amplitudes + change, point.rotation + turn)
+    slope, rounding = _slope(batch, end, change, turn)
+    long = np.flatnonzero(slope > rounding)
+    length = 1.0
+    for _ in range(MAX_HALVINGS):
+        if not long.size:
+            break
+        length *= 0.5
+        part, begin, away, rotated = batch.part(long), point.part(long), change[long], turn[long]
+        middle = _point(part, law, chosen[long], begin.amplitudes + length * away, begin.rotation + length * rotated)
+        half_slope, _ = _slope(part, middle, away, rotated)
+        shorten = half_slope + slope[long] > 0.0
+        for field in fields(end):
+            getattr(end, field.name)[long[shorten]] = getattr(middle, field.name)[shorten]
+        slope[long] = half_slope
+        long = long[shorten & (half_slope > rounding[long])]
+    return end
+
+
+def _slope(batch: ModalBatch, here: _Point, change: Array, turn: Array) -> tuple[Array, Array]:
+    """Slope of phi at a point along a line, and what of it is rounding, (b)."""
+    closing = batch.closing(change, turn)
+    bending, local = np.sum(change * here.amplitudes, axis=(1, 2)), np.sum(here.force * closing, axis=(1, 2))
+    work = batch.torque * turn
+    return bending - local - work, ROUNDING_SLOPE * (np.abs(bending) + np.abs(local) + np.abs(work))

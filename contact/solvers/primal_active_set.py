@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.scaling import ScaledProblem
+from ..problem.scaled_problem import ScaledProblem
 from .active_set_system import first_contact_index, solve_active_set
 from .scaled_answer import ScaledAnswer
 
@@ -26,10 +26,11 @@ def primal_active_set(
 
     Parameters
     ----------
-    problem : ScaledProblem
-    start : (n) bool array, optional
-        Segments loaded at the start, equally; only those with a positive lever arm are taken.
-    max_iterations : int, optional
+    problem
+        The scaled problem.
+    start
+        Segments loaded at the start, equally (n); only those with a positive lever arm are taken.
+    max_iterations
         Linear systems solved before giving up, 20 + 5 n by default.
 
     Returns

@@ -12,12 +12,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.scaling import ScaledProblem
+from ..problem.scaled_problem import ScaledProblem
 from .active_set_system import ActiveSetPoint, first_contact_index, solve_active_set
 from .scaled_answer import ScaledAnswer
 
 #: Steps without fewer wrong signs before segments move one at a time.
-PATIENCE = 4
+MAX_STALLED_STEPS = 4
 #: A wrong sign below this, relative to the largest force or gap term, is rounding.
 SIGN_TOLERANCE = 1e-14
 #: The same once the iteration has lost its way among near-ties.
@@ -31,10 +31,11 @@ def primal_dual_active_set(
 
     Parameters
     ----------
-    problem : ScaledProblem
-    active : (n) bool array
-        Segments thought to touch.
-    max_iterations : int, optional
+    problem
+        The scaled problem.
+    active
+        Segments thought to touch (n).
+    max_iterations
         Linear systems solved before giving up, 40 + n by default.
 
     Returns
@@ -44,7 +45,7 @@ def primal_dual_active_set(
     """
     active = active.copy()
     limit = 40 + active.size if max_iterations is None else max_iterations
-    fewest, patience = active.size + 1, PATIENCE
+    fewest, patience = active.size + 1, MAX_STALLED_STEPS
     tolerance = SIGN_TOLERANCE
     for iteration in range(1, limit + 1):
         index = np.flatnonzero(active)
@@ -61,7 +62,7 @@ def primal_dual_active_set(
             if not wrong.size:
                 return answer_of(point, active.size, iteration)
         if wrong.size < fewest:
-            fewest, patience = wrong.size, PATIENCE
+            fewest, patience = wrong.size, MAX_STALLED_STEPS
         elif patience > 0:
             patience -= 1
         else:

@@ -1,4 +1,4 @@
-"""One door to every solver: `solve` scales, calls, polishes, certifies, and turns every failure into a status."""
+"""The solvers there are, and `solve`, which calls any of them and proves its answer."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import difflib
 import importlib
 import importlib.util
 from dataclasses import replace
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import InputError, MissingSolverError, how_to_install
+from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
-from ..problem.recovered import recovered, with_certificate
-from ..problem.scaling import ScaledProblem
+from ..problem.scaled_problem import ScaledProblem
 from . import native
-from .backend import FORMS, NoAnswerError, chosen_form
-from .judge import judge, judge_scaled
-from .polish import recover_answer
+from .backend import FORMS, chosen_form
+from .backend_solution import adapter_of, backend_solution
 from .scaled_answer import ScaledAnswer
-from .solution import ContactSolution, Status, no_solution
+from .solution import ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS
 
 #: A certificate this good is rounding; the native cascade looks no further.
@@ -29,7 +29,13 @@ ROUNDING_LEVEL = 1e-10
 
 
 def available_solvers() -> list[str]:
-    """Return the names of the solvers that can be used here, the native one first."""
+    """Return the names of the solvers that can be used here, the native one first.
+
+    Examples
+    --------
+    >>> available_solvers()[0]
+    'native'
+    """
     return [name for name in SOLVERS if _is_installed(name)]
 
 
@@ -42,6 +48,11 @@ def require_solver(name: str) -> str:
         The name is unknown; the message lists the known ones.
     MissingSolverError
         Its package is not installed; the message says what installs it.
+
+    Examples
+    --------
+    >>> require_solver("auto")
+    'native'
     """
     if name == "auto":
         return "native"
@@ -67,16 +78,17 @@ def solve(
 
     Parameters
     ----------
-    problem : ContactProblem
-    solver : str
+    problem
+        The contact problem.
+    solver
         One of `available_solvers`, or ``"auto"``.
-    polish : bool
+    polish
         Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
         `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
-    initial_active : (n) bool array or array of indices, optional
-        Segments thought to touch, from a neighbouring problem; a warm start of the native solver, ignored by the
-        others.
-    form : str
+    initial_active
+        Segments thought to touch, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
+        native solver, ignored by the others.
+    form
         What a backend gets of a structured problem: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
         `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
         from that size on.
@@ -105,31 +117,39 @@ def solve(
     >>> solution.status.name, solution.force[0].item(), round(solution.rotation * 1e6, 6)
     ('CERTIFIED', 1000.0, 40.0)
     """
-    name = require_solver(solver)
+    start = perf_counter()
+    solution = _solved(problem, require_solver(solver), polish, initial_active, form, settings)
+    return replace(solution, run_time=perf_counter() - start)
+
+
+def _solved(
+    problem: ContactProblem, name: str, polish: bool, initial: ArrayLike | None, form: str, settings: dict[str, Any]
+) -> ContactSolution:
     if form not in FORMS:
         raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
-    active = None if initial_active is None else as_mask(initial_active, problem.size)
+    active = None if initial is None else as_mask(initial, problem.size)
     if not problem.is_positive_semidefinite:
-        return no_solution(
-            problem.size,
-            Status.NOT_POSITIVE_SEMIDEFINITE,
-            name,
-            message="the compliance has a negative eigenvalue: forces would do work for nothing",
-        )
+        message = "the compliance has a negative eigenvalue: forces would do work for nothing"
+        return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
         touching = with_certificate(problem, np.zeros(problem.size), 0.0)
-        return judge(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact")
-    scaled = problem.scaling.scale(problem)
+        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact")
+    scaled = problem.scaled()
     if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
-    chosen = chosen_form(name, scaled, form)
     if name == "native":
+        chosen_form(name, scaled, form)
         try:
             return _solve_native(problem, scaled, active, settings)
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
-    return _solve_backend(problem, scaled, name, polish, chosen, settings)
+    keywords, own = {**SOLVERS[name].settings, **settings}, tuple(settings)
+    solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=polish, own=own)
+    if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
+        reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
+        return replace(solution, message=f"{solution.message}; {reason}")
+    return solution
 
 
 def _solve_native(
@@ -137,61 +157,32 @@ def _solve_native(
 ) -> ContactSolution:
     start = problem.scaling.estimated_active if active is None else active
     best: ContactSolution | None = None
-    for answer in native.answers(scaled, start, settings):
-        result = recovered(problem, answer.force, answer.rotation)
-        solution = judge_scaled("native", answer, result, EXACT_TOLERANCE)
+    for method, answer in native.answers(scaled, start, settings):
+        solution = judged_native(problem, method, answer)
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
         if best.certificate.worst <= ROUNDING_LEVEL:
             break
     if best is None:
-        best = no_solution(
-            problem.size, Status.NOT_CONVERGED, "native", message="no method had an answer", tolerance=EXACT_TOLERANCE
-        )
+        message = "no method had an answer"
+        best = no_solution(problem.size, Status.NOT_CONVERGED, "native", message=message, tolerance=EXACT_TOLERANCE)
     if not best.certified and _is_unbounded(scaled):
-        return no_solution(
-            problem.size,
-            Status.UNBOUNDED,
-            "native",
-            certificate=best.certificate,
-            message="segments without compliance penetrate at every rotation: no force can part them",
-        )
+        message = "segments without compliance penetrate at every rotation: no force can part them"
+        return no_solution(problem.size, Status.UNBOUNDED, "native", certificate=best.certificate, message=message)
     return best
 
 
-def _solve_backend(
-    problem: ContactProblem, scaled: ScaledProblem, name: str, polish: bool, form: str, settings: dict[str, Any]
-) -> ContactSolution:
-    solution = _backend_solution(problem, scaled, name, polish, form, settings)
-    if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
-        reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
-        return replace(solution, message=f"{solution.message}; {reason}")
-    return solution
-
-
-def _backend_solution(
-    problem: ContactProblem, scaled: ScaledProblem, name: str, polish: bool, form: str, settings: dict[str, Any]
-) -> ContactSolution:
-    entry = SOLVERS[name]
-    options = {**entry.settings, **settings}
-    if form == "lifted":
-        options["form"] = form
-    adapter = importlib.import_module(f".adapters.{name}", __package__)
-    try:
-        answer: ScaledAnswer = adapter.solve_scaled(scaled, options)
-    except InputError:
-        raise
-    except NoAnswerError as error:
-        status = error.suspicion or Status.SOLVER_FAILED
-        return no_solution(problem.size, status, name, message=str(error), tolerance=entry.tolerance)
-    except Exception as error:
-        if settings and isinstance(error, TypeError | AttributeError | ValueError):
-            raise InputError(f"{name} refuses the settings {', '.join(sorted(settings))}: {error}") from error
-        message = f"{type(error).__name__}: {error}"
-        return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message, tolerance=entry.tolerance)
-    result, polished = recover_answer(problem, scaled, answer, polished=polish)
-    tolerance = EXACT_TOLERANCE if polished else entry.tolerance
-    return judge_scaled(name, answer, result, tolerance, polished=polished)
+def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) -> ContactSolution:
+    """Return the solution that an answer of a method of the native solver is, or the record of a refusal."""
+    return judged(
+        "native",
+        unscaled(problem, answer.force, answer.rotation),
+        tolerance=EXACT_TOLERANCE,
+        suspicion=answer.suspicion,
+        iterations=answer.iterations,
+        method=method,
+        message=answer.message,
+    )
 
 
 def _is_unbounded(problem: ScaledProblem) -> bool:

@@ -16,18 +16,19 @@ class ScaledAnswer:
 
     Attributes
     ----------
-    force : (n) array
-    rotation : float
+    force
+        Of every segment (n).
+    rotation
         Beyond first contact.
-    iterations : int
+    iterations
         -1 where the solver does not tell.
-    message : str
+    message
         The solver's own word on how it ended.
-    suspicion : Status or None
+    suspicion
         What the solver thinks is wrong; used only if the certificate refuses the answer.
-    gap : (n) array or None
-        Multipliers of the bounds, as the solver gave them, in the sign of gaps. Nothing relies on them: the gaps of a
-        solution are computed from its forces. They tell whether the solver's own are right.
+    gap
+        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Nothing relies on them: the gaps of
+        a solution are computed from its forces. They tell whether the solver's own are right.
     """
 
     force: NDArray[np.float64]

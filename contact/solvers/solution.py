@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.stored_status import StoredStatus
+from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
+
+Array = NDArray[np.float64]
+
+#: What a solver may say of itself besides the names of `Status` in lower case: that it has the solution, or nothing,
+#: because it raised an exception.
+SOLVED, RAISED = "solved", "raised"
 
 
 class Status(StoredStatus):
-    """How a solve ended. Only `CERTIFIED` comes with forces."""
+    """How a solve ended. Only `CERTIFIED` comes with forces.
+
+    Examples
+    --------
+    >>> Status(0).name, Status.TIME_LIMIT.value
+    ('CERTIFIED', 7)
+    """
 
     CERTIFIED = 0
     NOT_CERTIFIED = 1
@@ -31,37 +46,44 @@ class ContactSolution:
 
     Attributes
     ----------
-    force : (n) array
-        Normal forces [N]; NaN unless the status is `CERTIFIED`.
-    rotation : float
-        Rotation of the gear [rad]; NaN unless certified.
-    gap : (n) array
-        Gaps left under load [mm]; NaN unless certified.
-    status : Status
-    solver : str
+    answer
+        The numbers that were found, proved or not: those of a refused answer stand here and nowhere else.
+    status
+        How the solve ended.
+    solver
         Name of the solver that was used.
-    iterations : int
+    iterations
         Its iterations; -1 where it does not tell.
-    certificate : Certificate
-        Of the answer, also of one that was refused.
-    elastic_rotation : float
-        Rotation beyond the first contact of the rigid bodies [rad], free of the cancellation in the difference.
-    polished : bool
+    claim
+        What the solver said of itself, right or wrong: ``solved``, ``raised``, or the name of a `Status` in lower case.
+    method
+        Which method of the native solver found the answer, or the form in which a backend got the problem.
+    run_time
+        Wall time of the whole call [s]: checks, scaling, solver, polish and certificate; of many problems solved
+        together, a share of it.
+    polished
         Whether the answer was made exact by solving on the active set that the solver had found.
-    tolerance : float
+    tolerance
         What the certificate had to reach.
-    message : str
+    message
         A few words on what happened, for people.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from easeoff.contact import ContactProblem, solve
+    >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
+    >>> solution.certified, solution.claim, solution.force.tolist()
+    (True, 'solved', [1000.0, 1000.0])
     """
 
-    force: NDArray[np.float64]
-    rotation: float
-    gap: NDArray[np.float64]
+    answer: Answer
     status: Status
     solver: str
-    iterations: int
-    certificate: Certificate
-    elastic_rotation: float
+    iterations: int = -1
+    claim: str = ""
+    method: str = ""
+    run_time: float = math.nan
     polished: bool = False
     tolerance: float = 0.0
     message: str = ""
@@ -71,10 +93,86 @@ class ContactSolution:
         """Whether the answer is proved."""
         return self.status is Status.CERTIFIED
 
+    @cached_property
+    def _proved(self) -> Answer:
+        return self.answer if self.certified else no_answer(self.answer.force.size)
+
+    @property
+    def force(self) -> Array:
+        """Normal forces (n) [N]; NaN unless certified."""
+        return self._proved.force
+
+    @property
+    def rotation(self) -> float:
+        """Rotation of the gear [rad]; NaN unless certified."""
+        return self._proved.rotation
+
+    @property
+    def gap(self) -> Array:
+        """Gaps left under load (n) [mm]; NaN unless certified."""
+        return self._proved.gap
+
+    @property
+    def elastic_rotation(self) -> float:
+        """Rotation beyond the first contact of the rigid bodies [rad], free of the cancellation in the difference."""
+        return self._proved.elastic_rotation
+
+    @property
+    def certificate(self) -> Certificate:
+        """Certificate of the answer, also of one that was refused."""
+        return self.answer.certificate
+
     @property
     def active(self) -> NDArray[np.bool_]:
         """Segments that carry load, (n): the warm start of a neighbouring problem."""
         return self.force > 0.0
+
+
+def judged(
+    solver: str,
+    answer: Answer,
+    *,
+    tolerance: float,
+    suspicion: Status | None = None,
+    claim: str | None = None,
+    iterations: int = -1,
+    method: str = "",
+    polished: bool = False,
+    message: str = "",
+) -> ContactSolution:
+    """Return the solution that an answer is, or the record of a refusal.
+
+    Parameters
+    ----------
+    solver
+        Name of the solver.
+    answer
+        In the units of the problem, with its certificate.
+    tolerance
+        What the certificate must reach.
+    suspicion
+        The status of a refused answer; `Status.NOT_CERTIFIED` by default.
+    claim
+        What the solver says of itself; by default what the certificate says.
+    iterations, method, polished, message
+        Passed on to the solution.
+    """
+    status = Status.NOT_CERTIFIED if suspicion is None else suspicion
+    if answer.certificate.passes(tolerance):
+        status = Status.CERTIFIED
+    if claim is None:
+        claim = SOLVED if status is Status.CERTIFIED else status.name.lower()
+    return ContactSolution(
+        answer,
+        status,
+        solver,
+        iterations=iterations,
+        claim=claim,
+        method=method,
+        polished=polished,
+        tolerance=tolerance,
+        message=message,
+    )
 
 
 def no_solution(
@@ -83,21 +181,18 @@ def no_solution(
     solver: str,
     *,
     message: str = "",
+    claim: str | None = None,
     iterations: int = -1,
     certificate: Certificate = NO_CERTIFICATE,
     tolerance: float = 0.0,
 ) -> ContactSolution:
     """Return the record of a solve without an answer: NaN forces, and the reason."""
-    nothing = np.full(size, np.nan)
     return ContactSolution(
-        force=nothing,
-        rotation=np.nan,
-        gap=nothing.copy(),
-        status=status,
-        solver=solver,
+        no_answer(size, certificate),
+        status,
+        solver,
         iterations=iterations,
-        certificate=certificate,
-        elastic_rotation=np.nan,
+        claim=status.name.lower() if claim is None else claim,
         tolerance=tolerance,
         message=message,
     )

@@ -16,11 +16,11 @@ from ..problem.certificate import EXACT_TOLERANCE
 TIME_LIMIT = 10.0
 #: Certificate that the unpolished answer of an interior-point method must reach. Where force and gap of a segment
 #: vanish together, such methods leave both at the root of their tolerance; among thousands of segments some nearly do.
-INTERIOR_POINT = 1e-4
+INTERIOR_POINT_TOLERANCE = 1e-4
 #: Segments of the largest problems on which solvers without use for the structure were tried: three lines of 667.
-DENSE = 2001
+LARGEST_DENSE = 2001
 #: Segments beyond which Lemke's tableau is refused: it is dense, and its rounding errors grow with the pivots.
-PIVOTING = 1000
+LARGEST_PIVOTING = 1000
 
 
 @dataclass(frozen=True)
@@ -29,29 +29,34 @@ class SolverSettings:
 
     Attributes
     ----------
-    package : str
+    package
         Importable package it needs; empty for the solvers of this package.
-    requirement : str
+    requirement
         What pip installs to get it.
-    licence : str
+    licence
         SPDX identifier. What is under a copyleft licence is an optional extra of its own.
-    kind : str
+    kind
         The method, in a few words.
-    sparse : bool
+    sparse
         Whether it wants sparse matrices.
-    tolerance : float
+    tolerance
         Certificate an unpolished answer must reach to be accepted.
-    largest : int or None
+    largest
         Number of segments up to which it is known to keep that tolerance on the problem library; None for all of it.
         A solver that gets the whole matrix takes minutes on more. Nothing is refused for it but by `lemke`.
-    definite : bool
+    definite
         Whether it begins with a Cholesky factor of the whole compliance: where that is singular to rounding it has no
         answer, or one that the certificate refuses.
-    lifted_from : int or None
+    lifted_from
         Number of segments from which a structured problem is given in the lifted form; None for a solver that takes
         the dense form only.
-    settings : mapping
+    settings
         Keywords passed to it; what the caller gives comes on top.
+
+    Examples
+    --------
+    >>> SOLVERS["osqp"].licence, SOLVERS["osqp"].tolerance
+    ('Apache-2.0', 1e-06)
     """
 
     package: str
@@ -78,7 +83,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "Apache-2.0",
         "interior point, sparse",
         sparse=True,
-        tolerance=INTERIOR_POINT,
+        tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=150,
         settings={
             "tol_gap_abs": 1e-11,
@@ -111,7 +116,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "MIT",
         "dual active set, dense",
         tolerance=1e-6,
-        largest=DENSE,
+        largest=LARGEST_DENSE,
         settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
     ),
     "piqp": SolverSettings(
@@ -119,7 +124,7 @@ SOLVERS: dict[str, SolverSettings] = {
         _EXTRA,
         "BSD-2-Clause",
         "proximal interior point, dense or sparse",
-        tolerance=INTERIOR_POINT,
+        tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=250,
         settings={
             "eps_abs": 1e-11,
@@ -135,7 +140,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "BSD-2-Clause",
         "proximal augmented Lagrangian, dense",
         tolerance=1e-7,
-        largest=DENSE,
+        largest=LARGEST_DENSE,
         settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
     ),
     "highs": SolverSettings(
@@ -181,7 +186,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "BSD-3-Clause AND Apache-2.0",
         "dual active set, dense, for positive definite matrices",
         tolerance=1e-6,
-        largest=DENSE,
+        largest=LARGEST_DENSE,
         definite=True,
         settings={"tolerance": 1e-14, "max_iter": 10_000},
     ),
@@ -201,7 +206,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "GPL-2.0-or-later",
         "dual active set, dense, for positive definite matrices",
         tolerance=1e-6,
-        largest=DENSE,
+        largest=LARGEST_DENSE,
         definite=True,
     ),
     "cvxopt": SolverSettings(
@@ -209,8 +214,8 @@ SOLVERS: dict[str, SolverSettings] = {
         _COPYLEFT,
         "GPL-3.0-or-later",
         "interior point, dense",
-        tolerance=INTERIOR_POINT,
-        largest=DENSE,
+        tolerance=INTERIOR_POINT_TOLERANCE,
+        largest=LARGEST_DENSE,
         settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
     ),
     "ecos": SolverSettings(
@@ -218,8 +223,8 @@ SOLVERS: dict[str, SolverSettings] = {
         _COPYLEFT,
         "GPL-3.0-or-later",
         "interior point for cones, dense, for positive definite matrices",
-        tolerance=INTERIOR_POINT,
-        largest=DENSE,
+        tolerance=INTERIOR_POINT_TOLERANCE,
+        largest=LARGEST_DENSE,
         definite=True,
         settings={"abstol": 1e-12, "reltol": 1e-12, "feastol": 1e-12, "max_iters": 200},
     ),
@@ -228,7 +233,7 @@ SOLVERS: dict[str, SolverSettings] = {
         "cvxpy",
         "Apache-2.0",
         "modelling language, by default with clarabel",
-        tolerance=INTERIOR_POINT,
+        tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=60,
         settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
     ),
@@ -237,6 +242,6 @@ SOLVERS: dict[str, SolverSettings] = {
         "easeoff",
         _OWN,
         "Lemke's complementary pivoting, dense, to 1000 segments",
-        largest=PIVOTING,
+        largest=LARGEST_PIVOTING,
     ),
 }

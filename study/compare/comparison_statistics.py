@@ -9,7 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.problem.certificate import EXACT_TOLERANCE
-from .attempt import SETTINGS, SOLVED
+from ...contact.solvers.solution import SOLVED
+from .attempt import SETTINGS
 
 Array = NDArray[np.float64]
 

@@ -21,9 +21,9 @@ from ...core.errors import EaseoffError, InputError
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
 
 #: Seconds beyond the time limit in which a solver may still end by itself, before it is ended.
-GRACE = 1.0
+GRACE_TIME = 1.0
 #: Seconds in which a process must have imported what it needs.
-START_LIMIT = 120.0
+START_TIME_LIMIT = 120.0
 
 #: One thread each: a comparison is of methods, not of how many cores a library takes.
 THREAD_VARIABLES = (
@@ -51,7 +51,7 @@ class Worker:
 
     Parameters
     ----------
-    solver : str
+    solver
         A name of the table of solvers, or ``module:function``.
     """
 
@@ -84,7 +84,7 @@ class Worker:
         InputError
             There is no such solver.
         """
-        greeting = self._receive(START_LIMIT)
+        greeting = self._receive(START_TIME_LIMIT)
         if isinstance(greeting, str):
             self.stop()
             raise InputError(greeting)
@@ -123,7 +123,7 @@ class Worker:
             self._connection.send(request)
         except OSError:
             return self._ended()
-        outcome = self._receive(request.time_limit + GRACE)
+        outcome = self._receive(request.time_limit + GRACE_TIME)
         assert isinstance(outcome, Attempt)
         return outcome
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...problem.scaling import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
 from ..scaled_answer import ScaledAnswer
 from ..solution import Status

@@ -4,10 +4,10 @@
 
 By the rules of disciplined parametrised programming (Agrawal et al. 2019, doi 10.48550/arXiv.1910.12430) a matrix that
 is a parameter may stand in a linear expression, not in a quadratic form: hence the root W of the compliance. Of W the
-places of its entries are fixed, and zeros are left out: the lower triangle of a Cholesky factor, or the blocks of the
+pattern is fixed, and zeros are left out: the lower triangle of a Cholesky factor, or the blocks of the
 tooth pairs and a diagonal.
 
-Programmes are kept by these places and the solver they are for, the last few that were used. Whoever uses one takes it
+Programmes are kept by this pattern and the solver they are for, the last few that were used. Whoever uses one takes it
 out of the shelf and puts it back; in the meantime others in the same process make their own. So no two threads ever
 share one, without locks, which a fork could leave closed for ever. One that was left by an exception is not put back.
 """
@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...problem.scaling import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
 
 #: Programmes kept in a process. Along a mesh cycle there are two or three numbers of segments.
-KEPT = 8
+MAX_KEPT_PROGRAMMES = 8
 
 _shelf: OrderedDict[tuple[Any, ...], ParametrisedProgramme] = OrderedDict()
 
@@ -37,10 +37,12 @@ class Root:
 
     Attributes
     ----------
-    shape : (n, k)
-    rows, columns : (m) arrays
-        Places of the entries.
-    values : (m) array
+    shape
+        Rows n and columns k.
+    rows, columns
+        Of each entry (m).
+    values
+        The entries (m).
     """
 
     shape: tuple[int, int]
@@ -60,11 +62,11 @@ def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
     """Return a root of the compliance: modes and local part of a structured one if `lifted`, or a Cholesky factor."""
     size = problem.separation.size
     if lifted:
-        assert problem.pair is not None
-        basis, local = problem.pair.modal_basis, np.arange(size)
+        assert problem.modal is not None
+        basis, local = problem.modal.basis, np.arange(size)
         blocks, _, rank = basis.modes.shape
         filled = basis.index < size
-        # All places of a block, also where its modes happen to vanish: other problems will have numbers there.
+        # All entries of a block, also where its modes happen to vanish: other problems will have numbers there.
         rows = np.broadcast_to(basis.index[:, :, np.newaxis], basis.modes.shape)[filled].ravel()
         mode = np.arange(blocks * rank).reshape(blocks, 1, rank)
         columns = np.broadcast_to(mode, basis.modes.shape)[filled].ravel()
@@ -72,7 +74,7 @@ def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
             (size, blocks * rank + size),
             np.concatenate([rows, local]),
             np.concatenate([columns, blocks * rank + local]),
-            np.concatenate([basis.modes[filled].ravel() * problem.pair.mode_unit, np.sqrt(problem.pair.diagonal)]),
+            np.concatenate([basis.modes[filled].ravel(), np.sqrt(problem.modal.diagonal)]),
         )
     try:
         root = np.linalg.cholesky(problem.compliance)
@@ -80,7 +82,7 @@ def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
     except np.linalg.LinAlgError:  # singular to rounding
         values, vectors = np.linalg.eigh(problem.compliance)
         root = vectors * np.sqrt(np.maximum(values, 0.0))
-        rows, columns = (places.ravel() for places in np.indices(root.shape))
+        rows, columns = (index.ravel() for index in np.indices(root.shape))
     return Root((size, size), rows, columns, root[rows, columns])
 
 
@@ -89,8 +91,8 @@ class ParametrisedProgramme:
 
     Parameters
     ----------
-    root : Root
-        Of whose shape and places the compliance will be; its values do not matter yet.
+    root
+        Of whose shape and pattern the compliance will be; its values do not matter yet.
     """
 
     def __init__(self, root: Root) -> None:
@@ -104,8 +106,8 @@ class ParametrisedProgramme:
         self._separation, self._lever_arm = cvxpy.Parameter(size), cvxpy.Parameter(size)
         self._torque = cvxpy.Parameter()
         # CVXPY has sparse parameters, but takes long to check them.
-        places = (root.columns + width * root.rows, np.arange(count))
-        spread = csr_array((np.ones(count), places), shape=(width * size, count))
+        pattern = (root.columns + width * root.rows, np.arange(count))
+        spread = csr_array((np.ones(count), pattern), shape=(width * size, count))
         transposed = cvxpy.reshape(spread @ self._values, (width, size), order="F")
         force = cvxpy.Variable(size)
         energy = 0.5 * cvxpy.sum_squares(transposed @ force) + self._separation @ force
@@ -126,14 +128,15 @@ def parametrised(root: Root, backend: str) -> Iterator[ParametrisedProgramme]:
 
     Parameters
     ----------
-    root : Root
-    backend : str
+    root
+        Of the compliance.
+    backend
         What works behind CVXPY: each has a translation of its own.
     """
     key = (root.shape, root.rows.tobytes(), root.columns.tobytes(), backend)
     programme = _shelf.pop(key, None) or ParametrisedProgramme(root)
     yield programme
     _shelf[key] = programme
-    while len(_shelf) > KEPT:
+    while len(_shelf) > MAX_KEPT_PROGRAMMES:
         with contextlib.suppress(KeyError):  # another thread was quicker
             _shelf.popitem(last=False)

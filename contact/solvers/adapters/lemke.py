@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 
 from ....core.errors import InputError
 from ...problem.complementarity_form import eliminated_system, forces_and_rotation
-from ...problem.scaling import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
 from ..scaled_answer import ScaledAnswer
 from ..solution import Status
-from ..solver_table import PIVOTING
+from ..solver_table import LARGEST_PIVOTING
 
 #: An entry of the entering column below this, relative to the largest, is rounding.
 PIVOT_TOLERANCE = 1e-11
@@ -39,10 +39,11 @@ class LemkeResult:
 
     Attributes
     ----------
-    z : (n) array
-        The solution; NaN unless one was found.
-    pivots : int
-    ended : str
+    z
+        The solution (n); NaN unless one was found.
+    pivots
+        How many there were.
+    ended
         ``"solved"``, ``"ray"`` (there is no solution, if M is positive semidefinite) or ``"pivot limit"``.
     """
 
@@ -57,8 +58,8 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     if unknown:
         raise InputError(f"lemke has no setting {', '.join(unknown)}: the only one is max_pivots")
     size = problem.separation.size
-    if size > PIVOTING:
-        raise InputError(f"lemke is meant for small problems: {size} segments are more than {PIVOTING}")
+    if size > LARGEST_PIVOTING:
+        raise InputError(f"lemke is meant for small problems: {size} segments are more than {LARGEST_PIVOTING}")
     matrix, vector, eliminated = eliminated_system(problem)
     result = lemke(matrix, vector, **settings)
     if result.ended == "ray":
@@ -76,15 +77,12 @@ def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: 
 
     Parameters
     ----------
-    matrix : (n, n) array
-        M.
-    vector : (n) array
-        q.
-    max_pivots : int
-
-    Returns
-    -------
-    LemkeResult
+    matrix
+        M (n, n).
+    vector
+        q (n).
+    max_pivots
+        Pivots before giving up.
     """
     size = vector.size
     if vector.min() >= 0.0:

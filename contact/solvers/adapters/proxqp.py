@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...problem.scaling import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
 from ..backend import read_answer, run_qpsolvers
 from ..scaled_answer import ScaledAnswer
 from ..solution import Status

@@ -1,4 +1,4 @@
-"""From the numbers of a form of the contact problem back to forces, rotation and gaps, with proof."""
+"""An answer to a contact problem in the units of the problem, with its certificate."""
 
 from __future__ import annotations
 
@@ -9,51 +9,59 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from .certificate import NO_CERTIFICATE, Certificate, violations
+from .certificate import NO_CERTIFICATE, Certificate, certify, violations
 from .contact_problem import ContactProblem
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class RecoveredAnswer:
-    """An answer in the units of the problem.
+class Answer:
+    """Forces, rotation and gaps, right or wrong: the certificate tells.
 
     Attributes
     ----------
-    force : (n) array
-        Normal forces F [N].
-    rotation : float
+    force
+        Normal forces F (n) [N].
+    rotation
         Rotation theta [rad].
-    gap : (n) array
-        Gaps Y = C F + S - r theta [mm], of the data as they were given.
-    elastic_rotation : float
+    gap
+        Gaps Y = C F + S - r theta (n) [mm], of the data as they were given.
+    elastic_rotation
         Rotation beyond first contact [rad].
-    certificate : Certificate
+    certificate
         How well all this solves the contact problem.
     """
 
-    force: NDArray[np.float64]
+    force: Array
     rotation: float
-    gap: NDArray[np.float64]
+    gap: Array
     elastic_rotation: float
     certificate: Certificate
 
 
-def recovered(problem: ContactProblem, force: NDArray[np.float64], rotation: float) -> RecoveredAnswer:
+def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:
+    """Return what stands for no answer: NaN for a number of segments."""
+    return Answer(np.full(size, np.nan), math.nan, np.full(size, np.nan), math.nan, certificate)
+
+
+def unscaled(problem: ContactProblem, force: Array, rotation: float) -> Answer:
     """Return the answer that scaled forces and a scaled rotation stand for.
 
     Parameters
     ----------
-    problem : ContactProblem
-    force : (n) array
-        In the scale of `problem.scaling`.
-    rotation : float
+    problem
+        The contact problem.
+    force
+        Forces (n) in the scale of `problem.scaling`.
+    rotation
         Beyond first contact, in that scale.
     """
     scaling = problem.scaling
     return with_certificate(problem, scaling.unscale_force(force), scaling.unscale_elastic_rotation(rotation))
 
 
-def with_certificate(problem: ContactProblem, force: NDArray[np.float64], elastic_rotation: float) -> RecoveredAnswer:
+def with_certificate(problem: ContactProblem, force: Array, elastic_rotation: float) -> Answer:
     """Return forces [N] and the rotation beyond first contact [rad] with the gaps they leave and the proof."""
     rotation = problem.first_contact_rotation + elastic_rotation
     with np.errstate(over="ignore", invalid="ignore"):
@@ -63,7 +71,14 @@ def with_certificate(problem: ContactProblem, force: NDArray[np.float64], elasti
     certificate = NO_CERTIFICATE
     if math.isfinite(rotation):
         certificate = violations(problem, force, elastic_rotation, deflection, gap, math.ulp(elastic_rotation))
-    return RecoveredAnswer(force, rotation, gap, elastic_rotation, certificate)
+    return Answer(force, rotation, gap, elastic_rotation, certificate)
+
+
+def of_whole_rotation(problem: ContactProblem, force: Array, rotation: float) -> Answer:
+    """Return forces [N] of any shape and a rotation from zero [rad] with the proof, if there is one."""
+    certificate = certify(problem, force, rotation)
+    gap = no_answer(problem.size).gap if certificate == NO_CERTIFICATE else problem.gap(force, rotation)
+    return Answer(force, rotation, gap, rotation - problem.first_contact_rotation, certificate)
 
 
 def require_convex(problem: ContactProblem) -> None:
@@ -80,7 +95,7 @@ def require_convex(problem: ContactProblem) -> None:
         )
 
 
-def vector_of(value: object, name: str, size: int) -> NDArray[np.float64]:
+def vector_of(value: object, name: str, size: int) -> Array:
     """Return an answer of a solver as an array of the given size; InputError where it is none."""
     array = np.asarray(value, dtype=np.float64)
     if array.shape != (size,):

@@ -1,0 +1,154 @@
+"""The compliance matrix C of a contact problem, in one of two forms: dense, or diagonal plus low rank.
+
+The form is a matter of type: what a solver can make of a compliance is decided by its class, and by the class of its
+modes, never by what happens to have been computed before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from .modal_basis import BendingFactor, ModalBasis
+from .validation import compliance_array, finite_array, read_only, symmetric_compliance
+
+Array = NDArray[np.float64]
+
+#: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
+NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class DenseCompliance:
+    """A compliance given as one matrix.
+
+    Attributes
+    ----------
+    dense
+        C (n, n) [mm/N], symmetric.
+    """
+
+    dense: Array
+
+    @property
+    def given(self) -> Array:
+        """What a contact problem is made with: the matrix."""
+        return self.dense
+
+    @cached_property
+    def diagonal(self) -> Array:
+        """Diagonal of C [mm/N], (n)."""
+        return read_only(self.dense.diagonal().copy())
+
+    @cached_property
+    def is_positive_semidefinite(self) -> bool:
+        """Whether no eigenvalue is negative beyond rounding."""
+        from scipy.linalg.lapack import dpotrf  # the rest of this module needs no scipy
+
+        # The matrix is symmetric, so its transpose is the same matrix in the order LAPACK wants.
+        if dpotrf(self.dense.T, lower=1, clean=0)[1] == 0:
+            return True
+        eigenvalues = np.linalg.eigvalsh(self.dense)
+        least = -NEGATIVE_EIGENVALUE_TOLERANCE * self.dense.shape[0] * max(eigenvalues[-1], 0.0)
+        return bool(eigenvalues[0] >= least)
+
+    def deflection(self, force: Array) -> Array:
+        """Return C F [mm], (n)."""
+        return self.dense @ force
+
+    def with_added(self, local: Array) -> DenseCompliance:
+        """Return the compliance with the local one (n) [mm/N] added to its diagonal."""
+        dense = self.dense.copy()
+        dense[np.diag_indices_from(dense)] += local
+        return DenseCompliance(read_only(dense))
+
+
+@dataclass(frozen=True, eq=False)
+class ModalCompliance:
+    """A compliance of local springs and bending modes, C = diag(d) + V V^T.
+
+    Attributes
+    ----------
+    local
+        Compliance d of each segment by itself (n) [mm/N], not negative.
+    modes
+        The factor V as it was given, or already compressed.
+    """
+
+    local: Array
+    modes: BendingFactor | ModalBasis
+
+    @property
+    def factor(self) -> Array:
+        """V (n, k) [(mm/N)^0.5]."""
+        return self.modes.factor
+
+    @property
+    def given(self) -> tuple[Array, Array]:
+        """What a contact problem is made with: the pair of d and V."""
+        return self.local, self.factor
+
+    @cached_property
+    def dense(self) -> Array:
+        """C as an (n, n) array [mm/N]."""
+        dense = self.factor @ self.factor.T
+        dense[np.diag_indices_from(dense)] += self.local
+        return read_only(dense)
+
+    @cached_property
+    def diagonal(self) -> Array:
+        """Diagonal of C [mm/N], (n)."""
+        return read_only(self.local + np.einsum("ij,ij->i", self.factor, self.factor))
+
+    @property
+    def is_positive_semidefinite(self) -> bool:
+        """True: d is not negative."""
+        return True
+
+    @cached_property
+    def local_fraction(self) -> float:
+        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii."""
+        whole = self.diagonal
+        return float((self.local / whole).min()) if whole.min() > 0.0 else 0.0
+
+    def deflection(self, force: Array) -> Array:
+        """Return C F [mm], (n), in O(n k)."""
+        return self.local * force + self.factor @ (force @ self.factor)
+
+    def with_added(self, local: Array) -> ModalCompliance:
+        """Return the compliance with the local one (n) [mm/N] added to its diagonal; the modes stay the same object."""
+        return ModalCompliance(read_only(self.local + local), self.modes)
+
+
+ComplianceMatrix = DenseCompliance | ModalCompliance
+
+
+def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
+    """Return the compliance that a contact problem of a number of segments was given.
+
+    Parameters
+    ----------
+    given
+        A `ComplianceMatrix`, an (n, n) array, or the pair of an (n) array d and an (n, k) array V [mm/N].
+    size
+        Number of segments n.
+
+    Raises
+    ------
+    InputError
+        A wrong shape, a number that is not finite, a negative diagonal or an asymmetric matrix.
+    """
+    if isinstance(given, ComplianceMatrix):
+        return given
+    if isinstance(given, tuple | list) and len(given) == 2 and np.ndim(given[0]) == 1 and np.ndim(given[1]) == 2:
+        diagonal = compliance_array(given[0], "compliance diagonal", size)
+        factor = finite_array(given[1], "compliance factor", 2)
+        if factor.shape[0] != size:
+            raise InputError(f"compliance factor has {factor.shape[0]} rows, expected {size}")
+        return ModalCompliance(diagonal, BendingFactor(factor))
+    return DenseCompliance(symmetric_compliance(given, size))

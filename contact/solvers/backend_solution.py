@@ -1,0 +1,106 @@
+"""The answer of one backend to one problem: scaled, polished, certified; every failure becomes a status."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+from ...core.errors import InputError
+from ..problem.answer import of_whole_rotation
+from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.contact_problem import ContactProblem
+from ..problem.scaled_problem import ScaledProblem
+from .backend import NoAnswerError, chosen_form
+from .polish import polished_answer
+from .scaled_answer import ScaledAnswer
+from .solution import RAISED, SOLVED, ContactSolution, Status, judged, no_solution
+from .solver_table import SOLVERS
+
+#: What calls a backend: takes the scaled problem and the settings of the backend.
+Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
+
+
+def adapter_of(solver: str) -> Adapter:
+    """Return the adapter of a solver of the table; not of the native one, which has none."""
+    adapter: Adapter = importlib.import_module(f".adapters.{solver}", __package__).solve_scaled
+    return adapter
+
+
+def backend_solution(
+    problem: ContactProblem,
+    solver: str,
+    adapter: Adapter,
+    settings: Mapping[str, Any],
+    *,
+    form: str = "auto",
+    polish: bool = True,
+    raw: bool = False,
+    own: tuple[str, ...] = (),
+) -> ContactSolution:
+    """Let a backend solve a contact problem, and certify what it says.
+
+    Parameters
+    ----------
+    problem
+        The contact problem.
+    solver
+        Name of the solver; one that is not in the table gets the dense form.
+    adapter
+        What calls the backend.
+    settings
+        Of the backend.
+    form
+        As in `chosen_form`.
+    polish
+        Make the answer exact on the active set that it shows.
+    raw
+        Give the backend the problem in mm and N as it is, and leave its answer as it is.
+    own
+        Settings that are the caller's own: an exception that a wrong one can have caused is raised as `InputError`.
+
+    Raises
+    ------
+    InputError
+        A form that the solver or the problem cannot have, or a setting that the solver refuses.
+    """
+    start = perf_counter()
+    tolerance = SOLVERS[solver].tolerance if solver in SOLVERS else EXACT_TOLERANCE
+    if raw:
+        # Copies: some backends cannot take arrays that are read-only.
+        data = (problem.dense_compliance.copy(), problem.separation.copy(), problem.lever_arm.copy())
+        scaled, method = ScaledProblem(*data, problem.torque), "dense"
+    else:
+        scaled = problem.scaled()
+        method = chosen_form(solver, scaled, form) if solver in SOLVERS else "dense"
+    try:
+        given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
+        if raw:
+            answer, exact = of_whole_rotation(problem, given.force, float(given.rotation)), False
+        else:
+            answer, exact = polished_answer(problem, scaled, given, polish=polish)
+        solution = judged(
+            solver,
+            answer,
+            tolerance=EXACT_TOLERANCE if exact else tolerance,
+            suspicion=given.suspicion,
+            claim=SOLVED if given.suspicion is None else given.suspicion.name.lower(),
+            iterations=int(given.iterations),
+            method=method,
+            polished=exact,
+            message=given.message,
+        )
+    except InputError:
+        raise
+    except NoAnswerError as error:
+        status = error.suspicion or Status.SOLVER_FAILED
+        solution = no_solution(problem.size, status, solver, message=str(error), tolerance=tolerance)
+    except Exception as error:
+        if own and isinstance(error, TypeError | AttributeError | ValueError):
+            raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}") from error
+        message = f"{type(error).__name__}: {error}"
+        status = Status.SOLVER_FAILED
+        solution = no_solution(problem.size, status, solver, message=message, claim=RAISED, tolerance=tolerance)
+    return replace(solution, run_time=perf_counter() - start)
