@@ -65,7 +65,7 @@ def clock() -> Iterator[None]:
             self._connection = Hurried(self._connection)  # type: ignore[assignment]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "START_LIMIT", 7200.0)
+        patch.setattr(worker, "START_TIME_LIMIT", 7200.0)
         patch.setattr(worker.Worker, "launch", launch)
         yield
 
@@ -91,9 +91,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def dataset(file: Path, folder: Path) -> xr.Dataset:
     """A comparison of a solver with others that misbehave."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "GRACE_TIME", 0.1)
-        return compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
+    return compare([file], folder, solvers=SOLVERS, repetitions=REPETITIONS, time_limit=LIMIT)
 
 
 @pytest.fixture(scope="module")
