@@ -44,7 +44,6 @@ LOADED = {
     500.0: Printed(21.9, (9.9, 2.3, 0.5), 10.1, 600.0),
 }
 # Table 4.4, theoretical surfaces of the face-hobbed pair: without load, and at 200 N m.
-HOBBED = {"no load": Printed(36.9, (15.1, 4.0, 1.8), 15.7), "200 N m": Printed(23.9, (12.1, 0.5, 0.7), 12.1)}
 MISALIGNED = {"(d)": 12.2, "(e)": 12.5}  # Table 3.1, 50 N m: peak to peak [urad]
 # Magnitudes of E, P [mm] and shaft angle [minutes] as printed, with our signs.
 BASE = (-0.15, 0.12, 0.0)
@@ -304,21 +303,3 @@ def figure_3_7() -> tuple[str, str]:
         ),
     ]
     return table(rows, [*headers, "dissertation", "difference"]), statements(said)
-
-
-def table_4_4() -> str:
-    """The face-hobbed pair of chapter 4 without load and at 200 N m."""
-    tree = easeoff.analyze("fh-12x41-45", torques=[200.0])
-    unloaded, loaded = tree["unloaded"].attrs, tree["loaded"].to_dataset().isel(torque=0)
-    ours = {
-        "no load": (unloaded["peak_to_peak"], unloaded["harmonics"]),
-        "200 N m": (float(loaded["peak_to_peak"]), loaded["harmonic"].values),
-    }
-    rows = []
-    for where, row in HOBBED.items():
-        peak, harmonics = ours[where]
-        rows.append(compared(f"peak to peak, {where} [µrad]", peak, row.peak_to_peak))
-        rows += [
-            compared(f"harmonic {n}, {where} [µrad]", float(harmonics[n - 1]), row.harmonics[n - 1]) for n in (1, 2, 3)
-        ]
-    return table(rows, HEADS)

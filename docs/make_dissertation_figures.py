@@ -34,7 +34,6 @@ from dissertation_tables import (
     named,
     statements,
     table,
-    table_4_4,
 )
 
 import easeoff
@@ -117,7 +116,7 @@ def sections() -> dict[str, str]:
     parts = {"base": named(BASE), "toe": f"{TOE:g}", "heel": f"{HEEL:g}", "edge_share": f"{100 * EDGE_SHARE:.0f} %"}
     for name, make in (("2_9", figure_2_9), ("2_11", figure_2_11), ("3_6", figure_3_6), ("3_7", figure_3_7)):
         parts[f"figure_{name}"], parts[f"statements_{name}"] = make()
-    return parts | {"figure_2_10": figure_2_10(), "table_4_4": table_4_4()}
+    return parts | {"figure_2_10": figure_2_10()}
 
 
 def main() -> None:

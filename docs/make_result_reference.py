@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 
 import xarray as xr
@@ -36,27 +37,26 @@ def coarse_analysis() -> xr.DataTree:
 
 
 def result_tables(tree: xr.DataTree) -> str:
-    """One table a group of the tree, as Markdown."""
-    return "\n\n".join(
-        f"### `{path}`\n\n{variables(tree[path].to_dataset())}" for path in (f"/{name}" for name in tree.children)
-    )
+    """One table a group of the tree, and one of the coordinates of all, as Markdown."""
+    groups = {name: tree[name].to_dataset() for name in tree.children}
+    coordinates = {name: values for group in groups.values() for name, values in group.coords.items()}
+    tables = {f"`/{name}`": dict(group.data_vars) for name, group in groups.items()} | {"Coordinates": coordinates}
+    return "\n\n".join(f"### {head}\n\n{described(variables)}" for head, variables in tables.items())
 
 
-def variables(group: xr.Dataset) -> str:
-    """One row a variable, the coordinates last."""
+def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
+    """One row a variable."""
     rows = ["| variable | dimensions | unit | meaning |", "| --- | --- | --- | --- |"]
-    for name in (*group.data_vars, *group.coords):
-        variable = group[name]
+    for name, variable in variables.items():
         meaning = str(variable.attrs["long_name"])
         if "flag_meanings" in variable.attrs:
             codes = variable.attrs.get("flag_values", variable.attrs.get("flag_masks"))
             flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
             meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
-        elif variable.dtype.kind == "U" and name in group.coords:
+        elif variable.dtype.kind == "U" and name in variable.coords:
             meaning += ": " + ", ".join(f"`{word}`" for word in variable.values)
-        kind = " (coordinate)" if name in group.coords else ""
         dimensions = ", ".join(str(dimension) for dimension in variable.dims)
-        rows.append(f"| `{name}`{kind} | {dimensions} | {variable.attrs.get('units', '')} | {meaning} |")
+        rows.append(f"| `{name}` | {dimensions} | {variable.attrs.get('units', '')} | {meaning} |")
     return "\n".join(rows)
 
 

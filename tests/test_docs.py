@@ -192,8 +192,10 @@ def test_result_reference_is_what_an_analysis_makes(monkeypatch: pytest.MonkeyPa
     easeoff.write_result(tree, tmp_path / "result.nc")
     with netCDF4.Dataset(tmp_path / "result.nc") as file:
         assert all(f"`{name}`" in page for name in file.ncattrs())
+        coordinates = {row[0].strip("`"): row[1:] for row in rows(page, "### Coordinates")}
         for group in file.groups.values():
-            listed = {row[0].split("`")[1]: row[1:] for row in rows(page, f"### `/{group.name}`")}
+            listed = {name: row for name, row in coordinates.items() if name in group.variables}
+            listed |= {row[0].strip("`"): row[1:] for row in rows(page, f"### `/{group.name}`")}
             assert set(group.variables) == set(listed)
             for name, variable in group.variables.items():
                 dimensions = [d for d in variable.dimensions if not d.startswith("string")]
