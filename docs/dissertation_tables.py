@@ -43,7 +43,6 @@ LOADED = {
     250.0: Printed(15.9, (7.9, 0.3, 0.4), 7.9, 290.0),
     500.0: Printed(21.9, (9.9, 2.3, 0.5), 10.1, 600.0),
 }
-# Table 4.4, theoretical surfaces of the face-hobbed pair: without load, and at 200 N m.
 MISALIGNED = {"(d)": 12.2, "(e)": 12.5}  # Table 3.1, 50 N m: peak to peak [urad]
 # Magnitudes of E, P [mm] and shaft angle [minutes] as printed, with our signs.
 BASE = (-0.15, 0.12, 0.0)
