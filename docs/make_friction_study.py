@@ -81,7 +81,7 @@ def beside_the_dissertation(dataset: xr.Dataset) -> str:
         rows.append(
             [f"{low:g} to {high:g}", own.sum(), *cells, *(f"{np.exp(x):.2f}" for x in (error.mean(), error.std()))]
         )
-    heads = ["λ ratio", "cases", "asperity share", "friction coefficient", "equation 5.11", "ours over 5.11", "scatter"]
+    heads = ["Λ", "cases", "asperity share", "friction coefficient", "equation 5.11", "ours over 5.11", "scatter"]
     return tabulate(rows, heads, "github", disable_numparse=True)
 
 
@@ -93,7 +93,7 @@ def main() -> None:
     write_formula(FORMULA_FILE, formula)
     print(beside_the_dissertation(studies[0]))
     rows = [[f"{r.lowest:g} to {r.highest:g}", r.cases, f"{r.rms:.3f}", f"{r.worst:.2f}"] for r in formula.regimes]
-    print(tabulate(rows, ["λ ratio", "cases", "rms error of ln μ", "worst"], "github", disable_numparse=True))
+    print(tabulate(rows, ["Λ", "cases", "rms error of ln μ", "worst"], "github", disable_numparse=True))
     print(f"all: {formula.prediction_error:.3f}, worst {formula.worst_error:.2f}")
 
 
