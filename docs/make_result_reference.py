@@ -50,7 +50,7 @@ def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
     for name, variable in variables.items():
         meaning = str(variable.attrs["long_name"])
         if "flag_meanings" in variable.attrs:
-            codes = variable.attrs.get("flag_values", variable.attrs.get("flag_masks"))
+            codes = variable.attrs["flag_values" if "flag_values" in variable.attrs else "flag_masks"]
             flags = zip(codes, variable.attrs["flag_meanings"].split(), strict=True)
             meaning += ": " + ", ".join(f"{value} `{word}`" for value, word in flags)
         elif variable.dtype.kind == "U" and name in variable.coords:
