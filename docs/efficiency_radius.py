@@ -11,9 +11,7 @@ from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, inner, result, w
 import easeoff
 from easeoff.cases import Case, read_design
 from easeoff.friction import Operation, friction
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_design import design_case
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import CaseInMesh, contact_analysis, design_case
 
 # Choices the dissertation leaves open, and another value of each.
 CHOICES: dict[str, dict[str, Any]] = {
