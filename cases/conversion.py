@@ -172,7 +172,14 @@ def misalignment(table: MisalignmentTable) -> Misalignment:
 
 
 def ease_off_target(table: TargetTable) -> EaseOffTarget:
-    """Wanted ease-off in mm."""
+    """Wanted ease-off in mm.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> round(ease_off_target(read_case("fm-11x41").target.drive).profile_crowning, 4)
+    0.0199
+    """
     return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
@@ -204,7 +211,14 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
-    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``."""
+    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> elastic_model(read_case("nasa-12x36")).pinion
+    Material(elastic_modulus=206000.0, poisson_ratio=0.3)
+    """
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)

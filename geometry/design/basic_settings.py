@@ -274,6 +274,12 @@ def hobbing_blade(
         Height of the reference point above the blade tip [mm].
     lead
         Angle between the radius of the reference point and the normal of its path (nu) [rad].
+
+    Examples
+    --------
+    >>> blade = hobbing_blade(88.0, 0.3, "outside", reference_height=6.0, lead=0.25)
+    >>> 86.0 < blade.point_radius < 88.0, round(blade.rake_angle, 3)
+    (True, 0.255)
     """
     plain = Blade(reference_radius, pressure_angle, side)
     # The edge runs in a plane turned by the lead angle; the tip then stands at a radius and an angle of its own.
