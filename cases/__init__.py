@@ -1,6 +1,6 @@
 """Case and design files: schemas, reading, checking and writing, the shipped ones, exchange with other programs."""
 
-from .conversion import ease_off_target, elastic_model, gear_pair
+from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
 from .reading import (
     case_text,
     design_text,
@@ -27,6 +27,7 @@ __all__ = [
     "case_text",
     "case_toml",
     "design_text",
+    "designed_blanks",
     "ease_off_target",
     "elastic_model",
     "gear_pair",

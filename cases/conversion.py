@@ -71,7 +71,16 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
 
 
 def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
-    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if no blanks follow."""
+    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if no blanks follow.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> blanks.gear.pitch_angle > blanks.pinion.pitch_angle
+    True
+    """
     design = blank_design(table, teeth, pair)
     try:
         return blank_dimensions(design)

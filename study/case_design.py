@@ -87,11 +87,9 @@ class DesignReport:
 
     Examples
     --------
-    >>> from easeoff.cases import read_design
-    >>> from easeoff.cases.conversion import blank_design
-    >>> from easeoff.geometry import blank_dimensions
+    >>> from easeoff.cases import designed_blanks, read_design
     >>> design = read_design("fm-11x41")
-    >>> blank = blank_dimensions(blank_design(design.blank_design, (11, 41), design.pair))
+    >>> blank = designed_blanks(design.blank_design, (11, 41), design.pair)
     >>> DesignReport(blank, sides={}, warnings=("the top land of the pinion is narrow",)).warnings
     ('the top land of the pinion is narrow',)
     """
