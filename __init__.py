@@ -7,11 +7,11 @@ An analysis in two lines:
 >>> int(tree["loaded"]["status"].max())  # zero: every load distribution is certified
 0
 
-The functions here read a case, analyse or optimise it, and write and read the result, an ``xarray.DataTree``. The
-sub-packages hold the steps and can be used alone: ``geometry`` (flanks and ease-off), ``contact`` (unloaded and loaded
-contact, the contact problem and its solvers), ``friction`` (friction coefficient and efficiency), ``cases`` (case
-files), ``study`` (pictures, reports, wear, comparison of solvers) and ``verification`` (independent checks). All are
-imported on first use.
+The functions here read a case, analyse or optimise it, and write and read the result, an ``xarray.DataTree``. What they
+raise is an ``EaseoffError``. The sub-packages hold the steps and can be used alone: ``geometry`` (flanks and ease-off),
+``contact`` (unloaded and loaded contact, the contact problem and its solvers), ``friction`` (friction coefficient and
+efficiency), ``cases`` (case files), ``study`` (pictures, reports, wear, comparison of solvers) and ``verification``
+(independent checks). All are imported on first use.
 """
 
 from __future__ import annotations
@@ -24,12 +24,18 @@ from .core.checkout import fence
 if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
     from .cases import Case, read_case
+    from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
     from .study.analysis import analyze
     from .study.optimization import optimize
     from .study.result import read_result, write_result
 
 __all__ = [
     "Case",
+    "EaseoffError",
+    "GeometryError",
+    "InputError",
+    "MissingPackageError",
+    "MissingSolverError",
     "analyze",
     "cases",
     "contact",
@@ -45,6 +51,11 @@ __all__ = [
 
 _MODULES = {
     "Case": ".cases",
+    "EaseoffError": ".core.errors",
+    "GeometryError": ".core.errors",
+    "InputError": ".core.errors",
+    "MissingPackageError": ".core.errors",
+    "MissingSolverError": ".core.errors",
     "analyze": ".study.analysis",
     "optimize": ".study.optimization",
     "read_case": ".cases",

@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 from easeoff.cases import gear_pair, read_case
-from easeoff.cases.conversion import elastic_model
+from easeoff.cases import elastic_model
 from easeoff.contact import lines_in_mesh, loaded_splines, unloaded_contact
 from easeoff.contact.compliance.elastic_model import elastic_teeth
 from easeoff.contact.lines.flank_splines import FlankSplines
-from easeoff.contact.lines.mesh_lines import MeshLines
+from easeoff.contact import MeshLines
 from easeoff.contact.loaded import solve_all
 from easeoff.contact.segments import CycleSegments, LineSegments, Segments
 from easeoff.geometry import PairGeometry, pair_geometry

@@ -19,8 +19,8 @@ import easeoff
 import numpy as np
 from easeoff.friction import FrictionModel, Operation, friction
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import contact_analysis
+from easeoff.study import CaseInMesh
 from tabulate import tabulate
 
 TORQUES = np.linspace(100.0, 1000.0, 10)

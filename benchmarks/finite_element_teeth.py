@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance import Shell
-from easeoff.contact.compliance.elastic_model import STEEL
+from easeoff.contact import Shell
+from easeoff.contact import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import ElasticBody, elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import (
     flank_loads,
@@ -25,10 +25,10 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import solid_shell_size, usual_size
 from easeoff.contact.compliance.finite_elements.solid_shell import SolidShell, solid_shell
 from easeoff.geometry import GearPair
-from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry import solve_flank
 from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.geometry import MemberName, named_member
+from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
 
 Array = NDArray[Any]
 CASES = ("fm-11x41", "fh-12x41-45")

@@ -21,15 +21,17 @@ from typing import Any
 import numpy as np
 from tabulate import tabulate
 
-from easeoff.contact.compliance.elastic_model import ElasticModel, shells
-from easeoff.contact.compliance import ElasticFoundation
+from easeoff.contact import ElasticModel
+from easeoff.contact.compliance.elastic_model import shells
+from easeoff.contact import ElasticFoundation
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import usual_size
 from easeoff.contact.compliance.shell_kinematics import five_field
 from easeoff.core.files import whole_file
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.tooth.tooth_flanks import named_member
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize, usual_depth
-from easeoff.verification.thesis_shell import thesis_kinematics
+from easeoff.geometry import named_member
+from easeoff.geometry import LatticeSize
+from easeoff.geometry.tooth.tooth_lattice import usual_depth
+from easeoff.verification import thesis_kinematics
 
 from finite_element_split import split
 from finite_element_teeth import (

@@ -20,14 +20,15 @@ import numpy as np
 from tabulate import tabulate
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance.elastic_model import STEEL
+from easeoff.contact import STEEL
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
 from easeoff.contact.compliance.finite_elements.bricks import quadratic
-from easeoff.verification.flank_response import flank_response
-from easeoff.verification.surface_cells import SurfaceCells
-from easeoff.verification.surface_contact import half_space_compliance
-from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize, tooth_lattice
+from easeoff.verification import flank_response
+from easeoff.verification import SurfaceCells
+from easeoff.verification import half_space_compliance
+from easeoff.geometry import LatticeSpacing
+from easeoff.geometry.tooth.lattice_spacing import with_middles
+from easeoff.geometry import LatticeSize, tooth_lattice
 
 BLOCK, RADII, CLOSURE = (6.0, 8.0, 8.0), (12.0, 600.0), 0.012  # half sides and height, radii, approach [mm]
 SPOT = (1.0, 0.3)  # half sides of the loaded spot along the face and up the flank, about [mm]

@@ -17,7 +17,7 @@ import time
 import numpy as np
 from easeoff.contact import ContactProblem, available_solvers, solve
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.solvers import SOLVERS
+from easeoff.contact import SOLVERS
 from tabulate import tabulate
 
 PAIRS, MODES, REPETITIONS = 3, 40, 3

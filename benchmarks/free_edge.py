@@ -10,13 +10,14 @@ import numpy as np
 from finite_element_teeth import FORCE, MEMBERS, PATCH, Array, pair_of, shell_of, solid_tooth, tooth
 from tabulate import tabulate
 
-from easeoff.contact.compliance.elastic_model import STEEL, ElasticModel, shells
-from easeoff.contact.compliance import ElasticFoundation, Shell, ToothDimensions
+from easeoff.contact import STEEL, ElasticModel
+from easeoff.contact.compliance.elastic_model import shells
+from easeoff.contact import ElasticFoundation, Shell, ToothDimensions
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.flank_compliance import flank_shares
 from easeoff.geometry import pair_geometry
-from easeoff.geometry.tooth.tooth_flanks import MemberName
-from easeoff.verification.thesis_shell import thesis_kinematics
+from easeoff.geometry import MemberName
+from easeoff.verification import thesis_kinematics
 
 IMAGE = Path(__file__).parents[1] / "docs" / "images" / "free_edge.png"
 # Of about the height and thickness that the deflections of figure 3.4 call for; length and radius are the thesis's.

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from easeoff.contact import ContactProblem, solve
-from easeoff.contact.solvers import SOLVERS
+from easeoff.contact import SOLVERS
 from easeoff.contact.solvers.adapters.cvxpy import solve_scaled
 from forms import structured_problem
 from tabulate import tabulate

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.problem.contact_problem import ContactProblem
+from easeoff.contact import ContactProblem
 from easeoff.contact.problem.scaled_problem import ScaledProblem
-from easeoff.contact.solvers import available_solvers, solve, solve_many
+from easeoff.contact import available_solvers, solve, solve_many
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set

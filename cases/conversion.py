@@ -71,7 +71,16 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
 
 
 def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
-    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if no blanks follow."""
+    """Blanks of both members from basic data. Raises as ``blank_design``, and GeometryError if no blanks follow.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> blanks.gear.pitch_angle > blanks.pinion.pitch_angle
+    True
+    """
     design = blank_design(table, teeth, pair)
     try:
         return blank_dimensions(design)
@@ -172,7 +181,14 @@ def misalignment(table: MisalignmentTable) -> Misalignment:
 
 
 def ease_off_target(table: TargetTable) -> EaseOffTarget:
-    """Wanted ease-off in mm."""
+    """Wanted ease-off in mm.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> round(ease_off_target(read_case("fm-11x41").target.drive).profile_crowning, 4)
+    0.0199
+    """
     return EaseOffTarget(**{key: 1e-3 * value for key, value in table.model_dump().items()})
 
 
@@ -204,7 +220,14 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
-    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``."""
+    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> elastic_model(read_case("nasa-12x36")).pinion
+    Material(elastic_modulus=206000.0, poisson_ratio=0.3)
+    """
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)

@@ -134,12 +134,23 @@ def case_text(name_or_path: str | Path) -> str:
     ------
     InputError
         If there is neither a shipped case nor a readable file of that name.
+
+    Examples
+    --------
+    >>> case_text("nasa-12x36").splitlines()[0]
+    '# Spiral bevel pair 12 x 36, face-milled, both members generated, no tilt, constant roll.'
     """
     return CASE.find(name_or_path)[0]
 
 
 def design_text(name_or_path: str | Path) -> str:
-    """Text of a shipped design (by name) or of a design file (by path). Raises as ``case_text``."""
+    """Text of a shipped design (by name) or of a design file (by path). Raises as ``case_text``.
+
+    Examples
+    --------
+    >>> design_text("fm-11x41").splitlines()[0]
+    '# The design that makes the shipped case fm-11x41: easeoff design fm-11x41 -o my-case.toml'
+    """
     return DESIGN.find(name_or_path)[0]
 
 

@@ -3,42 +3,60 @@
 The contact problem stands on its own: ``ContactProblem``, ``solve`` and ``certify`` need no gear.
 """
 
-from .compliance.elastic_model import ElasticModel
+from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
+from .compliance.elastic_model import STEEL, ElasticModel
+from .harmonics import harmonics, peak_to_peak, rms
 from .line_contact.line_contact_solution import solve_line_contact
-from .lines.mesh_lines import lines_in_mesh
+from .lines.mesh_lines import MeshLines, lines_in_mesh
 from .loaded import loaded_contact, loaded_splines
 from .mesh_cycle import MeshCycle
-from .problem.certificate import Certificate, certify
+from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
 from .problem.complementarity_form import LCP, lcp
+from .problem.compliance_matrix import ModalCompliance
 from .problem.contact_problem import ContactProblem
 from .problem.dual_form import DualQP, dual_qp
 from .problem.lifted_form import LiftedQP, lifted_qp
 from .problem.problem_file import read_labels, read_problems, write_problems
 from .problem.programme_file import read_npz, write_npz
-from .solvers import ContactSolution, Status, available_solvers, solve, solve_many
+from .root_stress import root_stress
+from .solvers import SOLVERS, ContactSolution, Status, available_solvers, solve, solve_many
 from .unloaded import unloaded_contact
 
 __all__ = [
+    "EXACT_TOLERANCE",
     "LCP",
+    "SOLVERS",
+    "STEEL",
     "Certificate",
     "ContactProblem",
     "ContactSolution",
     "DualQP",
+    "ElasticFoundation",
     "ElasticModel",
     "LiftedQP",
+    "Material",
     "MeshCycle",
+    "MeshLines",
+    "ModalCompliance",
+    "Shell",
     "Status",
+    "ToothDimensions",
+    "WeberLineContact",
     "available_solvers",
     "certify",
     "dual_qp",
+    "harmonics",
     "lcp",
     "lifted_qp",
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
+    "peak_to_peak",
     "read_labels",
     "read_npz",
     "read_problems",
+    "rms",
+    "root_stress",
     "solve",
     "solve_line_contact",
     "solve_many",

@@ -59,7 +59,7 @@ def root_stress(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> from easeoff.study.case_in_mesh import CaseInMesh
+    >>> from easeoff.study import CaseInMesh
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")
     >>> tables = {"contact": coarse, "compliance": {"model": "fe", "fineness": 0.3}}

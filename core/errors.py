@@ -9,23 +9,67 @@ from pathlib import Path
 
 
 class EaseoffError(Exception):
-    """Anything this package raises on purpose."""
+    """Anything this package raises on purpose.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> try:
+    ...     easeoff.read_case("no-such-case")
+    ... except easeoff.EaseoffError as error:
+    ...     print(type(error).__name__)
+    InputError
+    """
 
 
 class InputError(EaseoffError, ValueError):
-    """A value given by the user that cannot be used; the message names it and says what is allowed."""
+    """A value given by the user that cannot be used; the message names it and says what is allowed.
+
+    Examples
+    --------
+    >>> from easeoff.contact import Material
+    >>> try:
+    ...     Material(-1.0, 0.3)
+    ... except InputError as error:
+    ...     print(error)
+    elastic_modulus = -1.0 MPa: must be positive and finite
+    """
 
 
 class GeometryError(EaseoffError):
-    """Settings that describe no tooth: no flank in the blank, no conjugate position, no overlap."""
+    """Settings that describe no tooth: no flank in the blank, no conjugate position, no overlap.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import Misalignment, ease_off
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> try:
+    ...     ease_off(pair.misaligned(Misalignment(offset=100.0)), (7, 7))
+    ... except GeometryError:
+    ...     print("no conjugate position")
+    no conjugate position
+    """
 
 
 class MissingSolverError(EaseoffError, ImportError):
-    """A solver was asked for whose package is not installed; the message says which extra installs it."""
+    """A solver was asked for whose package is not installed; the message says which extra installs it.
+
+    Examples
+    --------
+    >>> issubclass(MissingSolverError, EaseoffError), issubclass(MissingSolverError, ImportError)
+    (True, True)
+    """
 
 
 class MissingPackageError(EaseoffError, ImportError):
-    """A file format was asked for whose package is not installed; the message says which extra installs it."""
+    """A file format was asked for whose package is not installed; the message says which extra installs it.
+
+    Examples
+    --------
+    >>> issubclass(MissingPackageError, EaseoffError), issubclass(MissingPackageError, ImportError)
+    (True, True)
+    """
 
 
 def how_to_install(requirement: str) -> str:

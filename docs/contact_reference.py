@@ -11,7 +11,7 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import gear_pair
-from easeoff.geometry.pair.assembly import Misalignment
+from easeoff.geometry import Misalignment
 
 FOLDER = Path(__file__).parents[1] / "tests" / "data" / "contact_reference"
 TORQUES = {"fm-11x41": (50.0, 250.0, 500.0), "fh-12x41-45": (50.0, 200.0, 500.0)}

@@ -7,8 +7,7 @@ from dissertation_tables import table
 from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, result, with_direction
 
 import easeoff
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import CaseInMesh, contact_analysis
 
 
 def everywhere() -> str:

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
-from easeoff.study.analysis import Analysis, contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import Analysis, CaseInMesh, contact_analysis
 from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 

@@ -15,13 +15,11 @@ import numpy as np
 from tabulate import tabulate
 
 from easeoff.cases import read_case
-from easeoff.contact import ContactProblem, available_solvers, solve
-from easeoff.contact.solvers import SOLVERS
+from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.contact.solvers.polish import polished_answer
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.study import CaseInMesh, contact_analysis
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 PAGE = Path(__file__).parent / "contact_problems.md"
 HEADING = "### Agreement"

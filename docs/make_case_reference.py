@@ -16,11 +16,11 @@ from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from easeoff.cases import FrictionTable
 from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
-from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.friction import COEFFICIENTS, FILMS, THERMAL_FACTORS, available_lubricants
 
 PAGE = Path(__file__).with_name("case_file.md")

@@ -32,19 +32,21 @@ from tabulate import tabulate
 import easeoff
 from easeoff.cases import gear_pair
 from easeoff.cases.conversion import materials
-from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
+from easeoff.contact import MeshLines, lines_in_mesh
 from easeoff.core.files import whole_file
-from easeoff.geometry import GearPair
-from easeoff.geometry.flanks.blank_section import BlankSection
-from easeoff.geometry.tooth.tooth_flanks import MemberName
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize
+from easeoff.geometry import BlankSection, GearPair, LatticeSize, MemberName
 from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
-from easeoff.verification.flank_contact import FlankContact, contact_of_flanks
-from easeoff.verification.flank_response import FlankResponse, flank_response
-from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
+from easeoff.verification import (
+    FlankContact,
+    FlankResponse,
+    FlanksInMesh,
+    contact_of_flanks,
+    flank_response,
+    flanks_in_mesh,
+)
 
 IMAGE = Path(__file__).parent / "images" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions

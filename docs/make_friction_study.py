@@ -19,10 +19,10 @@ from tqdm import tqdm
 
 from easeoff.core.files import whole_file
 from easeoff.friction import friction_coefficient
-from easeoff.friction.ehl.study.formula_regression import REGIMES, fit_friction, study_inputs
-from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, lambda_ratio, logarithms_of, write_formula
-from easeoff.friction.ehl.study.parameter_study import run_study
-from easeoff.friction.ehl.study.study_design import REFINED, Design
+from easeoff.friction.ehl.study import Design, fit_friction, run_study, study_inputs, write_formula
+from easeoff.friction.ehl.study.formula_regression import REGIMES
+from easeoff.friction.ehl.study.friction_formula import FORMULA_FILE, lambda_ratio, logarithms_of
+from easeoff.friction.ehl.study.study_design import REFINED
 
 STUDIES = ((Design(), None), (REFINED, 3000))
 # Space-filling subsets of the design of the dissertation and of ``REFINED``, run with the defaults.

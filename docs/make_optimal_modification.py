@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 import easeoff
-from easeoff.study.fitted_settings import fit_modification, recorded_modification
+from easeoff.study import fit_modification, recorded_modification
 from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import pressure_levels
 from easeoff.study.plot.pressure_map import PressureMap, pressure_map

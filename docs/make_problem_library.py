@@ -14,9 +14,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import easeoff.study.library.reference_answers as answers_module
-from easeoff.study.library import KINDS, PARTS, entries, generate, proved_answer, reference_answers
+from easeoff.study.library import KINDS, PARTS, ReferenceAnswer, entries, generate, proved_answer, reference_answers
 from easeoff.study.library.problem_changes import CHANGES
-from easeoff.study.library.reference_answers import TABLE, ReferenceAnswer, write_answers
+from easeoff.study.library.reference_answers import TABLE, write_answers
 
 PAGE = Path(__file__).with_name("problem_library.md")
 

@@ -13,10 +13,9 @@ from pathlib import Path
 import xarray as xr
 
 import easeoff
-from easeoff.cases import gear_pair
-from easeoff.cases.schema.case_schema import ComplianceTable, ContactTable
-from easeoff.geometry.deviation.deviation import deviation_from_formula
-from easeoff.geometry.deviation.global_errors import GlobalErrors
+from easeoff.cases import ContactTable, gear_pair
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.geometry import GlobalErrors, deviation_from_formula
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)

@@ -11,10 +11,9 @@ from tabulate import tabulate
 
 import easeoff
 from easeoff.cases import gear_pair, shipped_cases
-from easeoff.geometry import Misalignment
-from easeoff.geometry.pair.gear_pair import FlankName
-from easeoff.study.plot import write_pictures
-from easeoff.verification.conventional_analysis import both_methods, line_differences, point_differences
+from easeoff.geometry import FlankName, Misalignment
+from easeoff.study import write_pictures
+from easeoff.verification import both_methods, line_differences, point_differences
 
 HERE = Path(__file__).parent
 TORQUES = [50.0, 200.0, 250.0, 500.0]

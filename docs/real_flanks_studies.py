@@ -10,13 +10,11 @@ from dissertation_tables import HEADS, table
 from real_flanks_analyses import CASES, MEMBERS, PRINTED, TORQUE, analysed, files, ours, pressures
 
 import easeoff
+from easeoff import GeometryError
 from easeoff.cases import gear_pair
-from easeoff.core.errors import GeometryError
-from easeoff.geometry import GearPair, pair_geometry
-from easeoff.geometry.deviation.deviation import Deviation
-from easeoff.geometry.deviation.ease_off_update import deviated_ease_off
-from easeoff.study.flank_deviations import deviated_geometry, flank_deviations
-from easeoff.study.wear import WearLaw, wear
+from easeoff.geometry import Deviation, GearPair, deviated_ease_off, pair_geometry
+from easeoff.study import WearLaw, flank_deviations, wear
+from easeoff.study.deviation_source import deviated_geometry
 
 DUTY = {100.0: 0.4, 200.0: 0.3, 300.0: 0.2, 400.0: 0.1}
 TORQUES = (25.0, 50.0, 100.0, 200.0, 300.0, 400.0)

@@ -1,42 +1,73 @@
 """Tooth flanks, blanks, ease-off and surface of roll angle: geometry alone, no loads."""
 
 from .cutting.blade import Blade
-from .cutting.generating_surface import GeneratingSurface
-from .cutting.machine import MachineSettings
-from .design.basic_settings import blank_section, formate_gear, generated_gear
-from .design.blank import BlankDesign, BlankDimensions, blank_dimensions
+from .cutting.blade_sections import BladeSection, Relief
+from .cutting.generating_surface import GeneratingSurface, Hand
+from .cutting.machine import MachineSettings, work_rotation
+from .cutting.machine_pose import machine_pose
+from .cutting.named_settings import get_setting, with_settings
+from .design.basic_settings import blank_section, formate_gear, generated_gear, hobbing_blade
+from .design.blank import (
+    BlankDesign,
+    BlankDimensions,
+    PitchCones,
+    blank_design_from_symbols,
+    blank_dimensions,
+    dimensions_by_symbol,
+)
 from .design.conjugate_pinion import conjugate_pinion
-from .design.synthesis import EaseOffTarget, Synthesis, fit_pinion
-from .deviation.corrective_settings import Correction, corrective_settings
+from .design.synthesis import FREE_SETTINGS, EaseOffTarget, Synthesis, fit_pinion
+from .deviation.corrective_settings import FREE_FORMATE_SETTINGS, Correction, corrective_settings
 from .deviation.deviated_flank import deviated_pair
 from .deviation.deviation import Deviation, deviation_from_dataset, deviation_from_formula
 from .deviation.ease_off_update import deviated_ease_off
-from .deviation.global_errors import GlobalErrors, fit_global_errors
+from .deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
 from .flanks.blank_section import BlankSection
-from .flanks.flank import NodeStatus
+from .flanks.curvature import principal_curvatures
+from .flanks.flank import Flank, NodeStatus, solve_flank
 from .pair.assembly import Assembly, Misalignment
-from .pair.gear_pair import GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
+from .pair.ease_off import EaseOff, exact_ease_off
+from .pair.gear_pair import FlankName, GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
 from .pair.modification import Modification, modified_ease_off
+from .tooth.lattice_spacing import LatticeSpacing
+from .tooth.tooth_flanks import MemberName, named_member, tooth_angle
+from .tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from .tooth.tooth_surface import tooth_patches
 
 __all__ = [
+    "FREE_FORMATE_SETTINGS",
+    "FREE_SETTINGS",
     "Assembly",
     "Blade",
+    "BladeSection",
     "BlankDesign",
     "BlankDimensions",
     "BlankSection",
     "Correction",
     "Deviation",
+    "EaseOff",
     "EaseOffTarget",
+    "Flank",
+    "FlankName",
     "GearPair",
     "GeneratingSurface",
     "GlobalErrors",
+    "Hand",
+    "LatticeSize",
+    "LatticeSpacing",
     "MachineSettings",
     "Member",
+    "MemberName",
     "Misalignment",
     "Modification",
     "NodeStatus",
     "PairGeometry",
+    "PitchCones",
+    "Relief",
     "Synthesis",
+    "ToothLattice",
+    "angle_errors",
+    "blank_design_from_symbols",
     "blank_dimensions",
     "blank_section",
     "conjugate_pinion",
@@ -45,12 +76,25 @@ __all__ = [
     "deviated_pair",
     "deviation_from_dataset",
     "deviation_from_formula",
+    "dimensions_by_symbol",
     "ease_off",
+    "exact_ease_off",
     "fit_global_errors",
     "fit_pinion",
     "flank",
     "formate_gear",
     "generated_gear",
+    "get_setting",
+    "hobbing_blade",
+    "machine_pose",
     "modified_ease_off",
+    "named_member",
     "pair_geometry",
+    "principal_curvatures",
+    "solve_flank",
+    "tooth_angle",
+    "tooth_lattice",
+    "tooth_patches",
+    "with_settings",
+    "work_rotation",
 ]

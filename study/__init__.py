@@ -1,1 +1,73 @@
-"""Studies of a pair: analysis, design, optimisation, wear, reports, pictures, comparison of solvers, command line."""
+"""Studies of a pair: analysis, design, optimisation, wear, reports, pictures, comparison of solvers, command line.
+
+``easeoff.analyze`` and ``easeoff.optimize`` stand at the top of the package; all names here are imported on first use.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from . import compare, library, plot
+    from .analysis import Analysis, contact_analysis
+    from .case_design import DesignReport, design_case
+    from .case_in_mesh import CaseInMesh
+    from .deviation_source import flank_deviations, measured_file, shipped_deviations
+    from .fitted_settings import fit_modification, recorded_modification
+    from .plot import write_pictures
+    from .report.plausibility import plausibility
+    from .report.result_summary import result_summary
+    from .wear_law import WearLaw
+    from .wear_simulation import wear
+
+__all__ = [
+    "Analysis",
+    "CaseInMesh",
+    "DesignReport",
+    "WearLaw",
+    "compare",
+    "contact_analysis",
+    "design_case",
+    "fit_modification",
+    "flank_deviations",
+    "library",
+    "measured_file",
+    "plausibility",
+    "plot",
+    "recorded_modification",
+    "result_summary",
+    "shipped_deviations",
+    "wear",
+    "write_pictures",
+]
+
+_MODULES = {
+    "Analysis": ".analysis",
+    "CaseInMesh": ".case_in_mesh",
+    "DesignReport": ".case_design",
+    "WearLaw": ".wear_law",
+    "contact_analysis": ".analysis",
+    "design_case": ".case_design",
+    "fit_modification": ".fitted_settings",
+    "flank_deviations": ".deviation_source",
+    "measured_file": ".deviation_source",
+    "plausibility": ".report.plausibility",
+    "recorded_modification": ".fitted_settings",
+    "result_summary": ".report.result_summary",
+    "shipped_deviations": ".deviation_source",
+    "wear": ".wear_simulation",
+    "write_pictures": ".plot",
+}
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *(name for name in globals() if name.startswith("__"))]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name], __name__), name)
+    if name in __all__:
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -25,7 +25,7 @@ from ..geometry.pair.gear_pair import FlankName
 from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
 from .case_in_mesh import CaseInMesh, checked_case
-from .flank_deviations import Deviated, Source, deviation_attributes, require_line_contact
+from .deviation_source import Deviated, Source, deviation_attributes, require_line_contact
 
 if TYPE_CHECKING:
     from ..cases.schema.friction_table import FrictionTable

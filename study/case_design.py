@@ -84,6 +84,14 @@ class DesignReport:
         The fits of drive and coast side.
     warnings
         Doubtful points, a sentence each.
+
+    Examples
+    --------
+    >>> from easeoff.cases import designed_blanks, read_design
+    >>> design = read_design("fm-11x41")
+    >>> blank = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> DesignReport(blank, sides={}, warnings=("the top land of the pinion is narrow",)).warnings
+    ('the top land of the pinion is narrow',)
     """
 
     blank: BlankDimensions
@@ -110,6 +118,13 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         If values of the design do not fit together.
     GeometryError
         If there are no such blanks, no cutter fits them, or the flanks do not meet.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_design
+    >>> case, report = design_case(read_design("fh-design-a"))
+    >>> case.pinion.number_of_teeth, sorted(report.sides)
+    (12, ['coast', 'drive'])
     """
     teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
     basic_data = blank_design(design.blank_design, teeth, design.pair)

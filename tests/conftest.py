@@ -29,7 +29,7 @@ settings.load_profile("alike")
 @pytest.fixture(scope="session", autouse=True)
 def patience() -> None:
     """Give solvers as long as they need, on a machine however busy."""
-    from easeoff.contact.solvers import SOLVERS
+    from easeoff.contact import SOLVERS
 
     for solver in SOLVERS.values():
         for key in ("time_limit", "time_limit_secs"):

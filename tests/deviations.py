@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from easeoff.geometry.deviation.global_errors import GlobalErrors
+from easeoff.geometry import GlobalErrors
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from easeoff.cases import Case, read_design
-from easeoff.cases.conversion import ease_off_target
-from easeoff.study.case_design import DesignReport, design_case
+from easeoff.cases import Case, ease_off_target, read_design
+from easeoff.study import DesignReport, design_case
 
 DESIGN = read_design("fm-11x41")
 DRIVE = ease_off_target(DESIGN.target.drive)

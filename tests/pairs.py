@@ -11,11 +11,11 @@ from easeoff.geometry import (
     BlankSection,
     GearPair,
     GeneratingSurface,
+    Hand,
     MachineSettings,
     Member,
     conjugate_pinion,
 )
-from easeoff.geometry.cutting.generating_surface import Hand
 
 # A face-milled 11 x 41 hypoid pair with offset 20 and a Formate gear: rounded ISO 23509 Method 1 blanks.
 PINION_BLANK = BlankSection(

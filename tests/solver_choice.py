@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from easeoff.contact import ContactProblem, solve
-from easeoff.contact.solvers import SOLVERS, available_solvers
+from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 
 Array = NDArray[np.float64]

@@ -19,10 +19,8 @@ from solver_choice import (
     rotation_and_gap,
 )
 
-from easeoff.contact import solve
-from easeoff.contact.problem.certificate import EXACT_TOLERANCE
-from easeoff.contact.solvers import SOLVERS, Status
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.contact import EXACT_TOLERANCE, SOLVERS, Status, solve
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 DOCS = Path(__file__).parents[1] / "docs"
 

@@ -8,13 +8,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from easeoff.core.errors import GeometryError
-from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions, blank_section, formate_gear, generated_gear
-from easeoff.geometry.cutting.generating_surface import GeneratingSurface, Hand
-from easeoff.geometry.design.basic_settings import hobbing_blade
+from easeoff import GeometryError
+from easeoff.geometry import (
+    BlankDesign,
+    BlankDimensions,
+    GeneratingSurface,
+    Hand,
+    Member,
+    blank_dimensions,
+    blank_section,
+    formate_gear,
+    generated_gear,
+    hobbing_blade,
+    solve_flank,
+)
 from easeoff.geometry.design.mean_point import mean_point_angles
-from easeoff.geometry.flanks.flank import solve_flank
-from easeoff.geometry.pair.gear_pair import Member, _left_by_cutter
+from easeoff.geometry.pair.gear_pair import _left_by_cutter
 from easeoff.geometry.pair.tooth_body import tooth_body
 from easeoff.geometry.vectors import rotate_z
 

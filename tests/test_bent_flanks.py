@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 import easeoff
 from easeoff.cases import Case
+from easeoff.contact import lines_in_mesh
 from easeoff.contact.lines.closest_approach import ClosestApproach, closest_approach, one_step
-from easeoff.contact.lines.mesh_lines import gauss_points, lines_in_mesh, lost_contact
-from easeoff.geometry.deviation.deviated_flank import deviated_pair
-from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
-from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.contact.lines.mesh_lines import gauss_points, lost_contact
+from easeoff.geometry import Deviation, deviated_pair, deviation_from_formula, solve_flank
 from easeoff.study.case_in_mesh import prepared_pair
-from easeoff.verification.flank_gap import flank_gap
-from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
+from easeoff.verification import FlanksInMesh, flank_gap, flanks_in_mesh
 
 Array = NDArray[np.float64]
 CORNER = (0.95, 0.20)  # of the gear flank; most gaps there are open

@@ -13,17 +13,23 @@ from pairs import DRIVE_BLADE, GEAR_BLANK, GEAR_MACHINE, conjugate_pair
 from scipy.optimize import brentq
 from test_face_hobbing import GENERATED, GROUPS
 
-from easeoff.cases import parse_case
-from easeoff.cases.conversion import gear_pair
-from easeoff.cases.reading import case_text
-from easeoff.core.errors import InputError
-from easeoff.geometry import Assembly, Blade, GearPair, GeneratingSurface, Member, conjugate_pinion, pair_geometry
-from easeoff.geometry.cutting.blade_sections import Relief
-from easeoff.geometry.cutting.generating_surface import Hand
-from easeoff.geometry.cutting.machine import work_rotation
-from easeoff.geometry.flanks.curvature import principal_curvatures
-from easeoff.geometry.flanks.flank import solve_flank
-from easeoff.geometry.pair.ease_off import exact_ease_off
+from easeoff import InputError
+from easeoff.cases import case_text, gear_pair, parse_case
+from easeoff.geometry import (
+    Assembly,
+    Blade,
+    GearPair,
+    GeneratingSurface,
+    Hand,
+    Member,
+    Relief,
+    conjugate_pinion,
+    exact_ease_off,
+    pair_geometry,
+    principal_curvatures,
+    solve_flank,
+    work_rotation,
+)
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import rotate_z
 

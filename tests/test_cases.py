@@ -7,10 +7,8 @@ import re
 
 import pytest
 
-from easeoff.cases import gear_pair, parse_case, read_case, shipped_cases
-from easeoff.cases.reading import case_text
-from easeoff.cases.schema.case_schema import Case
-from easeoff.core.errors import EaseoffError, GeometryError, InputError
+from easeoff import EaseoffError, GeometryError, InputError
+from easeoff.cases import Case, case_text, gear_pair, parse_case, read_case, shipped_cases
 from easeoff.geometry import pair_geometry
 
 NASA = case_text("nasa-12x36")

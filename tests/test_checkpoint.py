@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from easeoff import InputError
 from easeoff.core.checkpoint import Checkpoint
-from easeoff.core.errors import InputError
 
 
 def squares(path: Path, study: str = "table of squares", *, fresh: bool = False) -> Checkpoint[int]:

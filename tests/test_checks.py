@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from easeoff import InputError
 from easeoff.core import checks
-from easeoff.core.errors import InputError
 
 
 @pytest.mark.parametrize("value", [None, "1", True, [1.0], 1 + 0j, math.nan, math.inf, -1.0])

@@ -14,9 +14,9 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import easeoff
-from easeoff.cases.reading import case_text, design_text
+from easeoff import InputError
+from easeoff.cases import case_text, design_text
 from easeoff.contact import read_labels, read_problems
-from easeoff.core.errors import InputError
 from easeoff.study.cli import main
 
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
@@ -314,8 +314,9 @@ def test_uncertified_results_are_reported_with_exit_code_1(
 ) -> None:
     """A solver that fails at one mesh position leaves NaN there, a status, and everything else."""
     import easeoff.contact.loaded as loaded
+    from easeoff.contact import Status
     from easeoff.contact.line_contact.line_contact_law import solve_line_contacts as honest
-    from easeoff.contact.solvers.solution import Status, no_solution
+    from easeoff.contact.solvers.solution import no_solution
 
     calls = iter(range(10**6))
 

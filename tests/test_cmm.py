@@ -13,12 +13,10 @@ import xarray as xr
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
+from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry import Member
+from easeoff.geometry import GearPair, Member, tooth_angle
 from easeoff.geometry.formats import EdgeMargins, cmm_points, read_cmm_points, write_cmm_points
-from easeoff.geometry.pair.gear_pair import GearPair
-from easeoff.geometry.tooth.tooth_flanks import tooth_angle
 from easeoff.study.cli import main
 
 INCH = 25.4
@@ -294,7 +292,7 @@ def test_mistakes_give_one_message_and_no_file(arguments: list[str], words: str,
 
 
 def test_flank_a_case_does_not_describe_is_refused(tmp_path: Path) -> None:
-    from easeoff.cases.reading import case_text
+    from easeoff.cases import case_text
 
     text = case_text("nasa-12x36")
     start, end = text.index("[gear.concave.machine]"), text.index("[gear.convex.machine]")

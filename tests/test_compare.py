@@ -20,11 +20,10 @@ import xarray as xr
 from click.testing import CliRunner, Result
 from solver_choice import BACKENDS, installed
 
-from easeoff.contact import ContactProblem, read_problems, write_problems
-from easeoff.contact.problem.certificate import EXACT_TOLERANCE
-from easeoff.contact.solvers import SOLVERS as SOLVER_TABLE
-from easeoff.contact.solvers.solver_table import SOLVERS as SOLVERS_TABLE
-from easeoff.core.errors import InputError
+from easeoff import InputError
+from easeoff.contact import EXACT_TOLERANCE, ContactProblem, read_problems, write_problems
+from easeoff.contact import SOLVERS as SOLVERS_TABLE
+from easeoff.contact import SOLVERS as SOLVER_TABLE
 from easeoff.study.cli import main
 from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
 from easeoff.study.compare.attempt import attempt, load_adapter
@@ -33,7 +32,7 @@ from easeoff.study.compare.comparison_figures import draw_growth, draw_profiles
 from easeoff.study.compare.comparison_report import comparison_report
 from easeoff.study.compare.comparison_statistics import by_problem, growth, performance_profile, shifted_geometric_mean
 from easeoff.study.compare.comparison_table import RESIDUALS
-from easeoff.verification.problem_classes import problems
+from easeoff.verification import problems
 
 FAKES = ["fault", "hang", "fail", "deny"]
 SOLVERS = ["native", *(f"fake_solvers:{name}" for name in FAKES)]

@@ -15,8 +15,10 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 from solver_choice import LIFTING, installed
 
+from easeoff import InputError
 from easeoff.cases import read_case, shipped_cases
 from easeoff.contact import (
+    SOLVERS,
     ContactProblem,
     dual_qp,
     lcp,
@@ -27,13 +29,10 @@ from easeoff.contact import (
 )
 from easeoff.contact.problem.answer import Answer
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.solvers import SOLVERS
 from easeoff.contact.solvers.adapters import lemke
 from easeoff.contact.solvers.backend import chosen_form
-from easeoff.core.errors import InputError
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.study import CaseInMesh, contact_analysis
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
 

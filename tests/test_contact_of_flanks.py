@@ -9,15 +9,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance.elastic_model import STEEL
-from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
-from easeoff.core.errors import InputError
-from easeoff.geometry.tooth.lattice_spacing import LatticeSpacing
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize
-from easeoff.verification.flank_contact import FlankContact, contact_of_flanks
-from easeoff.verification.flank_response import FlankResponse, flank_response, thinner_edges
-from easeoff.verification.surface_cells import FlanksInMesh, flanks_in_mesh
+from easeoff.contact import STEEL, MeshLines, lines_in_mesh
+from easeoff.geometry import LatticeSize, LatticeSpacing
+from easeoff.verification import (
+    FlankContact,
+    FlankResponse,
+    FlanksInMesh,
+    contact_of_flanks,
+    flank_response,
+    flanks_in_mesh,
+)
+from easeoff.verification.flank_response import thinner_edges
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"

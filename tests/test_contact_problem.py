@@ -10,14 +10,12 @@ import pytest
 import qpsolvers
 import xarray as xr
 
-from easeoff.contact.problem.certificate import Certificate, certify
-from easeoff.contact.problem.contact_problem import ContactProblem
+from easeoff import InputError
+from easeoff.contact import Certificate, ContactProblem, certify, solve
 from easeoff.contact.problem.scaling import power_of_two
-from easeoff.contact.solvers import solve
 from easeoff.contact.solvers.active_set_system import solve_active_set
 from easeoff.contact.solvers.native import answers
-from easeoff.core.errors import InputError
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 
 def small(**changes: Any) -> ContactProblem:

@@ -16,7 +16,7 @@ from solver_choice import (
 
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.solvers.adapters import cvxpy_programme
-from easeoff.verification.problem_classes import problems
+from easeoff.verification import problems
 
 
 @pytest.fixture

@@ -12,15 +12,23 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from easeoff.cases import Case, case_toml, gear_pair, parse_case, parse_design, read_case, read_design, shipped_designs
-from easeoff.cases.conversion import ease_off_target
-from easeoff.cases.reading import design_text
-from easeoff.core.errors import EaseoffError
+from easeoff import EaseoffError, analyze
+from easeoff.cases import (
+    Case,
+    case_toml,
+    design_text,
+    ease_off_target,
+    gear_pair,
+    parse_case,
+    parse_design,
+    read_case,
+    read_design,
+    shipped_designs,
+)
 from easeoff.geometry import ease_off
 from easeoff.geometry.design.mean_point import mean_point_angles
 from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.study.analysis import analyze
-from easeoff.study.case_design import DesignReport, design_case
+from easeoff.study import DesignReport, design_case
 from easeoff.study.cli import main
 from easeoff.study.report.design_report import unit_of
 

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from pairs import GEAR_BLANK
 
 import easeoff
-from easeoff.core.errors import InputError
-from easeoff.geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, deviation_from_formula
+from easeoff import InputError
+from easeoff.geometry import Deviation, deviation_from_dataset, deviation_from_formula
+from easeoff.geometry.deviation.deviation import Method
 from easeoff.geometry.deviation.interpolation import smoothed
-from easeoff.geometry.formats.measuring_points import EdgeMargins, _grid
+from easeoff.geometry.formats import EdgeMargins
+from easeoff.geometry.formats.measuring_points import _grid
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS = 5, 9

@@ -22,13 +22,10 @@ from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.schema_table import Table
-from easeoff.contact import read_problems, solve
-from easeoff.contact.solvers.solver_table import SOLVERS
-from easeoff.geometry import MachineSettings, ease_off
+from easeoff.contact import SOLVERS, read_problems, solve
+from easeoff.geometry import FREE_SETTINGS, MachineSettings, ease_off, machine_pose
 from easeoff.geometry.cutting.machine import IncrementSense
-from easeoff.geometry.cutting.machine_pose import machine_pose
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
-from easeoff.geometry.design.synthesis import FREE_SETTINGS
 from easeoff.study.cli import main
 from easeoff.study.library import entries, reference_answers
 from easeoff.study.library.library_files import labels
@@ -252,7 +249,7 @@ def test_example_case_is_a_case() -> None:
 
 def test_problem_file_holds_the_variables_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from easeoff.contact import write_problems
-    from easeoff.verification.problem_classes import problems
+    from easeoff.verification import problems
 
     labels = {"pinion_torque": np.ones(4), "mesh_position": np.zeros(4)}
     write_problems([*problems("plain", 2), *problems("random_dense", 2)], tmp_path / "problems.nc", labels)

@@ -9,19 +9,29 @@ import numpy as np
 import pytest
 from pairs import conjugate_pair
 
+from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
-from easeoff.core.errors import GeometryError
-from easeoff.geometry import Blade, EaseOffTarget, GearPair, GeneratingSurface, MachineSettings, Member, Misalignment
-from easeoff.geometry.cutting.named_settings import with_settings
-from easeoff.geometry.design.synthesis import fit_pinion
-from easeoff.geometry.flanks.blank_section import BlankSection
+from easeoff.geometry import (
+    Blade,
+    BlankSection,
+    EaseOff,
+    EaseOffTarget,
+    Flank,
+    GearPair,
+    GeneratingSurface,
+    MachineSettings,
+    Member,
+    Misalignment,
+    ease_off,
+    exact_ease_off,
+    fit_pinion,
+    with_settings,
+)
 from easeoff.geometry.flanks.curvature import shape_operator
-from easeoff.geometry.flanks.flank import Flank
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
-from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
-from easeoff.geometry.pair.gear_pair import ease_off, grid
+from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import cross, dot
-from easeoff.verification.point_contact import PointContact, path_of_contact
+from easeoff.verification import PointContact, path_of_contact
 
 ARC_SECOND = math.pi / 180 / 3600
 

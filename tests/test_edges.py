@@ -9,21 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from easeoff import read_case
+from easeoff import analyze, read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.cases.conversion import edges_touch
-from easeoff.contact.compliance.elastic_model import ElasticModel
+from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.lines.mesh_lines import MeshLines, lines_in_mesh
-from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, loaded_contact, loaded_splines
-from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.geometry.flanks.flank import solve_flank
-from easeoff.geometry.pair.gear_pair import GearPair, PairGeometry
-from easeoff.study.analysis import analyze
-from easeoff.verification.flank_gap import flank_gap
-from easeoff.verification.surface_cells import flanks_in_mesh
+from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR
+from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry, solve_flank
+from easeoff.verification import flank_gap, flanks_in_mesh
 
 PAIRS = {
     "fm-11x41": Misalignment(offset=-0.15, pinion_axial=0.12),

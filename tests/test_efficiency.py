@@ -15,10 +15,9 @@ from click.testing import CliRunner
 from test_friction_kinematics import shape_operators, spur
 
 import easeoff
-from easeoff.cases import Case
-from easeoff.cases.schema.case_schema import ContactTable
-from easeoff.contact.solvers import Status
-from easeoff.core.errors import InputError
+from easeoff import InputError
+from easeoff.cases import Case, ContactTable
+from easeoff.contact import Status
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.loaded_contacts import loaded_contacts
@@ -27,10 +26,10 @@ from easeoff.friction.operation import named_models
 from easeoff.friction.surface_velocities import action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
-from easeoff.study.analysis import Analysis, contact_analysis, operation_of
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import Analysis, CaseInMesh, contact_analysis, result_summary
+from easeoff.study.analysis import operation_of
 from easeoff.study.cli import main
-from easeoff.study.report.result_summary import result_summary, uncertified
+from easeoff.study.report.result_summary import uncertified
 
 DOCS = Path(__file__).parents[1] / "docs"
 POSITIONS = 6

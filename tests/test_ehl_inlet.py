@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction.ehl import LubricatedContact, Oil, film_factor, heated_inlet, smooth_film, traction
 
 OIL = Oil(0.0499, 13.9e-9, temperature_viscosity=0.04, thermal_conductivity=0.14)

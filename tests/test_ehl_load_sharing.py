@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction.ehl import (
     Asperities,
     LubricatedContact,

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction.ehl import (
     LubricatedContact,
     Oil,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film, traction
 from easeoff.friction.ehl.shear_traction import film_temperature
 

@@ -13,7 +13,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.optimize import brentq
 from scipy.stats import qmc
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction import lubricant
 from easeoff.friction.ehl import Film, LubricatedContact, Oil, State, Status, smooth_film
 from easeoff.friction.ehl.equations.film_certificate import certify

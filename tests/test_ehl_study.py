@@ -14,21 +14,29 @@ import xarray as xr
 from friction_studies import RIDGES_FILE, STUDY_FILES, stored_studies
 
 import easeoff.friction
-from easeoff.core.errors import InputError, MissingPackageError
+from easeoff import InputError, MissingPackageError
 from easeoff.friction import friction_coefficient
 from easeoff.friction.conditions import STEEL_MODULUS
 from easeoff.friction.ehl import Status
-from easeoff.friction.ehl.study import parameter_study as study_module
-from easeoff.friction.ehl.study import study_case as cases_module
-from easeoff.friction.ehl.study.formula_regression import (
+from easeoff.friction.ehl.study import (
+    Condition,
+    Design,
+    FrictionFormula,
+    Resolution,
     compare,
     fit_friction,
+    read_formula,
+    run_case,
+    run_study,
+    shipped_formula,
+    study_dataset,
     study_inputs,
+    write_formula,
 )
-from easeoff.friction.ehl.study.friction_formula import FrictionFormula, read_formula, shipped_formula, write_formula
-from easeoff.friction.ehl.study.parameter_study import run_study, study_dataset
-from easeoff.friction.ehl.study.study_case import NUMBERS, Resolution, Row, run_case
-from easeoff.friction.ehl.study.study_design import REFINED, Condition, Design, oil_75w90
+from easeoff.friction.ehl.study import parameter_study as study_module
+from easeoff.friction.ehl.study import study_case as cases_module
+from easeoff.friction.ehl.study.study_case import NUMBERS, Row
+from easeoff.friction.ehl.study.study_design import REFINED, oil_75w90
 from easeoff.friction.film_thickness import pan_hamrock
 
 

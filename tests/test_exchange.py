@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from easeoff.contact.problem.contact_problem import ContactProblem
-from easeoff.contact.problem.problem_file import read_labels, read_problems, write_problems
-from easeoff.core.errors import InputError
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff import InputError
+from easeoff.contact import ContactProblem, read_labels, read_problems, write_problems
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 
 def ragged() -> list[ContactProblem]:

@@ -10,30 +10,28 @@ import pytest
 from pairs import GEAR_BLANK, GEAR_MACHINE, PINION_BLANK
 from scipy.spatial.transform import Rotation
 
-from easeoff.cases import parse_case, read_case
-from easeoff.cases.conversion import gear_pair
-from easeoff.cases.reading import case_text
+from easeoff import InputError
+from easeoff.cases import case_text, gear_pair, parse_case, read_case
 from easeoff.contact import lines_in_mesh, loaded_contact, loaded_splines
-from easeoff.core.errors import InputError
 from easeoff.geometry import (
     Assembly,
     Blade,
     EaseOffTarget,
     GearPair,
     GeneratingSurface,
+    Hand,
     MachineSettings,
     Member,
     NodeStatus,
     conjugate_pinion,
+    exact_ease_off,
     fit_pinion,
     pair_geometry,
+    work_rotation,
 )
-from easeoff.geometry.cutting.generating_surface import Hand
-from easeoff.geometry.cutting.machine import work_rotation
-from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate_z
-from easeoff.verification.conventional_analysis import both_methods, point_differences
+from easeoff.verification import both_methods, point_differences
 
 GROUPS = 13
 DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))

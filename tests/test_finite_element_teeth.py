@@ -14,9 +14,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import easeoff
-from easeoff.cases import Case, gear_pair, read_case
-from easeoff.cases.schema.case_schema import ContactTable
-from easeoff.contact.compliance.elastic_model import STEEL, ElasticModel, elastic_teeth, shells
+from easeoff import GeometryError, InputError
+from easeoff.cases import Case, ContactTable, gear_pair, read_case
+from easeoff.contact import STEEL, ElasticModel
+from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.bricks import brick_gradients, gauss_rule, shape_functions
@@ -30,13 +31,10 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse, by_station, stress_functionals
-from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry import GearPair, pair_geometry
-from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry import GearPair, LatticeSize, ToothLattice, pair_geometry, solve_flank, tooth_lattice
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.lattice_spacing import graded
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
-from easeoff.study.report.result_summary import result_summary
+from easeoff.study import result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)

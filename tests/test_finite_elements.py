@@ -12,8 +12,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
+from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.compliance import Material
+from easeoff.contact import Material
 from easeoff.contact.compliance.finite_elements.bricks import (
     ShapeFunctions,
     brick_gradients,
@@ -23,9 +24,8 @@ from easeoff.contact.compliance.finite_elements.bricks import (
 )
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body, functionals
 from easeoff.contact.compliance.finite_elements.stiffness_factor import solver_of
-from easeoff.core.errors import GeometryError
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize, tooth_lattice
-from easeoff.verification.serendipity_brick import serendipity_functions
+from easeoff.geometry import LatticeSize, tooth_lattice
+from easeoff.verification import serendipity_functions
 
 Array = NDArray[Any]
 STEEL = Material(206000.0, 0.3)

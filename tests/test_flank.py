@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from pairs import GEAR_BLANK, PINION_BLANK, conjugate_pair
 
+from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
-from easeoff.core.errors import GeometryError
-from easeoff.geometry import BlankSection, NodeStatus, flank
-from easeoff.geometry.flanks.curvature import principal_curvatures, shape_operator
-from easeoff.geometry.flanks.flank import solve_flank
+from easeoff.geometry import BlankSection, NodeStatus, flank, principal_curvatures, solve_flank
+from easeoff.geometry.flanks.curvature import shape_operator
 from easeoff.geometry.vectors import dot
 
 INCH = 25.4

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.geometry.pair.ease_off import exact_ease_off
+from easeoff.geometry import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
-from easeoff.verification.flank_gap import flank_gap
-from easeoff.verification.point_contact import path_of_contact
+from easeoff.verification import flank_gap, path_of_contact
 
 
 def test_no_gap_where_the_flanks_touch() -> None:

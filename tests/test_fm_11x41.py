@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from easeoff import analyze
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.gear_pair import bodies
-from easeoff.study.analysis import analyze
 
 # Kolivand 2009: Table 3.1 and figure 3.6 at 50, 250 and 500 N m, Table 4.2 at 200 N m; mean levels read off figures.
 TORQUES = [50.0, 200.0, 250.0, 500.0]

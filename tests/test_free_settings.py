@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 from pairs import conjugate_pair
 
-from easeoff.core.errors import InputError
-from easeoff.geometry.cutting.machine_pose import machine_pose
+from easeoff import InputError
+from easeoff.geometry import EaseOffTarget, fit_pinion, get_setting, machine_pose, with_settings
 from easeoff.geometry.cutting.named_settings import (
     BLADE_STEPS,
     CURVATURE_STEPS,
     MACHINE_STEPS,
     MODIFIED_ROLL_ORDERS,
-    get_setting,
     scale_of,
-    with_settings,
 )
-from easeoff.geometry.design.synthesis import EaseOffTarget, fit_pinion
 
 NAMES = [
     *BLADE_STEPS,

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction import (
     COEFFICIENTS,
+    FILMS,
     THERMAL_FACTORS,
     ContactConditions,
     contact_conditions,
@@ -20,7 +21,7 @@ from easeoff.friction import (
 )
 from easeoff.friction import kolivand_formula as module
 from easeoff.friction.coefficient import xu_kahraman
-from easeoff.friction.film_thickness import FILMS, dowson_higginson, pan_hamrock
+from easeoff.friction.film_thickness import dowson_higginson, pan_hamrock
 from easeoff.friction.rolling_traction import isothermal_traction
 
 # Pressure GPa, radius mm, rolling m/s, slide-to-roll, degC, roughness um: film um, lambda, coefficient; then, where

@@ -11,9 +11,8 @@ import xarray as xr
 from click.testing import CliRunner
 
 import easeoff
-from easeoff.cases import case_toml, parse_case
-from easeoff.cases.reading import case_text
-from easeoff.core.errors import InputError
+from easeoff import InputError
+from easeoff.cases import case_text, case_toml, parse_case
 from easeoff.friction import FILMS, THERMAL_FACTORS, FrictionModel, Operation, friction
 from easeoff.study.analysis import operation_of
 from easeoff.study.cli import main

@@ -11,19 +11,27 @@ from deviations import GEAR_ERRORS
 from numpy.typing import NDArray
 
 import easeoff
+from easeoff import InputError
 from easeoff.cases import gear_pair
-from easeoff.core.errors import InputError
-from easeoff.geometry import Member
-from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
-from easeoff.geometry.design.synthesis import FREE_SETTINGS
-from easeoff.geometry.deviation.corrective_settings import FREE_FORMATE_SETTINGS, corrective_settings
-from easeoff.geometry.deviation.deviation import Deviation, deviation_from_formula
-from easeoff.geometry.deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
+from easeoff.geometry import (
+    FREE_FORMATE_SETTINGS,
+    FREE_SETTINGS,
+    Deviation,
+    GeneratingSurface,
+    GlobalErrors,
+    Member,
+    angle_errors,
+    corrective_settings,
+    deviation_from_formula,
+    fit_global_errors,
+    get_setting,
+    named_member,
+    with_settings,
+)
+from easeoff.geometry.cutting.named_settings import scale_of
 from easeoff.geometry.deviation.measurement import zeroed
 from easeoff.geometry.formats import cmm_points
-from easeoff.geometry.tooth.tooth_flanks import named_member
-from easeoff.verification.measured_distance import distance_along_normals
+from easeoff.verification import distance_along_normals
 
 Array = NDArray[np.float64]
 

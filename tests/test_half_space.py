@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from easeoff.contact.compliance.elastic_model import STEEL
+from easeoff.contact import STEEL
 from easeoff.verification.half_space import (
     even_pressure_integral,
     point_force_displacement,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
-from easeoff.core.errors import InputError
+from easeoff import InputError
+from easeoff.contact import Material, WeberLineContact
+from easeoff.contact.compliance import FOOT_OF_NORMAL_CORRECTION
 
 STEEL = Material(206000.0, 0.3)
 BRONZE = Material(105000.0, 0.34)

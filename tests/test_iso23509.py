@@ -15,11 +15,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry.design import blank as blank_module
-from easeoff.geometry.design.blank import (
-    ISO_INPUT_SYMBOLS,
-    ISO_SYMBOLS,
+from easeoff import GeometryError, InputError
+from easeoff.geometry import (
     BlankDesign,
     BlankDimensions,
     PitchCones,
@@ -27,6 +24,8 @@ from easeoff.geometry.design.blank import (
     blank_dimensions,
     dimensions_by_symbol,
 )
+from easeoff.geometry.design import blank as blank_module
+from easeoff.geometry.design.blank import ISO_INPUT_SYMBOLS, ISO_SYMBOLS
 from easeoff.geometry.design.iso23509.crown_gear import crown_gear
 from easeoff.geometry.design.iso23509.symbols import is_angle
 

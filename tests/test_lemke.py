@@ -7,12 +7,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from easeoff.contact import ContactProblem, lcp, solve
-from easeoff.contact.solvers import Status
+from easeoff import InputError
+from easeoff.contact import ContactProblem, Status, lcp, solve
 from easeoff.contact.solvers.adapters.lemke import lemke
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
-from easeoff.core.errors import InputError
-from easeoff.verification.problem_classes import problems
+from easeoff.verification import problems
 
 
 def residual(matrix: np.ndarray, vector: np.ndarray, z: np.ndarray) -> float:

@@ -7,8 +7,7 @@ import math
 import pytest
 from solver_choice import AGREEMENT, BACKENDS, installed
 
-from easeoff.contact import ContactProblem, Status, solve
-from easeoff.contact.solvers import SOLVERS
+from easeoff.contact import SOLVERS, ContactProblem, Status, solve
 from easeoff.study.library import entries, generate, reference_answers
 
 pytestmark = pytest.mark.thorough  # every backend on all problems

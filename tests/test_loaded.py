@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from easeoff import InputError, analyze
 from easeoff.cases import Case, gear_pair, read_case
-from easeoff.contact import available_solvers
-from easeoff.contact.compliance.elastic_model import ElasticModel, shells, tooth_dimensions
-from easeoff.contact.mesh_cycle import MeshCycle
-from easeoff.core.errors import InputError
+from easeoff.contact import ElasticModel, MeshCycle, available_solvers
+from easeoff.contact.compliance.elastic_model import shells, tooth_dimensions
 from easeoff.geometry import pair_geometry
-from easeoff.study.analysis import analyze, contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import CaseInMesh, contact_analysis
 
 
 def small(name: str = "nasa-12x36", **changes: object) -> Case:

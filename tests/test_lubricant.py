@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from easeoff.core.errors import InputError
+from easeoff import InputError
 from easeoff.friction import Lubricant, available_lubricants, lubricant
 
 SHIPPED = available_lubricants()

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from easeoff.core.errors import InputError
-from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings
-from easeoff.geometry.cutting.machine import work_rotation
+from easeoff import InputError
+from easeoff.geometry import Assembly, Blade, GeneratingSurface, MachineSettings, work_rotation
 from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.vectors import cross, dot, rotate_z

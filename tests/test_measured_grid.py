@@ -13,10 +13,9 @@ from click.testing import CliRunner
 from deviations import GEAR_ERRORS
 
 import easeoff
+from easeoff import InputError
 from easeoff.cases import gear_pair
-from easeoff.core.errors import InputError
-from easeoff.geometry import GearPair
-from easeoff.geometry.deviation.deviation import deviation_from_formula
+from easeoff.geometry import GearPair, deviation_from_formula, tooth_angle
 from easeoff.geometry.formats import (
     cmm_points,
     flank_deviation,
@@ -25,7 +24,6 @@ from easeoff.geometry.formats import (
     write_cmm_points,
     write_measured_grid,
 )
-from easeoff.geometry.tooth.tooth_flanks import tooth_angle
 from easeoff.study.cli import main
 
 FORMS = (".csv", ".nc", ".dmi")

@@ -12,13 +12,12 @@ from click.testing import CliRunner
 from mesh_reader import read_mesh
 from numpy.typing import NDArray
 
+from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.core.errors import GeometryError, InputError
+from easeoff.geometry import GearPair, tooth_angle, tooth_patches
 from easeoff.geometry.formats import write_mesh
 from easeoff.geometry.formats.patches import merged, oriented
-from easeoff.geometry.pair.gear_pair import GearPair
-from easeoff.geometry.tooth.tooth_flanks import placed_flanks, tooth_angle
-from easeoff.geometry.tooth.tooth_surface import tooth_patches
+from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 from easeoff.study.cli import main
 
 Array = NDArray[Any]

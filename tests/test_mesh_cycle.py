@@ -10,21 +10,20 @@ import pytest
 import xarray as xr
 from deviations import GEAR_ERRORS, PINION_ERRORS
 
+from easeoff import InputError, analyze
 from easeoff.cases import Case, gear_pair, read_case
 from easeoff.contact import MeshCycle, lines_in_mesh, loaded_contact, loaded_splines
-from easeoff.core.errors import InputError
 from easeoff.geometry import (
     Misalignment,
     Modification,
     PairGeometry,
     deviated_ease_off,
     deviation_from_formula,
+    exact_ease_off,
     modified_ease_off,
     pair_geometry,
 )
-from easeoff.geometry.pair.ease_off import exact_ease_off
-from easeoff.study.analysis import analyze, contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import CaseInMesh, contact_analysis
 
 NODES = (17, 13)
 AWAY = Misalignment(offset=0.05, pinion_axial=-0.03, gear_axial=0.02, shaft_angle=1e-4)

@@ -13,9 +13,17 @@ from test_face_hobbing import hobbed_pair
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact import lines_in_mesh, loaded_contact, loaded_splines, unloaded_contact
 from easeoff.friction import Operation, friction
-from easeoff.geometry import EaseOffTarget, GearPair, Member, Misalignment, fit_pinion, pair_geometry
-from easeoff.geometry.cutting.generating_surface import GeneratingSurface, Hand
-from easeoff.geometry.pair.gear_pair import FlankName
+from easeoff.geometry import (
+    EaseOffTarget,
+    FlankName,
+    GearPair,
+    GeneratingSurface,
+    Hand,
+    Member,
+    Misalignment,
+    fit_pinion,
+    pair_geometry,
+)
 
 # Offset, axial positions and shaft angle are lengths and an angle of the pair: their mirror image is the same number.
 ERRORS = Misalignment(0.08, -0.05, 0.03, 0.0005)

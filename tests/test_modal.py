@@ -13,21 +13,28 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import easeoff.contact.loaded as loaded_module
+from easeoff import InputError
 from easeoff.cases import read_case
-from easeoff.contact.compliance import Material, WeberLineContact
+from easeoff.contact import (
+    ContactProblem,
+    ContactSolution,
+    Material,
+    ModalCompliance,
+    Status,
+    WeberLineContact,
+    available_solvers,
+    solve,
+    solve_many,
+)
 from easeoff.contact.line_contact.line_contact_law import LineContactLaw
-from easeoff.contact.problem.compliance_matrix import ModalCompliance
-from easeoff.contact.problem.contact_problem import ContactProblem
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
-from easeoff.contact.solvers import ContactSolution, Status, available_solvers, problem_batch, solve, solve_many
 from easeoff.contact.solvers import modal_newton as method_of_newton
+from easeoff.contact.solvers import problem_batch
 from easeoff.contact.solvers.modal_batch import ModalBatch
 from easeoff.contact.solvers.modal_newton import LinearLaw, has_modal_form, modal_newton, newton_batch
 from easeoff.contact.solvers.native import METHODS
-from easeoff.core.errors import InputError
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.study import CaseInMesh, contact_analysis
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 Array = NDArray[np.float64]
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import easeoff
+from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.core.errors import InputError
-from easeoff.geometry import EaseOffTarget, ease_off
-from easeoff.geometry.pair.modification import TERM_ORDERS, Modification, basis, modified_ease_off, terms
-from easeoff.study.fitted_settings import fit_modification
+from easeoff.geometry import EaseOffTarget, Modification, ease_off, modified_ease_off
+from easeoff.geometry.pair.modification import TERM_ORDERS, basis, terms
+from easeoff.study import fit_modification
 
 T, H = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 7), indexing="ij")
 SOME = Modification({"lengthwise_crowning": 8.0, "bias": -5.0, "profile_3": 3.0, "spiral_angle_error": 2.0})

@@ -8,10 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 import easeoff
-from easeoff.cases import parse_case, parse_design, read_case, read_design, write_case
-from easeoff.cases.reading import case_text
-from easeoff.cases.schema.friction_table import FrictionTable
-from easeoff.core.errors import InputError
+from easeoff import InputError
+from easeoff.cases import FrictionTable, case_text, parse_case, parse_design, read_case, read_design, write_case
 from easeoff.friction import lubricant
 from easeoff.friction.lubricant import LUBRICANTS_FOLDER
 from easeoff.study.cli import main

@@ -10,6 +10,7 @@ import pytest
 from modified_bed import Array, Bed, smooth_bed
 from scipy.optimize import Bounds, LinearConstraint, milp
 
+from easeoff import InputError
 from easeoff.contact import solve
 from easeoff.contact.modification.convex_programme import (
     Goal,
@@ -22,7 +23,6 @@ from easeoff.contact.modification.convex_programme import (
 )
 from easeoff.contact.modification.load_response import slopes
 from easeoff.contact.modification.modification_search import ModificationSearch, optimal_modification, search
-from easeoff.core.errors import InputError
 
 
 def free_bed(seed: int, *, winkler: bool, torques: tuple[float, ...] = (4e5,)) -> Bed:

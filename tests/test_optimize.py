@@ -13,16 +13,14 @@ import xarray as xr
 from click.testing import CliRunner
 
 import easeoff
+from easeoff import InputError, optimize
 from easeoff.cases import Case, read_case
+from easeoff.contact import Status
 from easeoff.contact.modification.modified_contact import ModifiedContact
-from easeoff.contact.solvers import Status
-from easeoff.core.errors import InputError
 from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import terms
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.study import CaseInMesh, recorded_modification
 from easeoff.study.cli import main
-from easeoff.study.fitted_settings import recorded_modification
-from easeoff.study.optimization import optimize
 
 COARSE = {"mesh_positions": 6, "segments_per_line": 11, "lengthwise_nodes": 11, "profile_nodes": 9}
 AWAY = Misalignment(offset=0.05, pinion_axial=-0.05)

@@ -12,13 +12,12 @@ import xarray as xr
 from click.testing import CliRunner
 
 import easeoff
-from easeoff.cases import Case, write_case
-from easeoff.cases.reading import shipped_cases
+from easeoff.cases import Case, shipped_cases, write_case
 from easeoff.geometry import Modification
+from easeoff.study import plausibility, result_summary
 from easeoff.study.cli import main
 from easeoff.study.plot.page import small_print
-from easeoff.study.report.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT, plausibility
-from easeoff.study.report.result_summary import result_summary
+from easeoff.study.report.plausibility import COMMON_FLANK_LIMIT, EASE_OFF_LIMIT, PRESSURE_LIMIT
 
 COARSE = {"torques": (100.0,), "mesh_positions": 4, "segments_per_line": 5, "lengthwise_nodes": 11, "profile_nodes": 9}
 

@@ -18,12 +18,12 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from easeoff import analyze, read_case
+from easeoff import InputError, analyze, read_case
+from easeoff.contact import Status
 from easeoff.contact.lines.contact_lines import boundary_distance
-from easeoff.contact.solvers import Status
-from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
-from easeoff.study.plot import FRICTION_PICTURES, PICTURES, write_pictures
+from easeoff.study import write_pictures
+from easeoff.study.plot import FRICTION_PICTURES, PICTURES
 from easeoff.study.plot.contact_pattern import bent_lines, contact_pattern
 from easeoff.study.plot.contour_labels import (
     drop_short,

@@ -14,20 +14,27 @@ import xarray as xr
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
+from easeoff import InputError
 from easeoff.cases import read_case, shipped_cases
-from easeoff.contact import ContactProblem, read_labels, read_problems, solve
-from easeoff.contact.problem.problem_file import write_problems
-from easeoff.core.errors import InputError
-from easeoff.geometry.pair.assembly import Misalignment
-from easeoff.study.analysis import contact_analysis
-from easeoff.study.case_in_mesh import CaseInMesh
+from easeoff.contact import ContactProblem, read_labels, read_problems, solve, write_problems
+from easeoff.geometry import Misalignment
+from easeoff.study import CaseInMesh, contact_analysis
 from easeoff.study.cli import main
-from easeoff.study.library import KINDS, PARTS, Entry, entries, generate, reference_answers, write_library
+from easeoff.study.library import (
+    KINDS,
+    PARTS,
+    Entry,
+    entries,
+    generate,
+    proved_answer,
+    reference_answers,
+    write_library,
+)
 from easeoff.study.library import library_files as files
 from easeoff.study.library.library_entries import BASES, MESH_POSITIONS, TORQUES
 from easeoff.study.library.problem_changes import CHANGES, copied_segments, next_contact
 from easeoff.study.library.problem_generation import dense
-from easeoff.study.library.reference_answers import TABLE, condition_number, proved_answer, refined_rotation
+from easeoff.study.library.reference_answers import TABLE, condition_number, refined_rotation
 
 EVERY = {entry.name: entry for entry in entries()}
 BASE = "nasa-12x36"

@@ -13,8 +13,8 @@ import xarray as xr
 from click.testing import CliRunner
 
 import easeoff
+from easeoff.study import measured_file, shipped_deviations
 from easeoff.study.cli import main
-from easeoff.study.flank_deviations import measured_file, shipped_deviations
 
 DOCS = Path(__file__).parents[1] / "docs"
 GREATEST = {  # um of missing metal; Kolivand 2009, sections 4.5.1 and 4.5.2

@@ -17,25 +17,29 @@ from easeoff.contact.lines.contact_lines import curvature_and_skew
 from easeoff.geometry import (
     Blade,
     EaseOffTarget,
+    FlankName,
     GearPair,
     GeneratingSurface,
     MachineSettings,
     Misalignment,
+    exact_ease_off,
     fit_pinion,
+    principal_curvatures,
 )
-from easeoff.geometry.flanks.curvature import principal_curvatures
-from easeoff.geometry.pair.ease_off import exact_ease_off
-from easeoff.geometry.pair.gear_pair import FlankName, grid
+from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import cross, dot
-from easeoff.verification.conventional_analysis import BothMethods, both_methods, line_differences, point_differences
-from easeoff.verification.directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
-from easeoff.verification.point_contact import path_of_contact
-from easeoff.verification.relative_curvature import (
+from easeoff.verification import (
+    BothMethods,
+    DirectionalCurvatures,
+    ShapeOperator,
+    both_methods,
+    directional_curvatures,
+    line_differences,
+    path_of_contact,
+    point_differences,
     relative_curvature,
-    relative_shape_operator,
-    shape_operators,
-    stationary_directions,
 )
+from easeoff.verification.relative_curvature import relative_shape_operator, shape_operators, stationary_directions
 
 ERRORS = Misalignment(0.1, -0.1, 0.05)
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")

@@ -14,10 +14,10 @@ import pytest
 from case_strategies import cases
 from hypothesis import HealthCheck, given, settings
 
+from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, read_rexs, shipped_cases, write_rexs
 from easeoff.cases.conversion import machine_settings
 from easeoff.cases.schema.cutting_table import FlankSettings
-from easeoff.core.errors import InputError
 
 NASA = read_case("nasa-12x36")
 SCHEMA_UNITS = {"mm", "deg", "none", "MPa"}

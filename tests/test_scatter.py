@@ -11,11 +11,10 @@ import xarray as xr
 from click.testing import CliRunner
 
 import easeoff
+from easeoff import GeometryError
 from easeoff.cases import Case, gear_pair
-from easeoff.core.errors import GeometryError
-from easeoff.geometry import GearPair
+from easeoff.geometry import GearPair, named_member
 from easeoff.geometry.formats import cmm_points, measured_grid, write_measured_grid
-from easeoff.geometry.tooth.tooth_flanks import named_member
 from easeoff.study.cli import main
 
 NOISE = 3.0  # um

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from session_chain import chain, flank_points, straight
 
+from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, read_session_script
-from easeoff.core.errors import InputError
-from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
-from easeoff.geometry.pair.gear_pair import Member
+from easeoff.geometry import Member, NodeStatus, solve_flank
 
 Machine = dict[str, float]
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])

@@ -10,15 +10,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from easeoff.contact.compliance.elastic_foundation import ElasticFoundation
-from easeoff.contact.compliance.material import Material
-from easeoff.contact.compliance.shell import Shell
+from easeoff import InputError
+from easeoff.contact import ElasticFoundation, Material, Shell, ToothDimensions
 from easeoff.contact.compliance.shell_kinematics import DisplacementAssumption, five_field
 from easeoff.contact.compliance.shell_stiffness import TrialFunctions, stiffness_matrix
-from easeoff.contact.compliance.tooth_dimensions import ToothDimensions
 from easeoff.contact.compliance.trial_polynomials import PolynomialFamily, legendre, rooted_polynomials
-from easeoff.core.errors import InputError
-from easeoff.verification.thesis_shell import monomials, thesis_kinematics
+from easeoff.verification import monomials, thesis_kinematics
 
 FloatArray = NDArray[np.float64]
 STEEL = Material(206000.0, 0.3)

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from easeoff.contact.compliance import ElasticFoundation, Material, Shell, ToothDimensions
+from easeoff import InputError
+from easeoff.contact import ElasticFoundation, Material, Shell, ToothDimensions
 from easeoff.contact.compliance.shell_kinematics import ROOT_DEFLECTION, ROOT_HEIGHT_SHIFT, ROOT_ROTATION
-from easeoff.core.errors import InputError
-from easeoff.verification.shell_root_stress import notch_factor, root_section_forces, shell_root_stress
+from easeoff.verification import shell_root_stress
+from easeoff.verification.shell_root_stress import notch_factor, root_section_forces
 
 STEEL = Material(206000.0, 0.3)
 TOOTH = ToothDimensions(36.0, math.inf, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)

@@ -11,11 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 import easeoff
-from easeoff.cases import Case, gear_pair, parse_case, read_case
+from easeoff import GeometryError, InputError
+from easeoff.cases import Case, ContactTable, case_toml, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
-from easeoff.cases.schema.case_schema import ContactTable
-from easeoff.cases.writing import case_toml
-from easeoff.contact.compliance.elastic_model import STEEL
+from easeoff.contact import STEEL, root_stress
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.bricks import stiffness
@@ -33,9 +32,7 @@ from easeoff.contact.compliance.finite_elements.solid_shell import (
     tooth_stiffness,
 )
 from easeoff.contact.compliance.trial_polynomials import legendre
-from easeoff.contact.root_stress import root_stress
-from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
 
 Array = NDArray[Any]
 REFERENCE = Path(__file__).parent / "data" / "finite_element_teeth.npz"

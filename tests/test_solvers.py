@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from solver_choice import installed
 
-from easeoff.contact.problem.contact_problem import ContactProblem
+from easeoff import EaseoffError, InputError, MissingSolverError
+from easeoff.contact import SOLVERS, ContactProblem, ContactSolution, Status, available_solvers, solve
 from easeoff.contact.problem.scaled_problem import ScaledProblem
-from easeoff.contact.solvers import SOLVERS, ContactSolution, Status, available_solvers, solve
 from easeoff.contact.solvers.adapters import clarabel as clarabel_adapter
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.core.errors import EaseoffError, InputError, MissingSolverError, how_to_install
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.core.errors import how_to_install
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 
 def realistic(count: int = 1, seed: int = 0) -> list[ContactProblem]:

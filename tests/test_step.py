@@ -15,12 +15,12 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 from test_mesh import closed_tooth, ring_segment
 
+from easeoff import InputError, MissingPackageError
 from easeoff.cases import gear_pair, read_case
-from easeoff.core.errors import InputError, MissingPackageError
+from easeoff.geometry import tooth_angle, tooth_patches
 from easeoff.geometry.formats import write_step
 from easeoff.geometry.formats.step import require_opencascade, spline
-from easeoff.geometry.tooth.tooth_flanks import placed_flanks, tooth_angle
-from easeoff.geometry.tooth.tooth_surface import tooth_patches
+from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 from easeoff.study.cli import main
 
 Array = NDArray[Any]

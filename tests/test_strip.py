@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from easeoff.contact import ContactProblem, solve
-from easeoff.contact.compliance.material import Material
+from easeoff import InputError
+from easeoff.contact import ContactProblem, Material, WeberLineContact, solve
 from easeoff.contact.compliance.pressed_strip import PressedStrip
-from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-from easeoff.core.errors import InputError
 
 STEEL = Material(206000.0, 0.3)
 BRONZE = Material(105000.0, 0.34)

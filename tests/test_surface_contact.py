@@ -10,16 +10,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from easeoff.contact.compliance.elastic_model import STEEL
+from easeoff.contact import STEEL
 from easeoff.geometry.tooth.lattice_spacing import with_middles
-from easeoff.verification.flank_response import FlankResponse, cubic_shares
-from easeoff.verification.surface_cells import SurfaceCells
+from easeoff.verification import FlankResponse, SurfaceCells, half_space_compliance
+from easeoff.verification.flank_response import cubic_shares
 from easeoff.verification.surface_compliance import surface_compliance
-from easeoff.verification.surface_contact import (
-    half_space_compliance,
-    solve_surface_contact,
-    surface_contact_compliance,
-)
+from easeoff.verification.surface_contact import solve_surface_contact, surface_contact_compliance
 
 BOTH = (STEEL, STEEL)
 MODULUS = 0.5 * STEEL.plane_strain_modulus  # of the contact of two steel bodies

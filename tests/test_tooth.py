@@ -10,7 +10,7 @@ import pytest
 from numpy.polynomial import legendre
 from pairs import conjugate_pair
 
-from easeoff.core.errors import GeometryError
+from easeoff import GeometryError
 from easeoff.geometry import GearPair
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.pair.tooth_body import ToothBody, tooth_body
@@ -75,7 +75,7 @@ def test_foot_of_the_normal_lies_on_the_middle_surface(pair: GearPair) -> None:
     # The foot is half a thickness from the loaded flank, measured around the axis at the foot's own place.
     own = gear.flank(np.array([0.5]), np.array([0.5]))
     assert own.inside.all()
-    from easeoff.geometry.flanks.flank import solve_flank
+    from easeoff.geometry import solve_flank
 
     flank = solve_flank(gear.loaded, gear.section, *gear.section.points(t, h))
     behind = body.turn * (np.arctan2(foot[1], foot[0]) - np.arctan2(flank.position[1], flank.position[0]))

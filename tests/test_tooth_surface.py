@@ -10,16 +10,12 @@ import numpy as np
 import pytest
 from pairs import conjugate_pair
 
-from easeoff.cases import gear_pair, parse_case
-from easeoff.cases.reading import case_text
-from easeoff.core.errors import GeometryError
-from easeoff.geometry import GearPair, GeneratingSurface
-from easeoff.geometry.cutting.blade_sections import BladeSection
-from easeoff.geometry.cutting.machine_pose import machine_pose
-from easeoff.geometry.flanks.flank import solve_flank
+from easeoff import GeometryError
+from easeoff.cases import case_text, gear_pair, parse_case
+from easeoff.geometry import BladeSection, GearPair, GeneratingSurface, machine_pose, solve_flank, tooth_patches
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth import tooth
-from easeoff.geometry.tooth.tooth_surface import tooth_patches, tooth_side, tooth_surface
+from easeoff.geometry.tooth.tooth_surface import tooth_side, tooth_surface
 from easeoff.geometry.vectors import dot, rotate_z
 
 NODES = (7, 9)

@@ -17,11 +17,10 @@ from solver_choice import (
     rotation_and_gap,
 )
 
-from easeoff.contact import ContactProblem, available_solvers, certify, solve
-from easeoff.contact.solvers import SOLVERS, Status
+from easeoff.contact import SOLVERS, ContactProblem, Status, available_solvers, certify, solve
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.study.compare.worker import Request, workers
-from easeoff.verification.problem_classes import PROBLEM_CLASSES, problems
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 
 def in_metres(problem: ContactProblem) -> qpsolvers.Problem:

@@ -10,14 +10,13 @@ import xarray as xr
 from pairs import conjugate_pair
 from test_ease_off import contact_path
 
+from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact.harmonics import harmonics, peak_to_peak, rms
+from easeoff.contact import harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import arc_length, boundary_distance, contact_splines, trace
 from easeoff.contact.lines.flank_splines import fit
-from easeoff.contact.lines.mesh_lines import gauss_points, lines_in_mesh
-from easeoff.contact.unloaded import unloaded_contact
-from easeoff.core.errors import InputError
+from easeoff.contact.lines.mesh_lines import gauss_points
 from easeoff.geometry import GearPair, PairGeometry, pair_geometry
 
 

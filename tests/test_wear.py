@@ -10,14 +10,14 @@ import pytest
 import xarray as xr
 
 import easeoff
+from easeoff import GeometryError, InputError
 from easeoff.cases import Case
 from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
 from easeoff.contact.lines.flank_splines import FlankSplines
-from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.pair.rolling import rolling
+from easeoff.study import WearLaw, wear
 from easeoff.study.case_in_mesh import prepared_pair
-from easeoff.study.wear import WearLaw, wear
 
 SEGMENTS = 15
 NODES = (21, 15)

@@ -12,12 +12,11 @@ from click.testing import CliRunner
 from test_wear import small_case
 
 import easeoff
+from easeoff import InputError
 from easeoff.cases import Case, gear_pair, write_case
-from easeoff.core.errors import InputError
-from easeoff.geometry.pair.gear_pair import FlankName
+from easeoff.geometry import FlankName
+from easeoff.study import WearLaw, flank_deviations, wear
 from easeoff.study.cli import main
-from easeoff.study.flank_deviations import flank_deviations
-from easeoff.study.wear import WearLaw, wear
 
 MEMBERS: Any = ("pinion", "gear")
 

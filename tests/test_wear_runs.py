@@ -14,14 +14,13 @@ from click.testing import CliRunner
 from test_wear import small_case
 
 import easeoff
+from easeoff import GeometryError, InputError
+from easeoff.contact import MeshCycle
 from easeoff.contact.lines.contact_lines import arc_length, contact_splines
-from easeoff.contact.mesh_cycle import MeshCycle
-from easeoff.core.errors import GeometryError, InputError
-from easeoff.geometry import Misalignment, pair_geometry
-from easeoff.geometry.deviation.deviation import deviation_from_formula
+from easeoff.geometry import Misalignment, deviation_from_formula, pair_geometry
+from easeoff.study import WearLaw, wear
 from easeoff.study.case_in_mesh import prepared_pair
 from easeoff.study.cli import main
-from easeoff.study.wear import WearLaw, wear
 
 LAW = WearLaw(1e-12, 1e-12, 4e6, 10.0)
 

@@ -10,8 +10,8 @@ from case_strategies import cases
 from hypothesis import given
 from hypothesis import strategies as st
 
+from easeoff import InputError
 from easeoff.cases import Case, case_toml, parse_case, read_case, shipped_cases, write_case
-from easeoff.core.errors import InputError
 
 
 @pytest.mark.parametrize("name", shipped_cases())

@@ -28,7 +28,7 @@ from .problem_classes import PROBLEM_CLASSES, problems
 from .relative_curvature import RelativeCurvature, relative_curvature
 from .serendipity_brick import serendipity_functions
 from .shell_root_stress import shell_root_stress
-from .surface_cells import FlanksInMesh, flanks_in_mesh
+from .surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh
 from .surface_contact import half_space_compliance
 from .thesis_shell import monomials, thesis_kinematics
 
@@ -43,6 +43,7 @@ __all__ = [
     "PointContact",
     "RelativeCurvature",
     "ShapeOperator",
+    "SurfaceCells",
     "both_methods",
     "contact_of_flanks",
     "directional_curvatures",

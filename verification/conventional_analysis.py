@@ -50,6 +50,14 @@ class BothMethods:
         Where the point of contact lies within both flanks, by a margin (n).
     first_contact
         Closing angle at which the ease-off method counts its error zero [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> both = both_methods(pair, (9, 7), mesh_positions=2)
+    >>> bool(both.inside.any()), sorted(both.unloaded().sizes)
+    (True, ['end', 'mesh_position', 'pair'])
     """
 
     motion: ConjugateMotion
@@ -81,6 +89,14 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     ------
     GeometryError
         As ``geometry.pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> both = both_methods(pair, (9, 7), mesh_positions=2)
+    >>> bool(both.contact.converged[both.inside].all())
+    True
     """
     geometry = pair_geometry(pair, nodes)
     gear, surface = geometry.members.gear, geometry.exact
@@ -110,6 +126,14 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
     """Differences of transmission error (n) [rad] and of the point of contact on the gear flank (n) [mm].
 
     NaN where the point of contact is not inside both flanks.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> error, away = point_differences(both_methods(pair, (15, 11), mesh_positions=2))
+    >>> bool(np.nanmax(np.abs(error)) < 1e-6), bool(np.nanmax(away) < 0.1)
+    (True, True)
     """
     own = both.unloaded()
     error, t, h = (_flat(own, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
@@ -134,6 +158,14 @@ def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array
     tuple
         Angle about the gear's normal (n) [rad] from the major axis to the chord between the points of closest approach
         at both ends, and length over that of the major axis, less one (n). NaN where the edge of a flank ends the line.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> angle, longer = line_differences(both_methods(pair, (15, 11), mesh_positions=2), separation=3.0)
+    >>> bool(np.nanmax(np.abs(angle)) < 0.1), bool(np.nanmax(np.abs(longer)) < 0.1)
+    (True, True)
     """
     own = both.unloaded(separation)
     ends = np.stack([_flat(own, "line_lengthwise"), _flat(own, "line_profile")])

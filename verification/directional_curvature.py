@@ -35,6 +35,14 @@ class ShapeOperator:
         Normal curvatures (n) along the first and the second tangent [1/mm].
     torsion
         Geodesic torsion along the first tangent (n) [1/mm].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x, y = np.eye(3)[:2, :, None]
+    >>> cylinder = ShapeOperator(x, y, along=np.array([0.0]), across=np.array([0.1]), torsion=np.zeros(1))
+    >>> cylinder.principal().curvature.ravel()
+    array([0.1, 0. ])
     """
 
     first: Array
@@ -65,6 +73,16 @@ class DirectionalCurvatures:
         Outward normal times tangent (2, 3, n).
     normal_curvature, geodesic_torsion
         Components of the normal's change per mm along ``tangent`` and ``across`` (2, n) [1/mm].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear = geometry.members.gear
+    >>> found = directional_curvatures(gear.surface, gear.parameters)
+    >>> bool(np.abs(found.torsion_residual()).max() < 1e-12)
+    True
     """
 
     tangent: Array
@@ -103,6 +121,16 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
         What generates the flank.
     parameters
         Surface parameters (2, n), see ``GeneratingSurface.evaluate``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry, principal_curvatures
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear = geometry.members.gear
+    >>> found = directional_curvatures(gear.surface, gear.parameters).shape_operator().principal()
+    >>> np.allclose(found.curvature, principal_curvatures(gear).curvature)
+    True
     """
 
     def position_and_normal(p: Array) -> Array:

@@ -36,6 +36,13 @@ class FlankContact:
         Tooth pairs, as ``MeshLines`` counts them.
     cells, force
         Their cells and the normal forces on them [N].
+
+    Examples
+    --------
+    >>> at, zero, one = np.zeros(1, dtype=int), np.zeros((2, 1)), np.ones((1, 3))
+    >>> cells = SurfaceCells(at, at, one, one, np.ones((1, 2)), one, zero, zero, np.zeros(1), np.array([50.0]))
+    >>> FlankContact(1e-4, [0, 1], [cells, cells], [np.array([300.0]), np.array([100.0])]).load_share
+    array([0.75, 0.25])
     """
 
     rotation: float
@@ -90,6 +97,21 @@ def contact_of_flanks(
     ------
     InputError
         If torque, half-width, rotation or resolution is not a positive number.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import STEEL, lines_in_mesh
+    >>> from easeoff.geometry import LatticeSize
+    >>> from easeoff.verification import flank_response, flanks_in_mesh
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> flanks, size = flanks_in_mesh(pair, (9, 7)), LatticeSize(4, 3, 2, 1, 1, 1, 0)
+    >>> responses = flank_response(pair, "pinion", STEEL, size), flank_response(pair, "gear", STEEL, size)
+    >>> mesh = lines_in_mesh(flanks.splines, pair.assembly.pinion_pitch, 4)
+    >>> guess = {"half_width": 0.4, "rotation": 2e-4, "cells_per_half_width": 2.0, "beyond_lines": False}
+    >>> found = contact_of_flanks(flanks, responses, (STEEL, STEEL), mesh, 0, 100.0, **guess)
+    >>> print(found.load_share.sum().round(9))
+    1.0
     """
     for name, value in (
         ("torque", torque),

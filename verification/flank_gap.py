@@ -35,6 +35,17 @@ class FlankGap:
         That point [mm] and its outward normal (3, n), in the pinion's frame.
     facing
         Cosine of the angle between the normals of both flanks (n).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear, exact = geometry.members.gear, geometry.exact
+    >>> start = exact.pinion_parameters
+    >>> found = flank_gap(exact.motion, gear.position, gear.normal, exact.motion.center, 0.0, start)
+    >>> found.pinion_position.shape
+    (3, 63)
     """
 
     gap: Array
@@ -66,6 +77,18 @@ def flank_gap(
         Gear rotation against the drive sense, beyond the ideal ratio [rad].
     start
         First guess of the pinion parameters (2, n).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear, exact = geometry.members.gear, geometry.exact
+    >>> middle, start = exact.motion.center, exact.pinion_parameters
+    >>> before = flank_gap(exact.motion, gear.position, gear.normal, middle, 0.0, start)
+    >>> closer = flank_gap(exact.motion, gear.position, gear.normal, middle, 1e-5, start)
+    >>> bool(np.nanmax(closer.gap - before.gap) < 0.0)
+    True
     """
     if position.shape[1] > COLUMNS_PER_BLOCK:
         parts = [slice(i, i + COLUMNS_PER_BLOCK) for i in range(0, position.shape[1], COLUMNS_PER_BLOCK)]

@@ -42,6 +42,13 @@ class FlankResponse:
         Their profile fractions (nt, nh).
     beyond_half_space
         (nt nh, nt nh) [mm/N], symmetric.
+
+    Examples
+    --------
+    >>> even = np.linspace(0.0, 1.0, 4)
+    >>> response = FlankResponse(even, np.tile(even, (4, 1)), np.eye(16))
+    >>> print(response.shares(np.array([[0.5], [0.5]])).sum().round(12))
+    1.0
     """
 
     lengthwise: Array
@@ -112,6 +119,16 @@ def flank_response(
     ------
     GeometryError
         As ``tooth_lattice``, or if a brick is turned inside out.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import STEEL
+    >>> from easeoff.geometry import LatticeSize
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> response = flank_response(pair, "gear", STEEL, LatticeSize(4, 3, 2, 1, 1, 1, 0))
+    >>> response.beyond_half_space.shape
+    (35, 35)
     """
     lattice = tooth_lattice(
         pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICK_RATIO)

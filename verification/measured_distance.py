@@ -36,6 +36,16 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
     ------
     GeometryError
         If a normal misses the flank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear = geometry.members.gear
+    >>> distance = distance_along_normals(gear.surface, geometry.pair.gear.section, gear.position, gear.normal)
+    >>> bool(np.abs(distance).max() < 1e-9)
+    True
     """
     lattice, _ = seed_lattice(surface, section)
     target = np.stack([position[2], np.hypot(position[0], position[1])])

@@ -39,6 +39,15 @@ class PointContact:
         Contact point (3, n) in each member's own frame [mm].
     converged
         Where the equations are solved.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.array([-0.1, 0.0, 0.1]))
+    >>> path.converged.tolist(), path.gear_position.shape
+    ([True, True, True], (3, 3))
     """
 
     pinion_rotation: Array
@@ -79,6 +88,17 @@ def point_contact(
     -------
     PointContact
         Contact points, NaN where not converged.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> exact = geometry.exact
+    >>> start = geometry.members.gear.parameters[:, 31:32], exact.pinion_parameters[:, 31:32], np.zeros(1)
+    >>> found = point_contact(exact.motion, geometry.members.gear.surface, np.array([exact.motion.center]), *start)
+    >>> bool(found.converged[0])
+    True
     """
     assembly = motion.assembly
     # The five unknowns, and below them the given rotation.
@@ -133,6 +153,15 @@ def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointCo
         Ease-off at these nodes.
     rotations
         Pinion rotations (n) in the drive sense, from the middle of the pinion [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.array([-0.1, 0.0, 0.1]))
+    >>> path.converged.tolist()
+    [True, True, True]
     """
     motion = ease_off.motion
     inside = np.flatnonzero(ease_off.inside)

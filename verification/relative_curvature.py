@@ -32,6 +32,13 @@ class RelativeCurvature:
         Unit tangents (3, n) along the contact line and at right angles to it.
     along_line, across_line
         Relative curvatures (n) in these directions [1/mm], positive where the flanks part.
+
+    Examples
+    --------
+    >>> x, y = np.eye(3)[:2, :, None]
+    >>> found = RelativeCurvature(x, y, along_line=np.array([1e-4]), across_line=np.array([0.05]))
+    >>> found.equivalent_radius, found.half_length(5e-3)
+    (array([20.]), array([10.]))
     """
 
     line: Array
@@ -131,6 +138,17 @@ def relative_curvature(
         The gear flank.
     contact
         Points from ``point_contact.path_of_contact``; where they did not converge the result is NaN.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> from easeoff.verification import path_of_contact
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.zeros(1))
+    >>> found = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)
+    >>> bool(0.0 < found.along_line[0] < found.across_line[0])
+    True
     """
     gear, pinion = shape_operators(motion, gear_surface, contact)
     return stationary_directions(gear.principal(), pinion.principal(), cross(gear.first, gear.second))

@@ -90,6 +90,16 @@ def shell_root_stress(
     ------
     InputError
         If the root is clamped or the fillet has no radius.
+
+    Examples
+    --------
+    >>> from easeoff.contact import STEEL, ElasticFoundation, Shell, ToothDimensions
+    >>> tooth = ToothDimensions(30.0, 90.0, 10.0, 10.0, 4.0, 4.0, 4.0, 4.0)
+    >>> shell = Shell(tooth, STEEL, foundation=ElasticFoundation())
+    >>> load = shell.load_vectors(np.array([8.0]), np.array([15.0]), (0.0, 0.0, 1.0))
+    >>> stress = shell_root_stress(shell, np.array([5.0, 15.0]), 1000.0 * load, 1.0, pressure_angle=0.35)
+    >>> bool(stress[1, 0] > stress[0, 0] > 0.0)
+    True
     """
     if not fillet_radius > 0.0:
         raise InputError(f"tool_edge_radius = {fillet_radius!r}: must be positive, a sharp root has no notch factor")

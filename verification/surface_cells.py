@@ -38,6 +38,14 @@ class FlanksInMesh:
         Splines of ``contact_splines``, and of the ``pinion_parameters`` of conjugate points.
     first_contact
         Closing angle at which the transmission error counts zero [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> flanks = flanks_in_mesh(pair, (9, 7))
+    >>> flanks.splines("pinion_parameters", np.array([0.5, 0.5])).shape
+    (2,)
     """
 
     pair: GearPair
@@ -47,7 +55,16 @@ class FlanksInMesh:
 
 
 def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> FlanksInMesh:
-    """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``."""
+    """Ease-off of a pair with what is needed to return to its surfaces; raises as ``geometry.pair_geometry``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> flanks = flanks_in_mesh(pair, (9, 7))
+    >>> flanks.pair is pair
+    True
+    """
     geometry = pair_geometry(pair, nodes)
     surface, ease_off = geometry.exact, geometry.ease_off
     parameters = np.moveaxis(surface.pinion_parameters.reshape(2, *nodes), 0, -1)
@@ -76,6 +93,13 @@ class SurfaceCells:
         Normal gap at first contact's closing angle [mm].
     lever_arm
         Of a normal force about the gear's axis [mm].
+
+    Examples
+    --------
+    >>> at, side, zero = np.zeros(1, dtype=int), np.ones((1, 3)), np.zeros((2, 1))
+    >>> cells = SurfaceCells(at, at, side, side, np.array([[0.4, 0.1]]), side, zero, zero, np.zeros(1), np.ones(1))
+    >>> cells.area
+    array([0.04])
     """
 
     station: NDArray[np.int64]

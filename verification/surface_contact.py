@@ -47,7 +47,17 @@ class SurfaceContact:
 
 
 def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Material]) -> Array:
-    """Deflection (n, n) of both half spaces in the middle of a cell under an even pressure on another [mm/N]."""
+    """Deflection (n, n) of both half spaces in the middle of a cell under an even pressure on another [mm/N].
+
+    Examples
+    --------
+    >>> from easeoff.contact import STEEL
+    >>> at, zero, one = np.zeros(1, dtype=int), np.zeros((2, 1)), np.ones(1)
+    >>> along, across, middle = np.eye(3)[:, None]
+    >>> cell = SurfaceCells(at, at, along, across, np.array([[0.2, 0.1]]), middle, zero, zero, one, one)
+    >>> half_space_compliance(cell, (STEEL, STEEL)).shape
+    (1, 1)
+    """
     offset = cells.position[:, None] - cells.position[None]
     along, across = (np.einsum("ijx,jx->ij", offset, side) for side in (cells.along, cells.across))
     # On a curved flank the distance counts, not its projection.

@@ -48,7 +48,7 @@ def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
 
     Examples
     --------
-    >>> from easeoff.contact.compliance import Material, Shell, ToothDimensions
+    >>> from easeoff.contact import Material, Shell, ToothDimensions
     >>> tooth = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
     >>> Shell(tooth, Material(206000.0, 0.3), (5, 3), assumption=thesis_kinematics).size
     45

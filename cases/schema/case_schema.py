@@ -111,7 +111,13 @@ class MisalignmentTable(Table):
 
 
 class ContactTable(Table):
-    """Torques and resolution of the analysis."""
+    """Torques and resolution of the analysis.
+
+    Examples
+    --------
+    >>> ContactTable(torques=[100.0]).mesh_positions
+    32
+    """
 
     torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = (50.0, 250.0, 500.0)
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)

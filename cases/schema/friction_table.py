@@ -59,6 +59,11 @@ class FrictionTable(Table):
     """How the pair runs, and by which models its friction is computed; with it, an analysis has friction.
 
     Values and names are checked by ``friction.Operation`` and ``friction.FrictionModel``, whose arguments these are.
+
+    Examples
+    --------
+    >>> FrictionTable(speed=1000.0).speed
+    (1000.0,)
     """
 
     speed: Numbers = number("speed of the pinion, one or more", "1/min")

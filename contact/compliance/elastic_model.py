@@ -43,7 +43,7 @@ class ElasticModel:
 
     Examples
     --------
-    >>> from easeoff.contact.compliance import ElasticFoundation
+    >>> from easeoff.contact import ElasticFoundation
     >>> softer = ElasticModel(foundation=ElasticFoundation("odonnell", 0.8), plate="fitted")
     >>> softer.modes
     (5, 15)

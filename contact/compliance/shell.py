@@ -67,7 +67,7 @@ class Shell:
     --------
     Deflection [um] of a clamped steel tooth under a radial force of 500 N at mid height in its middle:
 
-    >>> from easeoff.contact.compliance import Material, ToothDimensions
+    >>> from easeoff.contact import Material, ToothDimensions
     >>> tooth = ToothDimensions(36.0, 95.25, 7.0, 9.5, 5.5, 7.5, 2.5, 2.5)
     >>> shell = Shell(tooth, Material(206000.0, 0.3), modes=(3, 5))
     >>> load = shell.load_vectors(4.0, 18.0, (0.0, 0.0, 1.0))

@@ -114,7 +114,7 @@ class WeberLineContact:
 
     Examples
     --------
-    >>> from easeoff.contact.compliance import Material
+    >>> from easeoff.contact import Material
     >>> steel = Material(206000.0, 0.3)
     >>> contact = WeberLineContact(np.array([1.0, 2.0]), 30.0, 3.0, 4.0, steel, steel)
     >>> contact.pressure([200.0, 400.0]).round()

@@ -78,6 +78,14 @@ class ModalCompliance:
         Compliance d of each segment by itself (n) [mm/N], not negative.
     modes
         The factor V as it was given, or already compressed.
+
+    Examples
+    --------
+    >>> from easeoff.contact import ContactProblem
+    >>> problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    >>> matrix = problem.compliance_matrix
+    >>> type(matrix).__name__, matrix.deflection(np.array([100.0, 0.0])).round(6)
+    ('ModalCompliance', array([0.0011, 0.0002]))
     """
 
     local: Array

@@ -30,6 +30,13 @@ class Relief:
     radius
         Radius of an arc whose centre lies on the side of the metal, so that it removes more the further it goes [mm];
         straight when ``None``.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> toprem = Relief(height=1.5, angle=radians(2.0))
+    >>> print(toprem.radius)
+    None
     """
 
     height: float
@@ -55,6 +62,12 @@ class BladeSection:
         Change of that angle per coordinate.
     radius
         Radius of the arc [mm], positive with the centre on the side of the metal; ``None`` for a straight line.
+
+    Examples
+    --------
+    >>> flank = BladeSection("flank", begin=0.0, end=10.0, outward=0.0, height=2.0, angle=0.0)
+    >>> flank.middle, flank.point(5.0), flank.at_height(4.0)
+    (5.0, (0.0, 7.0), 2.0)
     """
 
     name: SectionName

@@ -134,6 +134,14 @@ def work_rotation(settings: MachineSettings, cradle_rotation: Any, sense: Increm
     -------
     tuple
         Rotation [rad] and ratio, both shaped as ``cradle_rotation`` (Kolivand 2009, Eq. 2.4a, with modified roll).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> rotation, ratio = work_rotation(pair.pinion.loaded.settings, np.array([0.0, 0.1]), pair.pinion.loaded.sense)
+    >>> bool(rotation[0] == 0.0), np.allclose(rotation[1] / 0.1, ratio[1])
+    (True, True)
     """
     ratio = settings.ratio_of_roll or 0.0
     increment = sense * cradle_rotation

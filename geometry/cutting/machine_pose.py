@@ -86,6 +86,15 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
         Rotations of the cradle about the machine z axis (n) [rad].
     sense
         Sense of the cradle increment, see ``machine.IncrementSense``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> surface = pair.gear.loaded
+    >>> pose = machine_pose(surface.settings, np.zeros(1), surface.sense)
+    >>> pose.origin.shape
+    (3, 1)
     """
     names = ("radial_distance", "work_offset", "sliding_base", "machine_center_to_crossing_point")
     # Without motions one column stands for all n rotations.

@@ -61,7 +61,15 @@ def scale_of(name: str) -> float:
 
 
 def get_setting(surface: GeneratingSurface, name: str) -> float:
-    """One setting of a generating surface by name. Raises as ``scale_of``."""
+    """One setting of a generating surface by name. Raises as ``scale_of``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> round(get_setting(pair.pinion.loaded, "radial_distance"), 3)
+    74.874
+    """
     scale_of(name)
     if name in BLADE_STEPS:
         return float(getattr(surface.blade, name))
@@ -77,7 +85,16 @@ def get_setting(surface: GeneratingSurface, name: str) -> float:
 
 
 def with_settings(surface: GeneratingSurface, values: Mapping[str, float]) -> GeneratingSurface:
-    """The same surface with some settings changed by name. Raises as ``scale_of``."""
+    """The same surface with some settings changed by name. Raises as ``scale_of``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> moved = with_settings(pair.pinion.loaded, {"radial_distance": 60.0})
+    >>> get_setting(moved, "radial_distance")
+    60.0
+    """
     blade: dict[str, Any] = {}
     machine: dict[str, Any] = {}
     roll, motions = surface.settings.modified_roll, dict(surface.settings.motions)

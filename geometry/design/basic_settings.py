@@ -30,8 +30,7 @@ def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
 
     Examples
     --------
-    >>> from easeoff.cases import read_design
-    >>> from easeoff.cases.conversion import designed_blanks
+    >>> from easeoff.cases import designed_blanks, read_design
     >>> design = read_design("fm-11x41")
     >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
     >>> blank_section(blanks.gear, blanks.clearance).face_width == blanks.gear.face_width
@@ -104,8 +103,7 @@ def formate_gear(
 
     Examples
     --------
-    >>> from easeoff.cases import read_design
-    >>> from easeoff.cases.conversion import designed_blanks
+    >>> from easeoff.cases import designed_blanks, read_design
     >>> design = read_design("fm-11x41")
     >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
     >>> convex, concave = formate_gear(blanks, cutter_radius=95.25, hand="right", corrected=False)
@@ -130,8 +128,7 @@ def generated_gear(
 
     Examples
     --------
-    >>> from easeoff.cases import read_design
-    >>> from easeoff.cases.conversion import designed_blanks
+    >>> from easeoff.cases import designed_blanks, read_design
     >>> design = read_design("fm-11x41")
     >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
     >>> convex, _ = generated_gear(blanks, cutter_radius=95.25, hand="right", corrected=False)
@@ -274,6 +271,12 @@ def hobbing_blade(
         Height of the reference point above the blade tip [mm].
     lead
         Angle between the radius of the reference point and the normal of its path (nu) [rad].
+
+    Examples
+    --------
+    >>> blade = hobbing_blade(88.0, 0.3, "outside", reference_height=6.0, lead=0.25)
+    >>> 86.0 < blade.point_radius < 88.0, round(blade.rake_angle, 3)
+    (True, 0.255)
     """
     plain = Blade(reference_radius, pressure_angle, side)
     # The edge runs in a plane turned by the lead angle; the tip then stands at a radius and an angle of its own.

@@ -130,6 +130,14 @@ def angle_errors(errors: GlobalErrors, member: Member) -> tuple[float, float]:
         The errors.
     member
         The member, seen from the flank with the errors.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> spiral, pressure = angle_errors(GlobalErrors(pressure_angle=10.0), pair.gear)
+    >>> bool(abs(pressure) > abs(spiral))
+    True
     """
     surface, section = member.loaded.designed, member.section
     t, h = 0.5 + TANGENT_HALF_WIDTH * np.array([0, -1, 1, 0, 0]), 0.5 + TANGENT_HALF_WIDTH * np.array([0, 0, 0, -1, 1])

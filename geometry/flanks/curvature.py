@@ -69,6 +69,15 @@ def principal_curvatures(flank: Flank) -> Curvatures:
     """Principal curvatures and first principal direction of a flank at its nodes.
 
     Unusable nodes carry NaN.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> first, second = principal_curvatures(geometry.members.gear).curvature
+    >>> bool((first > second).all())
+    True
     """
     tangents, first, second = shape_operator(flank)
     usable = np.all(np.isfinite(flank.normal.reshape(3, -1)), axis=0)

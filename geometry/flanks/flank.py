@@ -56,6 +56,15 @@ class Flank:
         ``NodeStatus`` of every node (n).
     part
         Which of the surface's ``flank_parts`` the node belongs to (n).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> gear = geometry.members.gear
+    >>> gear.position.shape, bool(gear.inside.all())
+    ((3, 63), True)
     """
 
     surface: GeneratingSurface
@@ -205,6 +214,15 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     ------
     GeometryError
         If the cutter meets no tooth of this blank.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> axial, radial = pair.gear.section.points(np.array([0.5]), np.array([0.5]))
+    >>> gear = solve_flank(pair.gear.loaded, pair.gear.section, axial, radial)
+    >>> np.allclose(gear.position[2], axial), np.allclose(np.hypot(*gear.position[:2]), radial)
+    (True, True)
     """
     target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
     parts = surface.flank_parts

@@ -42,6 +42,17 @@ def write_mesh(
     ------
     InputError
         If a patch is no grid of points, the suffix is another one, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import tooth_patches
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> with TemporaryDirectory() as folder:
+    ...     write_mesh(tooth_patches(pair, "gear", (5, 5)), f"{folder}/gear.stl", teeth=36)
+    ...     Path(f"{folder}/gear.stl").stat().st_size > 0
+    True
     """
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:

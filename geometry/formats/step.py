@@ -65,7 +65,7 @@ def write_step(
 
     >>> import tempfile
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.geometry.tooth.tooth_surface import tooth_patches
+    >>> from easeoff.geometry import tooth_patches
     >>> patches = tooth_patches(gear_pair(read_case("nasa-12x36")), "gear", (5, 5))
     >>> with tempfile.TemporaryDirectory() as folder, contextlib.suppress(MissingPackageError):
     ...     write_step(patches, f"{folder}/gear.step")

@@ -63,6 +63,15 @@ class EaseOff:
         ``NodeStatus`` of the node and of its conjugate point.
     part
         Which of the pinion surface's ``flank_parts`` the conjugate point belongs to.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> surface = geometry.exact
+    >>> surface.angle.shape == surface.status.shape == geometry.members.gear.status.shape
+    True
     """
 
     motion: ConjugateMotion
@@ -194,6 +203,16 @@ def exact_ease_off(
     ------
     GeometryError
         If no node of the gear has a conjugate point on the pinion.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> pair = geometry.pair
+    >>> surface = exact_ease_off(geometry.members.gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    >>> bool((surface.roll_angle == geometry.exact.roll_angle).all())
+    True
     """
     target, usable = _targets(gear)
     if not np.any(usable):

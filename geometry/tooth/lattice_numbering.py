@@ -33,6 +33,11 @@ class LatticeSize:
         From the root to the bottom of the body.
     overhang
         Of the body beyond either end of the tooth; zero to let it end there.
+
+    Examples
+    --------
+    >>> LatticeSize(lengthwise=6).finer(0.5)
+    LatticeSize(lengthwise=3, upward=2, through=2, slot=1, beside=1, deep=2, overhang=1)
     """
 
     lengthwise: int = 14
@@ -87,6 +92,15 @@ class ToothLattice:
         tip.
     body_bricks
         How many of the bricks are the body's; they come first.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import tooth_lattice
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> lattice = tooth_lattice(pair, "gear", LatticeSize(4, 2, 2, 1, 1, 1, 0))
+    >>> lattice.cells.shape, lattice.flank.shape
+    ((40, 3, 3, 3), (9, 5))
     """
 
     nodes: Array

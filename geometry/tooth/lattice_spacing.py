@@ -42,6 +42,12 @@ class LatticeSpacing:
         Of the length of a side from the middle of the fillet to the tip.
     through
         Of the thickness, from the loaded side.
+
+    Examples
+    --------
+    >>> from easeoff.geometry import LatticeSize
+    >>> LatticeSpacing.of_size(LatticeSize(lengthwise=2)).lengthwise
+    array([0.  , 0.25, 0.5 , 0.75, 1.  ])
     """
 
     lengthwise: Array

@@ -43,6 +43,13 @@ def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.
     ------
     GeometryError
         As ``tooth_surface.tooth_surface``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> dict(tooth(pair, "gear", (5, 5))["position"].sizes)
+    {'side': 2, 'lengthwise': 5, 'upward': 13, 'xyz': 3}
     """
     surface = tooth_surface(pair, member, nodes)
     section = (pair.pinion if member == "pinion" else pair.gear).section

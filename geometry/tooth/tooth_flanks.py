@@ -86,6 +86,13 @@ def named_member(pair: GearPair, name: str) -> Member:
     ------
     InputError
         If it is called anything else.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> named_member(pair, "gear") is pair.gear
+    True
     """
     if name not in ("pinion", "gear"):
         raise InputError(f"member = {name!r}: must be one of pinion, gear")
@@ -101,6 +108,14 @@ def tooth_angle(pair: GearPair, name: str) -> float:
         If the member is neither ``pinion`` nor ``gear``.
     GeometryError
         If the flanks leave no tooth.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> pitch = 2.0 * np.pi / 36
+    >>> bool(0.3 < tooth_angle(pair, "gear") / pitch < 0.7)
+    True
     """
     named_member(pair, name)
     angle = tooth_angles(pair)[("pinion", "gear").index(name)]

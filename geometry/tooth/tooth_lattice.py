@@ -82,6 +82,14 @@ def tooth_lattice(
         If there is no whole tooth to fill: undercut, pointed, with overlapping fillets or flanks that cross.
     InputError
         If the member has another name or the depth is not positive.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> coarse, fine = (tooth_lattice(pair, "pinion", LatticeSize(n, 2, 2, 1, 1, 1, 0)) for n in (3, 6))
+    >>> len(fine.cells) / len(coarse.cells)
+    2.0
     """
     size = size or LatticeSize()
     blank = named_member(pair, member).section

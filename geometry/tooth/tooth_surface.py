@@ -275,6 +275,16 @@ def tooth_patches(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)
     dict
         Points (m, n, 3) [mm] of the patches. Of both flanks the derivative along the first index times the one along
         the second points out of the tooth.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> patches = tooth_patches(pair, "gear", (5, 5))
+    >>> print(*patches)
+    convex_flank convex_fillet convex_root_land concave_flank concave_fillet concave_root_land top_land
+    >>> patches["convex_flank"].shape
+    (5, 5, 3)
     """
     tooth = tooth_surface(pair, member, nodes)
     patches: dict[str, Array] = {}

@@ -79,7 +79,7 @@ def correct(case: str, flank: Any, deviations: Any) -> None:
     """
     from ...cases import gear_pair, read_case
     from ...geometry.tooth.tooth_flanks import named_member
-    from ..flank_deviations import flank_deviations
+    from ..deviation_source import flank_deviations
     from ..report.correction_report import correction_report
 
     pair = gear_pair(read_case(case), flank)

@@ -63,8 +63,8 @@ def wear(
     from tqdm import tqdm
 
     from ...core.files import check_writable, whole_file
-    from ..wear import WearLaw
-    from ..wear import wear as worn
+    from ..wear_simulation import WearLaw
+    from ..wear_simulation import wear as worn
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)

@@ -25,6 +25,12 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     -------
     list of str
         No notes if all values are plausible.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> plausibility(easeoff.analyze("nasa-12x36", torques=[100.0]))
+    []
     """
     ease_off = tree["ease_off"].to_dataset()
     inside = ease_off["inside"].values == 1

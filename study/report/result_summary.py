@@ -179,6 +179,12 @@ def result_summary(tree: xr.DataTree) -> str:
     ----------
     tree
         A result of ``analyze`` or ``read_result``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> print(result_summary(easeoff.analyze("nasa-12x36", torques=[100.0])).splitlines()[3])
+    pair                         12 x 36, left-hand pinion, drive flanks
     """
     attrs = tree.attrs
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]

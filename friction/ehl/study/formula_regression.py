@@ -54,7 +54,16 @@ RIDGE = 1e-7
 
 
 def study_inputs(dataset: xr.Dataset) -> tuple[Array, ...]:
-    """Arguments of a formula for each case of a study; SI."""
+    """Arguments of a formula for each case of a study; SI.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl.study import Design, run_case, study_dataset
+    >>> study = study_dataset(Design(), {31499: run_case(Design().condition(31499))})
+    >>> pressure, radius, *_ = study_inputs(study)
+    >>> print(pressure, radius)
+    [2.5e+09] [0.04]
+    """
     oils = {float(t): oil_75w90(float(t)) for t in np.unique(dataset["temperature"].values)}
     own = [oils[float(t)] for t in dataset["temperature"].values]
     return (
@@ -82,6 +91,17 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
     InputError
         If there is no study, they differ in the boundary friction, a certified case lacks a number, too few cases are
         certified, or a variable has the same value in all of them.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl.study import Design, shipped_formula, study_dataset
+    >>> from easeoff.friction.ehl.study.study_case import NUMBERS
+    >>> row = {**dict.fromkeys(NUMBERS, 0.02), "status": 0.0}
+    >>> study = study_dataset(Design(), {int(number): row for number in Design().subset(300)})
+    >>> study["friction_coefficient"][:], _ = shipped_formula()(*study_inputs(study))  # in place of the model's
+    >>> study.attrs["boundary_friction"] = 0.1
+    >>> fit_friction(study).cases
+    300
     """
     boundary = _boundary_friction(studies)
     dataset = xr.concat(
@@ -152,6 +172,13 @@ def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayL
     ------
     InputError
         If the dataset is no study, or the formula neither.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl.study import Design, run_case, shipped_formula, study_dataset
+    >>> study = study_dataset(Design(), {31499: run_case(Design().condition(31499))})
+    >>> [(regime.cases, abs(regime.mean) < 0.2) for regime in compare(study, shipped_formula())]
+    [(1, True)]
     """
     _check_study(dataset)
     if isinstance(formula, FrictionFormula):

@@ -98,6 +98,12 @@ class FrictionFormula:
         1 - square of the prediction error over the variance of ln(mu).
     regimes
         Errors by ranges of the lambda ratio.
+
+    Examples
+    --------
+    >>> formula = shipped_formula()
+    >>> formula.boundary_friction, formula.prediction_error < 0.1
+    (0.1, True)
     """
 
     share: Array
@@ -211,6 +217,14 @@ def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> Non
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     write_formula(f"{folder}/formula.json", shipped_formula())
+    ...     print(read_formula(f"{folder}/formula.json").cases == shipped_formula().cases)
+    True
     """
     content = {
         name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(formula).items()
@@ -229,6 +243,11 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
     ------
     InputError
         If the file is not a formula.
+
+    Examples
+    --------
+    >>> read_formula(FORMULA_FILE).boundary_friction
+    0.1
     """
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))

@@ -69,6 +69,14 @@ def run_study(
         before the first case.
     MissingPackageError
         If dask is asked for and not installed.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     study = run_study(f"{folder}/study.nc", [31499], resolution=Resolution(fewest=97))
+    >>> study["status"].values
+    array([0], dtype=int8)
     """
     design = Design() if design is None else design
     resolution = Resolution() if resolution is None else resolution
@@ -113,6 +121,13 @@ def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     Variables: the condition, ``status``, ``friction_coefficient`` and its parts by film and asperities,
     ``asperity_share``, ``mean_film``, ``smooth_film`` (smallest of the smooth surfaces), ``lambda_ratio``,
     ``certified_share``, and the cost; ``failure``, what went wrong, if a case has failed.
+
+    Examples
+    --------
+    >>> row = run_case(Design().condition(31499), Resolution(fewest=97))
+    >>> study = study_dataset(Design(), {31499: row})
+    >>> dict(study.sizes), study["temperature"].item()
+    ({'combination': 1}, 100.0)
     """
     cases = [asdict(design.condition(number)) for number in rows]
     names = list(asdict(design.condition(0)))

@@ -67,6 +67,11 @@ class Resolution:
     ------
     InputError
         If there is no such model, or a number cannot be used.
+
+    Examples
+    --------
+    >>> Resolution(model="passage", fewest=97).most
+    1025
     """
 
     model: Literal["load_sharing", "passage"] = "load_sharing"
@@ -130,6 +135,12 @@ def run_case(condition: Condition, resolution: Resolution | None = None) -> Row:
     dict
         ``status`` and the numbers of the dataset, in its units. A case that the model or its arithmetic fails at is a
         row with the status ``FAILED`` and a ``message``; a mistake in the program is an exception as ever.
+
+    Examples
+    --------
+    >>> row = run_case(Condition(0.5, 5.0, 20.0, 0.5, 50.0, 0.2, 0.2), Resolution(fewest=97))
+    >>> Status(int(row["status"])).name, round(row["lambda_ratio"], 1)
+    ('CERTIFIED', 6.0)
     """
     checks.instance("condition", condition, Condition)
     resolution = Resolution() if resolution is None else resolution

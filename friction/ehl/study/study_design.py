@@ -90,6 +90,12 @@ class Condition:
     ------
     InputError
         If a number is not positive, or not in the range of a contact or of the oil.
+
+    Examples
+    --------
+    >>> condition = Condition(0.5, 5.0, 20.0, 0.5, 50.0, roughness_1=0.3, roughness_2=0.4)
+    >>> print(f"{condition.composite_roughness:.1e} m")
+    5.0e-07 m
     """
 
     hertz_pressure: float
@@ -132,6 +138,11 @@ class Design:
     ------
     InputError
         If a parameter has no levels, or one that a ``Condition`` cannot have.
+
+    Examples
+    --------
+    >>> Design().size, Design(temperature=(90.0,)).size
+    (31500, 7875)
     """
 
     hertz_pressure: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5)

@@ -150,8 +150,7 @@ class BlankDimensions:
 
     Examples
     --------
-    >>> from easeoff.cases import read_design
-    >>> from easeoff.cases.conversion import designed_blanks
+    >>> from easeoff.cases import designed_blanks, read_design
     >>> design = read_design("fm-11x41")
     >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
     >>> round(blanks.mean_normal_module, 3), round(blanks.gear.pitch_angle, 4)

@@ -24,6 +24,13 @@ class PitchCones:
         Spiral angles (beta_m1, beta_m2) [rad].
     face_width_factor
         Share of the gear's face width outside the mean point (c_be2).
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> cones = PitchCones(pi / 2, 0.0, 0.35, pi / 2 - 0.35, 75.0, 75.0, 0.6, 0.6)
+    >>> cones.face_width_factor
+    0.5
     """
 
     shaft_angle: float

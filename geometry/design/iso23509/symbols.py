@@ -155,6 +155,16 @@ def dimensions_by_symbol(dimensions: BlankDimensions, *, degrees: bool = False) 
     -------
     dict
         Value of every symbol of :data:`ISO_SYMBOLS` [mm, rad or degrees].
+
+    Examples
+    --------
+    >>> from easeoff.geometry import blank_dimensions
+    >>> symbols = {"z1": 14, "z2": 39, "beta_m2": 35.0, "de2": 176.893, "b2": 25.4, "rc0": 114.3}
+    >>> symbols |= {"alpha_dD": 20.0, "alpha_dC": 20.0, "c_ham": 0.24737, "k_d": 2.0, "k_c": 0.125, "k_t": 0.0915}
+    >>> fields = {"method": 0, "process": "face_milled", "depth_taper": "constant_slot_width"}
+    >>> blank = blank_dimensions(blank_design_from_symbols(fields | symbols, degrees=True))
+    >>> round(dimensions_by_symbol(blank, degrees=True)["delta2"], 3)
+    70.253
     """
     values: dict[str, float] = {}
     for symbol, path in ISO_SYMBOLS.items():
@@ -184,6 +194,14 @@ def blank_design_from_symbols(values: Mapping[str, Any], *, degrees: bool = Fals
     ------
     InputError
         If a name is unknown, the mean spiral angle belongs to the wrong member, or a value cannot be used.
+
+    Examples
+    --------
+    >>> symbols = {"z1": 14, "z2": 39, "beta_m2": 35.0, "de2": 176.893, "b2": 25.4, "rc0": 114.3}
+    >>> symbols |= {"alpha_dD": 20.0, "alpha_dC": 20.0, "c_ham": 0.24737, "k_d": 2.0, "k_c": 0.125, "k_t": 0.0915}
+    >>> fields = {"method": 0, "process": "face_milled", "depth_taper": "constant_slot_width"}
+    >>> blank_design_from_symbols(fields | symbols, degrees=True).number_of_teeth
+    (14, 39)
     """
     fields: dict[str, Any] = {}
     if "z1" not in values or "z2" not in values:

@@ -26,7 +26,7 @@ from ..geometry.pair.gear_pair import FlankName, grid
 from ..geometry.pair.rolling import rolling
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
 from .case_in_mesh import CaseInMesh, checked_case, prepared_pair
-from .flank_deviations import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
+from .deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
 __all__ = ["WearLaw", "wear"]
