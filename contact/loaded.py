@@ -9,17 +9,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.checks import array
 from .compliance.elastic_model import ElasticModel, elastic_teeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
-from .line_contact.line_contact_solution import solve_on_bending
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 from .lines.opposite_points import PASSING_FIELDS
 from .loaded_cases import LoadedCase, loaded_dataset
 from .segments import CycleSegments, LineSegments, Segments
-from .solvers import Status, require_solver
+from .solvers import Status
 
 Array = NDArray[Any]
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; where a search without any rotation to go by begins
@@ -132,9 +131,7 @@ def solve_cycle(
     >>> loaded["status"].values.tolist()
     [[0, 0]]
     """
-    torques = np.asarray(torques, dtype=float)
-    if torques.size == 0 or not np.all(np.isfinite(torques) & (torques > 0.0)):
-        raise InputError(f"torques = {torques.tolist()}: every torque must be a positive number in N m")
+    torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
     segments, rotations = cycle.by_position, cycle.on_lines.lines.rotations
     if not edge_contact:
         cases = solve_all(segments, torques, ratio, solver, options, progress)
@@ -190,17 +187,13 @@ def solve_all(
     4
     """
     present = [(k, here) for k, here in enumerate(segments) if here is not None]
-    together = require_solver(solver) == "native" and not options
-    contacts = LineContacts([here.line_contact for _, here in present]) if together else None
+    contacts = LineContacts([here.line_contact for _, here in present])
     starts: list[Array | None] = [None] * len(present)
     cases = []
     for index in np.argsort(torques, kind="stable"):
         problems = [here.bending_problem.with_torque(1e3 * ratio * float(torques[index])) for _, here in present]
-        known = [None] * len(present) if contacts is None else solve_line_contacts(problems, contacts, starts)
-        for i, ((k, here), problem, found) in enumerate(zip(present, problems, known, strict=True)):
-            solution, secant = found or solve_on_bending(
-                problem, here.line_contact, solver, initial_force=starts[i], **options
-            )
+        solved = solve_line_contacts(problems, contacts, tuple(starts), solver, **options)
+        for i, ((k, here), (solution, secant)) in enumerate(zip(present, solved, strict=True)):
             starts[i] = solution.force if solution.status == Status.CERTIFIED else None
             cases.append(LoadedCase(int(index), k, here, solution, secant))
             if progress is not None:

@@ -10,7 +10,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
 
 from ..cases.conversion import edges_touch
@@ -18,6 +17,7 @@ from ..cases.schema.case_schema import Case
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
+from ..core.checks import distinct
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
@@ -70,10 +70,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     >>> case_torques(read_case("nasa-12x36"), 250.0).tolist()
     [250.0]
     """
-    load = np.atleast_1d(np.asarray(case.contact.torques if torques is None else torques, dtype=float))
-    if np.unique(load).size != load.size:
-        raise InputError(f"torques = {load.tolist()}: a value comes twice; give every torque in N m once")
-    return load
+    return distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
 
 
 def contact_analysis(

@@ -12,6 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
+from ..core.checks import one_of
 from ..core.errors import GeometryError, InputError
 from ..geometry.deviation.deviated_flank import deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
@@ -199,8 +200,7 @@ def deviated_geometry(
     >>> bool((deviated_geometry(pair, (9, 7), worn).ease_off["gear_deviation"] < 0.0).any())
     True
     """
-    if deviated not in get_args(Deviated):
-        raise InputError(f"deviated = {deviated!r}: allowed are {', '.join(get_args(Deviated))}")
+    one_of("deviated", deviated, get_args(Deviated))
     if deviations and deviated == "surface":
         pair = deviated_pair(pair, pinion=deviations.get("pinion"), gear=deviations.get("gear"))
     return updated_geometry(pair_geometry(pair, nodes), deviations, deviated)

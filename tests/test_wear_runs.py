@@ -132,7 +132,7 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
         (["--torque", "100=0.5,100=0.5"], "100 comes twice"),
         (["--coefficient", "1/2/3"], "must be a coefficient in mm^2/N"),
         (["--coefficient", "1.0"], "1e-12 for a well lubricated gear"),
-        (["--revolutions", "0"], "revolutions = 0.0: must be greater than zero"),
+        (["--revolutions", "0"], "revolutions = 0: must be a finite number above 0"),
         (["-o", "worn.csv"], "ends in .nc"),
         (["--deviation", "axle=worn.nc"], "must be pinion=FILE or gear=FILE"),
         (["--deviation", "pinion=worn.nc"], "there is no such file"),

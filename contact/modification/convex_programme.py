@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.checks import one_of
 from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
@@ -245,7 +245,4 @@ def checked_objective(name: str) -> Objective:
     InputError
         If there is none.
     """
-    for objective in OBJECTIVES:
-        if objective == name:
-            return objective
-    raise InputError(f"objective = {name!r}: must be one of {', '.join(OBJECTIVES)}")
+    return cast(Objective, one_of("objective", name, OBJECTIVES))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import shown
 from ...core.errors import InputError
 from .certificate import NO_CERTIFICATE, Certificate, certify, violations
 from .contact_problem import ContactProblem
@@ -99,5 +100,5 @@ def vector_of(value: object, name: str, size: int) -> Array:
     """Return an answer of a solver as an array of the given size; InputError where it is none."""
     array = np.asarray(value, dtype=np.float64)
     if array.shape != (size,):
-        raise InputError(f"{name} has the shape {array.shape}, expected ({size},)")
+        raise InputError(f"{name} = {shown(array)}: must have the shape ({size},)")
     return array

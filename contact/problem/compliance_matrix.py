@@ -13,14 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import array, read_only
 from ...core.errors import InputError
 from .modal_basis import BendingFactor, ModalBasis
-from .validation import compliance_array, finite_array, read_only, symmetric_compliance
 
 Array = NDArray[np.float64]
 
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
 NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
+#: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
+ASYMMETRY_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,9 +148,26 @@ def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
     if isinstance(given, ComplianceMatrix):
         return given
     if isinstance(given, tuple | list) and len(given) == 2 and np.ndim(given[0]) == 1 and np.ndim(given[1]) == 2:
-        diagonal = compliance_array(given[0], "compliance diagonal", size)
-        factor = finite_array(given[1], "compliance factor", 2)
+        diagonal = array("compliance diagonal", given[0], "mm/N", ndim=1, size=size, least=0.0, frozen=True)
+        factor = array("compliance factor", given[1], "(mm/N)^0.5", ndim=2, frozen=True)
         if factor.shape[0] != size:
-            raise InputError(f"compliance factor has {factor.shape[0]} rows, expected {size}")
+            raise InputError(f"compliance factor = array of shape {factor.shape}: must have {size} rows")
         return ModalCompliance(diagonal, BendingFactor(factor))
-    return DenseCompliance(symmetric_compliance(given, size))
+    return DenseCompliance(_symmetric(given, size))
+
+
+def _symmetric(given: Any, size: int) -> Array:
+    """The symmetric (n, n) matrix without negative diagonal; asymmetry of the size of rounding is averaged out."""
+    compliance = array("compliance", given, "mm/N", ndim=2, frozen=True)
+    if compliance.shape != (size, size):
+        raise InputError(f"compliance = array of shape {compliance.shape}: must have the shape ({size}, {size})")
+    array("diagonal of compliance", compliance.diagonal(), "mm/N", least=0.0)
+    if np.array_equal(compliance, compliance.T):
+        return compliance
+    asymmetry = float(np.abs(compliance - compliance.T).max()) / float(np.abs(compliance).max())
+    if asymmetry > ASYMMETRY_TOLERANCE:
+        raise InputError(
+            f"compliance: must be symmetric, by reciprocity; its relative difference from its transpose is "
+            f"{asymmetry:.1e}"
+        )
+    return read_only(0.5 * (compliance + compliance.T))

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 from ...core.files import require_file, whole_file
 from .contact_problem import ContactProblem
@@ -116,8 +117,7 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
 
 
 def _programme(problem: ContactProblem, form: str) -> Any:
-    if form not in FORMS:
-        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    one_of("form", form, FORMS)
     if form == "dense":
         return problem.as_qp()
     programme: Any = (lifted_qp(problem) if form == "lifted" else dual_qp(problem)).programme

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
 from .modal_newton import has_modal_form, modal_newton
@@ -66,8 +67,7 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
     method = settings.pop("method", "cascade")
     if settings:
         raise InputError(f"native has no setting {', '.join(sorted(settings))}: the only one is method")
-    if method != "cascade" and method not in METHODS:
-        raise InputError(f"native has no method {method!r}: choose from cascade, {', '.join(METHODS)}")
+    one_of("method", method, ("cascade", *METHODS))
     return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,))
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import one_of, shown
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE
@@ -58,8 +59,8 @@ def require_solver(name: str) -> str:
         return "native"
     if name not in SOLVERS:
         close = difflib.get_close_matches(str(name), SOLVERS, n=1)
-        hint = f" (did you mean {close[0]!r}?)" if close else ""
-        raise InputError(f"unknown solver {name!r}{hint}: choose from auto, {', '.join(SOLVERS)}")
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(SOLVERS)}{hint}")
     if not _is_installed(name):
         raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
     return name
@@ -125,8 +126,7 @@ def solve(
 def _solved(
     problem: ContactProblem, name: str, polish: bool, initial: ArrayLike | None, form: str, settings: dict[str, Any]
 ) -> ContactSolution:
-    if form not in FORMS:
-        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    one_of("form", form, FORMS)
     active = None if initial is None else as_mask(initial, problem.size)
     if not problem.is_positive_semidefinite:
         message = "the compliance has a negative eigenvalue: forces would do work for nothing"
@@ -216,12 +216,12 @@ def as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
     array = np.asarray(active)
     if array.dtype == np.bool_:
         if array.shape != (size,):
-            raise InputError(f"initial_active has the shape {array.shape}, expected ({size},)")
+            raise InputError(f"initial_active = {shown(array)}: must be a mask of shape ({size},), or indices")
         return array
     if array.ndim != 1 or (array.size and not np.issubdtype(array.dtype, np.integer)):
-        raise InputError("initial_active is neither a mask of the segments nor a list of their indices")
+        raise InputError(f"initial_active = {shown(array)}: must be a mask of the segments, or a list of their indices")
     if array.size and (array.min() < 0 or array.max() >= size):
-        raise InputError(f"initial_active names segments outside 0..{size - 1}")
+        raise InputError(f"initial_active = {array.tolist()}: must be segments from 0 to {size - 1}")
     mask = np.zeros(size, dtype=np.bool_)
     mask[array.astype(np.intp)] = True
     return mask

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.checks import whole
 
 Array = NDArray[Any]
 
@@ -44,8 +44,8 @@ class LatticeSize:
     overhang: int = 2
 
     def __post_init__(self) -> None:
-        if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1 or self.overhang < 0:
-            raise InputError(f"{self}: every number of bricks must be at least 1, overhang at least 0")
+        for name, bricks in vars(self).items():
+            whole(name, bricks, 0 if name == "overhang" else 1)
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""

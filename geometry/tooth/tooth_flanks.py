@@ -12,7 +12,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import GeometryError, InputError
+from ...core.checks import one_of
+from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
@@ -87,8 +88,7 @@ def named_member(pair: GearPair, name: str) -> Member:
     InputError
         If it is called anything else.
     """
-    if name not in ("pinion", "gear"):
-        raise InputError(f"member = {name!r}: must be one of pinion, gear")
+    one_of("member", name, ("pinion", "gear"))
     return pair.pinion if name == "pinion" else pair.gear
 
 
