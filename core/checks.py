@@ -110,7 +110,7 @@ def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
         counted = None
     if counted is None or counted < least or (most is not None and counted > most):
         allowed = f"of {least} or more" if most is None else f"from {least} to {most}"
-        raise InputError(f"{name} = {shown(value)}: must be a whole number {allowed}")
+        raise InputError(f"{name} = {reprlib.repr(value)}: must be a whole number {allowed}")
     return counted
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.checks import number, positive
+from ..core.checks import positive
 from ..core.errors import InputError
 
-WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; a well lubricated gear has 1e-12, so that more is a mistake of units
+WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,12 @@ class WearLaw:
 
     def __post_init__(self) -> None:
         for name in ("pinion_coefficient", "gear_coefficient"):
-            number(name, getattr(self, name), "mm^2/N", least=0.0, most=WEAR_COEFFICIENT_LIMIT)
+            value = positive(name, getattr(self, name), "mm^2/N", zero=True)
+            if value > WEAR_COEFFICIENT_LIMIT:
+                raise InputError(
+                    f"{name} = {value:g}: must be at most {WEAR_COEFFICIENT_LIMIT:g} [mm^2/N]; 1e-12 is usual for a "
+                    "well lubricated gear"
+                )
         positive("revolutions", self.revolutions)
         positive("largest_step", self.largest_step, "um")
         if self.largest_depth is not None:

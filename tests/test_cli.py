@@ -266,7 +266,7 @@ def test_python_takes_one_torque_as_a_number_too(case: Path, torques: object) ->
     assert tree["loaded"].to_dataset()["torque"].values.tolist() == [75.0]
 
 
-@pytest.mark.parametrize(("torques", "words"), [([5.0, 5.0], "comes twice"), ([], "positive"), (-5.0, "positive")])
+@pytest.mark.parametrize(("torques", "words"), [([5.0, 5.0], "comes twice"), ([], "1 or more"), (-5.0, "above 0")])
 def test_python_refuses_torques_that_are_none(case: Path, torques: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         easeoff.analyze(case, torques=torques)  # type: ignore[arg-type]

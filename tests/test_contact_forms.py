@@ -247,9 +247,9 @@ def test_forms_refuse_what_they_cannot_hold() -> None:
         with pytest.raises(InputError, match="negative eigenvalue"):
             form(indefinite)
     lifted = lifted_qp(structured)
-    with pytest.raises(InputError, match="x = .*must have the shape"):
+    with pytest.raises(InputError, match=r"x = .*must have the shape"):
         lifted.recover(np.zeros(structured.size), np.zeros(1))
-    with pytest.raises(InputError, match="z = .*must have the shape"):
+    with pytest.raises(InputError, match=r"z = .*must have the shape"):
         lcp(structured).recover(np.zeros(structured.size + 1))
 
 

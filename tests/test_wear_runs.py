@@ -131,7 +131,7 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
         (["--torque", "100=0.5,200=0.4"], "the shares add up to 0.9, not 1"),
         (["--torque", "100=0.5,100=0.5"], "100 comes twice"),
         (["--coefficient", "1/2/3"], "must be a coefficient in mm^2/N"),
-        (["--coefficient", "1.0"], "1e-12 for a well lubricated gear"),
+        (["--coefficient", "1.0"], "pinion_coefficient = 1: must be at most 0.001 [mm^2/N]"),
         (["--revolutions", "0"], "revolutions = 0: must be a finite number above 0"),
         (["-o", "worn.csv"], "ends in .nc"),
         (["--deviation", "axle=worn.nc"], "must be pinion=FILE or gear=FILE"),
