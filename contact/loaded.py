@@ -48,7 +48,7 @@ def loaded_splines(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) 
 
 
 def loaded_contact(
-    fields: FlankSplines,
+    splines: FlankSplines,
     teeth: xr.Dataset,
     mesh: MeshLines,
     *,
@@ -65,7 +65,7 @@ def loaded_contact(
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``loaded_splines``.
     teeth
         The geometry's ``teeth``.
@@ -104,8 +104,8 @@ def loaded_contact(
     ['CERTIFIED', 'CERTIFIED']
     """
     model = model or ElasticModel()
-    on_lines = LineSegments(fields, mesh, elastic_teeth(teeth, model), segments_per_line)
-    segments = CycleSegments(fields, on_lines, model)
+    on_lines = LineSegments(splines, mesh, elastic_teeth(teeth, model), segments_per_line)
+    segments = CycleSegments(splines, on_lines, model)
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
 
@@ -136,7 +136,7 @@ def solve_cycle(
     if not edge_contact:
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         return loaded_dataset(segments, cases, torques, rotations), cases
-    # What more touches can only hold the pair back: its rotation with contact on lines alone is the farthest.
+    # Edges can only hold the pair back: its rotation with contact on lines alone is the greatest.
     turned = _turned(solve_all(segments, np.array([torques.max()]), ratio, "auto", {}), rotations.size)
     widest = np.where(turned > 0.0, turned, max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM))
     widest = EDGE_SEARCH_ROTATION_FACTOR * widest

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import MEMBERS, ElasticModel, ElasticTooth, whitened_loads
+from .compliance.elastic_model import ElasticModel, ElasticTooth, whitened_loads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_edges import edges_in_mesh
@@ -81,7 +82,7 @@ class Segments:
 
     @property
     def overhang(self) -> Array:
-        """How far beyond a tooth edge the flanks would come closest (n) [mm]; NaN on contact lines."""
+        """Distance beyond a tooth edge at which the flanks would come closest (n) [mm]; NaN on contact lines."""
         return self.line_contact.overhang
 
     @cached_property

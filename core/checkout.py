@@ -10,7 +10,7 @@ from types import ModuleType
 BESIDE = ("easeoff.tests", "easeoff.docs", "easeoff.benchmarks")
 
 
-class Fence:
+class CheckoutFinder:
     """A finder of modules that finds none, and lets no other one look for what is no part of the package."""
 
     @staticmethod
@@ -23,4 +23,4 @@ class Fence:
 def fence() -> None:
     """Put the finder in place, where the package is that of a checkout."""
     if (Path(__file__).parents[1] / "pyproject.toml").is_file():
-        sys.meta_path.insert(0, Fence)
+        sys.meta_path.insert(0, CheckoutFinder)

@@ -288,7 +288,7 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
 
 
 def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[str, Any]:
-    """Where a result came from, as netCDF attributes."""
+    """Origin of a result, as netCDF attributes."""
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     own, case, pair = version("easeoff"), state.case, state.pair
     errors, added = pair.assembly.misalignment, state.modification

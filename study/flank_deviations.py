@@ -1,4 +1,4 @@
-"""Deviations of a case's flanks, from wherever the user has them, and the geometry of the pair with them."""
+"""Deviations of a case's flanks, from files, datasets or formulas, and the geometry of the pair with them."""
 
 from __future__ import annotations
 
@@ -256,7 +256,7 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
 
 
 def deviation_attributes(deviations: Mapping[str, Deviation], deviated: str) -> dict[str, float | str]:
-    """What a result says about the deviations it was made with, as netCDF attributes.
+    """Deviations of an analysis, as netCDF attributes of its result.
 
     Examples
     --------

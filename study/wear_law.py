@@ -1,4 +1,4 @@
-"""How flanks wear, and under what loads: coefficients, step, stop, duty cycle."""
+"""Wear law: coefficients, step, stop and duty cycle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units
 
 @dataclass(frozen=True)
 class WearLaw:
-    """How flanks wear, and how far to follow them.
+    """Wear coefficients, step control and stop.
 
     Parameters
     ----------

@@ -352,12 +352,12 @@ def test_programme_of_another_hand_is_read_as_it_stands(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"A": None, "b": None}, "no equality"),
-        ({"A": np.ones((2, 3)), "b": np.ones(2)}, "2 equalities"),
-        ({"lb": None}, "lower bounds"),
-        ({"lb": -np.ones(3)}, "lower bounds"),
-        ({"ub": np.ones(3)}, "upper bounds"),
-        ({"G": np.ones((1, 3)), "h": np.ones(1)}, "inequalities"),
+        ({"A": None, "b": None}, "A = none: must be the balance of torque"),
+        ({"A": np.ones((2, 3)), "b": np.ones(2)}, "must be one equality"),
+        ({"lb": None}, "lb = None: must be zero"),
+        ({"lb": -np.ones(3)}, r"lb = array of shape \(3,\): must be zero"),
+        ({"ub": np.ones(3)}, "no upper bounds"),
+        ({"G": np.ones((1, 3)), "h": np.ones(1)}, "no inequalities"),
         ({"b": -np.ones(1)}, "torque"),
         ({"P": np.arange(9.0).reshape(3, 3)}, "must be symmetric"),
     ],

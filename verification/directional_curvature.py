@@ -23,7 +23,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class ShapeOperator:
-    """How the normal of a surface turns, at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
+    """Shape operator of a surface at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
 
     Curvatures are positive where the body is convex.
 

@@ -57,7 +57,7 @@ def solve_line_contact(
     line_contact
         The local part.
     solver
-        What solves the linear problems; see `solve`.
+        Solver of the linear problems; see `solve`.
     initial_force
         Warm start: the forces of a neighbouring problem (n) [N]. Ignored if they are NaN, as where that problem failed.
     polish

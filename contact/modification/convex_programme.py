@@ -243,6 +243,6 @@ def checked_objective(name: str) -> Objective:
     Raises
     ------
     InputError
-        If there is none.
+        If the objective is unknown.
     """
     return cast(Objective, one_of("objective", name, OBJECTIVES))

@@ -42,12 +42,12 @@ class Answer:
 
 
 def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:
-    """Return what stands for no answer: NaN for a number of segments."""
+    """Return the answer of a solve without one: NaN for every segment."""
     return Answer(np.full(size, np.nan), math.nan, np.full(size, np.nan), math.nan, certificate)
 
 
 def unscaled(problem: ContactProblem, force: Array, rotation: float) -> Answer:
-    """Return the answer that scaled forces and a scaled rotation stand for.
+    """Return the answer of scaled forces and a scaled rotation.
 
     Parameters
     ----------

@@ -1,7 +1,6 @@
 """The compliance matrix C of a contact problem, in one of two forms: dense, or diagonal plus low rank.
 
-The form is a matter of type: what a solver can make of a compliance is decided by its class, and by the class of its
-modes, never by what happens to have been computed before.
+Solvers choose their method by the class of a compliance and of its modes, never by values computed earlier.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ class DenseCompliance:
 
     @property
     def given(self) -> Array:
-        """What a contact problem is made with: the matrix."""
+        """The compliance as a contact problem takes it: the matrix."""
         return self.dense
 
     @cached_property
@@ -92,7 +91,7 @@ class ModalCompliance:
 
     @property
     def given(self) -> tuple[Array, Array]:
-        """What a contact problem is made with: the pair of d and V."""
+        """The compliance as a contact problem takes it: the pair of d and V."""
         return self.local, self.factor
 
     @cached_property

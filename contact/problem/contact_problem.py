@@ -1,4 +1,4 @@
-"""The contact problem of one mesh position: who touches, with what load, at what rotation.
+"""The contact problem of one mesh position: segments in contact, their loads, and the rotation.
 
 The segments of all potential contact lines form one vector. Given their separation S, lever arm r and compliance C,
 find the normal forces F and the rotation theta of the gear such that

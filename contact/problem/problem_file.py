@@ -62,10 +62,10 @@ def write_problems(
     path
         The file, replaced if it exists. It appears complete or not at all.
     labels
-        What each problem is, for instance ``torque_index`` and ``mesh_position``: by name an array (number of
+        Labels of the problems, for instance ``torque_index`` and ``mesh_position``: by name an array (number of
         problems) of numbers or text. A DataArray brings its attributes along, such as units.
     attributes
-        What the whole file is: further global attributes, text or numbers by name.
+        Further global attributes of the file, text or numbers by name.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What all backends behind qpsolvers share: the call, and reading off forces and rotation.
+"""Call of a backend behind qpsolvers, and its forces and rotation.
 
 To add a backend: a row in `solver_table`, and a module in ``adapters`` named after it with a function
 ``solve_scaled(problem, settings) -> ScaledAnswer``. The answer may be anything; it is certified by the caller.
@@ -26,7 +26,7 @@ FORMS = ("auto", "dense", "lifted")
 
 
 class NoAnswerError(Exception):
-    """A backend ended without numbers; carries what it said. Never leaves this folder."""
+    """A backend ended without numbers; carries its message. Never leaves this folder."""
 
     def __init__(self, message: str, suspicion: Status | None = None) -> None:
         super().__init__(message)

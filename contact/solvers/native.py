@@ -1,4 +1,4 @@
-"""The native solver: a cascade of methods, the fast one first, each answer certified before it is believed.
+"""The native solver: a cascade of methods, the fast one first, with every answer certified.
 
 1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
    from the Winkler estimate.
@@ -54,7 +54,7 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
     problem
         The scaled problem.
     active
-        Segments thought to touch (n).
+        Segments assumed in contact (n).
     settings
         ``method``: the name of a single method instead of the cascade.
 

@@ -1,4 +1,4 @@
-"""The solvers there are, and `solve`, which calls any of them and proves its answer."""
+"""Registry of the solvers, and `solve`, which calls any of them and certifies its answer."""
 
 from __future__ import annotations
 
@@ -87,10 +87,10 @@ def solve(
         Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
         `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
     initial_active
-        Segments thought to touch, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
+        Segments assumed in contact, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
         native solver, ignored by the others.
     form
-        What a backend gets of a structured problem: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
+        Form of a structured problem for a backend: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
         `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
         from that size on.
     **settings
@@ -99,8 +99,8 @@ def solve(
     Returns
     -------
     ContactSolution
-        With NaN forces unless its status is `Status.CERTIFIED`. What a backend says of itself is not believed: the
-        certificate decides, in both directions.
+        With NaN forces unless its status is `Status.CERTIFIED`. Its certificate alone decides, not the
+        report of the backend.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def _solved(
     one_of("form", form, FORMS)
     active = None if initial is None else as_mask(initial, problem.size)
     if not problem.is_positive_semidefinite:
-        message = "the compliance has a negative eigenvalue: forces would do work for nothing"
+        message = "the compliance has a negative eigenvalue: some forces would release energy"
         return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
@@ -173,7 +173,7 @@ def _solve_native(
 
 
 def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) -> ContactSolution:
-    """Return the solution that an answer of a method of the native solver is, or the record of a refusal."""
+    """Return the solution of an answer of a method of the native solver; see `judged`."""
     return judged(
         "native",
         unscaled(problem, answer.force, answer.rotation),

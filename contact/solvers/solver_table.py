@@ -1,4 +1,4 @@
-"""The one table of the solvers: package, licence, kind, settings for high accuracy, and the certificate to reach.
+"""Table of the solvers: package, licence, kind, settings for high accuracy, and the certificate to reach.
 
 All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances
 mean nothing.
@@ -25,7 +25,7 @@ LARGEST_PIVOTING = 1000
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """What is known about one solver.
+    """Facts and settings of one solver.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ _REAL_ENDINGS = ("_mm", "_rad")
 
 
 def text(dataset: xr.Dataset) -> str:
-    """Text of a dataset of measuring points, with the digits it takes to read the same numbers again."""
+    """Text of a dataset of measuring points, with enough digits to read the same numbers again."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
     position, normal = dataset["position"].values, dataset["normal"].values
     measured = DEVIATION_COLUMN in dataset

@@ -22,6 +22,7 @@ from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surf
 
 Array = NDArray[Any]
 FlankName = Literal["drive", "coast"]
+MEMBERS = ("pinion", "gear")
 DEFAULT_NODES = (31, 21)
 
 

@@ -17,7 +17,7 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
-from ..pair.gear_pair import GearPair, Member, tooth_angles
+from ..pair.gear_pair import MEMBERS, GearPair, Member, tooth_angles
 from ..pair.tooth_body import middle_angle, opposite_surface
 from ..vectors import rotate_z
 
@@ -88,7 +88,7 @@ def named_member(pair: GearPair, name: str) -> Member:
     InputError
         If it is called anything else.
     """
-    one_of("member", name, ("pinion", "gear"))
+    one_of("member", name, MEMBERS)
     return pair.pinion if name == "pinion" else pair.gear
 
 
@@ -103,7 +103,7 @@ def tooth_angle(pair: GearPair, name: str) -> float:
         If the flanks leave no tooth.
     """
     named_member(pair, name)
-    angle = tooth_angles(pair)[("pinion", "gear").index(name)]
+    angle = tooth_angles(pair)[MEMBERS.index(name)]
     if angle <= 0.0:
         raise GeometryError(
             f"the tooth of the {name} would be {np.degrees(angle):.3f} degrees thick in its middle: check the "

@@ -1,4 +1,4 @@
-"""One attempt of one solver at one problem: what it says, what the certificate says, and how long it took.
+"""Attempt of a solver at a problem: its claim, its certificate and its run time.
 
 This runs in a process of its own.
 """
@@ -81,7 +81,7 @@ class Attempt:
 
 
 def load_adapter(solver: str) -> Adapter | None:
-    """Return what solves scaled problems for a solver; None for the native one, which is reached by its own door.
+    """Return the adapter of a solver for scaled problems; None for the native one, which needs none.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def load_adapter(solver: str) -> Adapter | None:
         return adapter_of(solver)
     try:
         found: Adapter = getattr(importlib.import_module(module), function)
-    except Exception as error:  # whatever a module of somebody else's raises
+    except Exception as error:  # a foreign module may raise anything
         raise InputError(f"solver {solver!r} cannot be loaded: {error}") from error
     return found
 
