@@ -21,8 +21,8 @@ from .segments import CycleSegments, LineSegments, Segments
 from .solvers import Status
 
 Array = NDArray[Any]
-EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; where a search without any rotation to go by begins
-EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; a pair that turns so far meets nothing any more
+EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
+EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; beyond it no edge is met
 EDGE_SEARCH_ROTATION_FACTOR = 1.1  # times the rotation within which an edge must be met to be taken in
 
 
@@ -74,7 +74,7 @@ def loaded_contact(
     ratio
         Gear teeth over pinion teeth.
     model
-        How the teeth give way.
+        Elastic model of the teeth.
     segments_per_line
         Segments of a contact line.
     torques, edge_contact, solver, progress, **options
@@ -144,7 +144,7 @@ def solve_cycle(
         segments = cycle.with_edges(widest)
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         turned = _turned(cases, rotations.size)
-        # Where there is no line the pair turns until edges hold it, and may meet more of them than were looked for.
+        # Where there is no line the pair turns until edges hold it, and may meet further ones.
         turned[[here is None for here in segments]] = 2.0 * widest.max()
         if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
             return loaded_dataset(segments, cases, torques, rotations), cases

@@ -75,7 +75,7 @@ class MeshCycle:
         geometry
             From ``geometry.pair_geometry``.
         model
-            How the teeth give way; steel shells on elastic roots if left out.
+            Elastic model of the teeth; steel shells on elastic roots if left out.
         mesh_positions
             Pinion rotations in one pitch.
         segments_per_line

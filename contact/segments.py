@@ -21,7 +21,7 @@ from .problem.modal_basis import ModalBasis, basis_of_blocks
 
 Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
-RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact, and a wider band is no harm
+RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact
 DEPTHS = [f"depth_{member}" for member in MEMBERS]
 
 
@@ -168,7 +168,7 @@ class CycleSegments:
     on_lines
         Segments of the contact lines.
     model
-        How the teeth give way.
+        Elastic model of the teeth.
 
     Examples
     --------

@@ -35,7 +35,7 @@ def number(
     name
         Of the argument, as the user writes it.
     value
-        What the user gave.
+        Value of the argument.
     unit
         Of the number; ``1`` is left out of the message.
     above, least, below, most

@@ -48,7 +48,7 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
     operation
         One speed, temperature and roughness.
     model
-        How friction is computed.
+        Model of friction.
     """
     v = contacts.velocities
     # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.

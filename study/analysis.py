@@ -162,7 +162,7 @@ def analyze(
         What the flanks depart from the designed ones: for ``pinion``, ``gear`` or both a ``Deviation``, a dataset, or
         the file of a measured grid.
     deviated
-        How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
+        Treatment of the deviations: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
     interpolation
         Between the nodes of measured grids and datasets: ``spline``, ``smooth`` or ``weighted_average``, see
         ``geometry.Deviation``.

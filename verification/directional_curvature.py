@@ -100,7 +100,7 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     parameters
         Surface parameters (2, n), see ``GeneratingSurface.evaluate``.
     """

@@ -118,9 +118,9 @@ def cells_on_line(
     step
         Lengths of a cell along and across the line [mm].
     half_band
-        How far the cells reach to either side of the line [mm].
+        Half-width of the band of cells along the line [mm].
     reach
-        How far beyond its ends, where a band still has cells on both flanks [mm].
+        Its extension beyond the ends of the line, where cells lie on both flanks [mm].
     widest_gap
         Cells with a wider gap are left out [mm].
     """

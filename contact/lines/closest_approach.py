@@ -174,7 +174,7 @@ class ClosestApproach:
     separation_angle
         Gap there, as a gear rotation (...) [rad].
     shift
-        How far it lies from the point, as fractions (2, ...).
+        Its offset from the point, as fractions (2, ...).
     lever_arm
         Arm of the normal force about the gear axis (...) [mm].
     curvature

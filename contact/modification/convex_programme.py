@@ -157,11 +157,11 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach:
     loads
         Loads at the present coefficients, and how they change.
     goal
-        What is asked for.
+        Objective and limits.
     coefficients
         The present coefficients (p) [um].
     reach
-        How far the surface may move [um].
+        Largest change of the surface in this programme [um].
 
     Returns
     -------
@@ -216,7 +216,7 @@ def _objective(cvxpy: Any, loads: LoadResponse, here: NDArray[np.bool_], goal: G
         chosen = here & loads.touching
         slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
         rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([reach * slope, level]) / reference
-        # As many rows as unknowns say the same as thousands of them.
+        # As many rows as unknowns hold the same information as thousands of them.
         triangle: Array = np.asarray(np.linalg.qr(rows, mode="r"))
         return cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1])
     scale = _multiple(loads, goal.objective)[here] / reference ** (2 if _squared(goal) else 1)

@@ -43,11 +43,11 @@ class Step:
     status
         Status of the programme.
     reach
-        How far the surface was allowed to move [um].
+        Largest change of the surface that was allowed [um].
     promised
-        What the programme promised.
+        Value predicted by the programme.
     fresh
-        What the fresh solution gave; NaN if there was none.
+        Value of the fresh solution; NaN if there was none.
     accepted
         Whether the search went on from there.
     mending
@@ -76,7 +76,7 @@ class ModificationSearch:
     loads
         Its loads.
     value
-        How it fares.
+        Its value.
     steps
         All programmes.
     converged
@@ -109,13 +109,13 @@ def search(
     start
         The same where the search begins.
     goal
-        What is asked for.
+        Objective and limits.
     coefficients
-        Where it begins (p) [um]; zero if left out.
+        Coefficients to start from (p) [um]; zero if left out.
     programmes
         The most programmes to solve.
     reach
-        How far the surface may move at first [um].
+        Largest change of the surface in the first programme [um].
     progress
         Called after every programme.
 

@@ -31,7 +31,7 @@ class Answer:
     elastic_rotation
         Rotation beyond first contact [rad].
     certificate
-        How well all this solves the contact problem.
+        Violations of the conditions of the contact problem.
     """
 
     force: Array

@@ -168,7 +168,7 @@ class ContactProblem:
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
         rotation, separation = self._first_contact
-        # Absurd data shall become a status, not a warning.
+        # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return Scaling.of(separation, self.lever_arm, self.torque, self.compliance_matrix, rotation)
 
@@ -221,7 +221,7 @@ class ContactProblem:
         Parameters
         ----------
         sparse
-            Give the matrices in compressed sparse column form, as the sparse solvers want them.
+            Give the matrices in compressed sparse column form, as sparse solvers need them.
 
         Returns
         -------

@@ -39,7 +39,7 @@ class LiftedQP:
     programme
         Scaled; its unknowns are the n forces, then the modal amplitudes. Matrices in compressed sparse columns.
     problem
-        Where it comes from.
+        The contact problem in its own form.
 
     Examples
     --------

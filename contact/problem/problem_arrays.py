@@ -67,7 +67,7 @@ def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
     Parameters
     ----------
     dataset
-        With all that `require_arrays` asks for.
+        Complete by `require_arrays`.
 
     Raises
     ------

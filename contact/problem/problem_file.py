@@ -228,7 +228,7 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
 
 @contextlib.contextmanager
 def _opened(path: str | os.PathLike[str]) -> Any:
-    """Open a file of contact problems, or say why it is none."""
+    """Open a file of contact problems; InputError if it is none."""
     with netcdf_reading(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False)
     with dataset:

@@ -27,8 +27,8 @@ class ScaledAnswer:
     suspicion
         Status that the solver reports; used only if the certificate refuses the answer.
     gap
-        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Nothing relies on them: the gaps of
-        a solution are computed from its forces. They tell whether the solver's own are right.
+        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Only for comparison: the gaps
+        of a solution are computed from its forces.
     """
 
     force: NDArray[np.float64]

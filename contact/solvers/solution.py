@@ -48,7 +48,7 @@ class ContactSolution:
     answer
         The numbers found, certified or not: those of a refused answer stand here alone.
     status
-        How the solve ended.
+        End of the solve.
     solver
         Name of the solver that was used.
     iterations

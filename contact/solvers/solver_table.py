@@ -32,7 +32,7 @@ class SolverSettings:
     package
         Importable package it needs; empty for the solvers of this package.
     requirement
-        What pip installs to get it.
+        Requirement that pip installs.
     licence
         SPDX identifier. What is under a copyleft licence is an optional extra of its own.
     kind

@@ -86,7 +86,7 @@ class ToothLattice:
         Fractions (2 t + 1) through the tooth from the loaded side, and (2 u + 1) from the middle of the fillet to the
         tip.
     body_bricks
-        How many of the bricks are the body's; they come first.
+        Number of bricks of the body; they come first.
     """
 
     nodes: Array

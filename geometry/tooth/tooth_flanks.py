@@ -40,7 +40,7 @@ class PlacedFlank:
     section
         Axial section of the blank.
     surface
-        What generates the flank.
+        Generating surface of the flank.
     rotation
         Angle about z from where the machine cuts it to its tooth [rad].
     """

@@ -50,7 +50,7 @@ SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the latti
 # Share of the fillet, from the root land, at which the lattice has its corner: at about 45 degrees to the flank.
 CORNER_SHARE = 0.6
 DEPTH_GROWTH = 1.7  # every brick of the body than the one above
-OVERHANG_PER_DEPTH = 0.75  # of the body's depth, that it runs on beyond toe and heel
+OVERHANG_PER_DEPTH = 0.75  # of the body beyond toe and heel, over its depth
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
 
 

@@ -74,7 +74,7 @@ def tooth_side(
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     section
         The blank.
     lengthwise

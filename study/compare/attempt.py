@@ -42,7 +42,7 @@ class Attempt:
     Attributes
     ----------
     claim
-        What the solver says: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
+        Report of the solver: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
         process ended).
     message
         Its own words.
@@ -53,7 +53,7 @@ class Attempt:
     elastic_rotation
         Rotation beyond first contact [rad]; NaN without an answer.
     iterations
-        -1 where the solver does not tell.
+        -1 if unknown.
     polished
         Whether the answer is that of one exact solve on the active set the backend found.
     """
@@ -133,11 +133,11 @@ def attempt(
     solver
         A name of the table of solvers, or of one's own.
     adapter
-        What `load_adapter` returned.
+        The adapter from `load_adapter`.
     settings
         A name of `SETTINGS`.
     time_limit
-        What the backend is told [s]; it may not listen.
+        Time limit passed to the backend [s], which may ignore it.
     active
         Warm start of the native solver (n).
     """

@@ -85,7 +85,7 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
     Parameters
     ----------
     problem
-        What was to be solved.
+        The problem.
     pressure
         In units of the Hertz pressure (n).
     approach

@@ -91,7 +91,7 @@ class Problem:
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     deflection
         Of the surfaces, on the grid.
     profile
@@ -205,7 +205,7 @@ def solve(problem: Problem, pressure: Array, approach: float, paces: Sequence[Pa
     Parameters
     ----------
     problem
-        What is to be solved.
+        The problem.
     pressure
         Where to start; zero at both ends (n).
     approach

@@ -59,7 +59,7 @@ def run_study(
     Returns
     -------
     xarray.Dataset
-        What was written; see ``study_dataset``.
+        The dataset written; see ``study_dataset``.
 
     Raises
     ------

@@ -188,7 +188,7 @@ class Design:
         Parameters
         ----------
         size
-            How many.
+            Number of combinations.
         seed
             Of the scrambling.
 
