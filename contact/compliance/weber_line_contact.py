@@ -105,7 +105,7 @@ class WeberLineContact:
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
     overhang
-        Distance beyond the edge of a tooth at which the bodies would come closest [mm]; NaN where no edge cuts the strip.
+        Distance beyond the edge of a tooth at which the bodies would come closest [mm]; NaN if none cuts the strip.
 
     Raises
     ------

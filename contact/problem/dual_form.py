@@ -46,7 +46,7 @@ class DualQP:
         Scaled, with inequalities G x <= h alone. Its unknowns are u (n), the modal amplitudes z (k, structured
         compliance only), theta. Matrices in compressed sparse columns where the compliance is structured.
     problem
-        The contact problem in its own form.
+        The contact problem from which the form was made.
 
     Examples
     --------

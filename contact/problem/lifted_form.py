@@ -39,7 +39,7 @@ class LiftedQP:
     programme
         Scaled; its unknowns are the n forces, then the modal amplitudes. Matrices in compressed sparse columns.
     problem
-        The contact problem in its own form.
+        The contact problem from which the form was made.
 
     Examples
     --------

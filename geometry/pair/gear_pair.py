@@ -39,7 +39,7 @@ class Member:
     loaded
         Generating surface of the loaded flank.
     opposite
-        Generating surface of the other flank; ``None`` if not known: the other blade in the same machine is assumed then.
+        Generating surface of the other flank; ``None`` for the other blade in the same machine.
     mean_thickness
         Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
 
