@@ -46,7 +46,7 @@ def small(**changes: Any) -> ContactProblem:
         ({"compliance": np.eye(2)}, "shape"),
         ({"compliance": np.ones(3)}, "compliance"),
         ({"compliance": np.full((3, 3), np.nan)}, "compliance"),
-        ({"compliance": np.diag([1.0, -1.0, 1.0])}, "diagonal of compliance = -1"),
+        ({"compliance": np.diag([1.0, -1.0, 1.0])}, "compliance diagonal = -1: must be"),
         ({"compliance": np.eye(3) + np.triu(np.full((3, 3), 0.01), 1)}, "must be symmetric"),
         ({"compliance": (np.ones(2), np.ones((3, 1)))}, "diagonal"),
         ({"compliance": (np.ones(3), np.ones((2, 1)))}, "factor"),

@@ -160,7 +160,7 @@ def _symmetric(given: Any, size: int) -> Array:
     compliance = array("compliance", given, "mm/N", ndim=2, frozen=True)
     if compliance.shape != (size, size):
         raise InputError(f"compliance = array of shape {compliance.shape}: must have the shape ({size}, {size})")
-    array("diagonal of compliance", compliance.diagonal(), "mm/N", least=0.0)
+    array("compliance diagonal", compliance.diagonal(), "mm/N", least=0.0)
     if np.array_equal(compliance, compliance.T):
         return compliance
     asymmetry = float(np.abs(compliance - compliance.T).max()) / float(np.abs(compliance).max())
