@@ -227,7 +227,7 @@ def analyze(
         friction_model = friction_model or FrictionModel()
         friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
     elif friction_model is not None or friction_feedback:
-        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
+        raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
     case_torques(case, torques)  # a torque given twice shows before the work, too
     state = CaseInMesh.of(
         case,

@@ -215,7 +215,7 @@ def _compared(
     }
     steps = found.steps
     by_step = {
-        "reach": [s.reach for s in steps],
+        "reach": [s.trust_radius for s in steps],
         "promised_objective": [s.promised.objective for s in steps],
         "fresh_objective": [s.fresh.objective for s in steps],
         "promised_violation": [s.promised.violation for s in steps],

@@ -237,7 +237,7 @@ def test_forms_refuse_what_they_cannot_hold() -> None:
     with pytest.raises(InputError, match="single dense matrix"):
         lifted_qp(dense)
     rigid = ContactProblem(separation, arm, 1.0, (np.array([0.0, 1e-6]), np.ones((2, 1))))
-    with pytest.raises(InputError, match="1 segments have none"):
+    with pytest.raises(InputError, match="is zero for 1 segments"):
         dual_qp(rigid)
     singular = ContactProblem(separation, arm, 1.0, np.ones((2, 2)))
     with pytest.raises(InputError, match="positive definite"):

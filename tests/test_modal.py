@@ -363,7 +363,7 @@ def test_any_start_of_many_leads_to_the_same_answer() -> None:
 
 def test_warm_starts_are_checked() -> None:
     given = structured(1)
-    with pytest.raises(InputError, match="1 entries for 2 problems"):
+    with pytest.raises(InputError, match="initial_active = 1 sets: must be 2"):
         solve_many(given, initial_active=[None])
     with pytest.raises(InputError, match="shape"):
         solve_many(given, initial_active=[None, np.zeros(10_000, dtype=bool)])

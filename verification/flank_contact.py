@@ -112,7 +112,7 @@ def contact_of_flanks(
                 float(mesh.rotations[position] - pair * pitch),
                 step=step,
                 half_band=band,
-                reach=LINE_EXTENSION if beyond_lines else 0.0,
+                extension=LINE_EXTENSION if beyond_lines else 0.0,
                 widest_gap=allowed * greatest_arm,
             )
             for pair, line in lines.items()

@@ -66,7 +66,7 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
     settings = dict(settings)
     method = settings.pop("method", "cascade")
     if settings:
-        raise InputError(f"native has no setting {', '.join(sorted(settings))}: the only one is method")
+        raise InputError(f"settings = {', '.join(sorted(settings))}: must be method, the only one of native")
     one_of("method", method, ("cascade", *METHODS))
     return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,))
 

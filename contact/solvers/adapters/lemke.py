@@ -56,10 +56,10 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     """Solve the scaled problem; the only setting is ``max_pivots``."""
     unknown = sorted(set(settings) - {"max_pivots"})
     if unknown:
-        raise InputError(f"lemke has no setting {', '.join(unknown)}: the only one is max_pivots")
+        raise InputError(f"settings = {', '.join(unknown)}: must be max_pivots, the only one of lemke")
     size = problem.separation.size
     if size > LARGEST_PIVOTING:
-        raise InputError(f"lemke is meant for small problems: {size} segments are more than {LARGEST_PIVOTING}")
+        raise InputError(f"size = {size}: must be at most {LARGEST_PIVOTING} segments for lemke")
     matrix, vector, eliminated = eliminated_system(problem)
     result = lemke(matrix, vector, **settings)
     if result.ended == "ray":
