@@ -234,7 +234,7 @@ def test_forms_refuse_what_they_cannot_hold() -> None:
     dense, structured = next(problems("realistic", 1)), next(problems("plain", 1))
     dense = ContactProblem(dense.separation, dense.lever_arm, dense.torque, dense.dense_compliance)
     separation, arm = np.zeros(2), np.full(2, 40.0)
-    with pytest.raises(InputError, match="single dense matrix"):
+    with pytest.raises(InputError, match="compliance = dense matrix: must be the pair"):
         lifted_qp(dense)
     rigid = ContactProblem(separation, arm, 1.0, (np.array([0.0, 1e-6]), np.ones((2, 1))))
     with pytest.raises(InputError, match="is zero for 1 segments"):
@@ -308,7 +308,7 @@ def test_impossible_form_is_refused() -> None:
         with pytest.raises(InputError, match=r"must be dense for.*clarabel"):
             solve(structured, name, form="lifted")
         assert solve(structured, name, form="dense").certified
-    with pytest.raises(InputError, match="single dense matrix"):
+    with pytest.raises(InputError, match="compliance = dense matrix: must be the pair"):
         solve(dense, "osqp", form="lifted")
     with pytest.raises(InputError, match="auto, dense, lifted"):
         solve(structured, "osqp", form="sparse")
