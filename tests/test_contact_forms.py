@@ -308,7 +308,7 @@ def test_impossible_form_is_refused() -> None:
         with pytest.raises(InputError, match=r"must be dense for.*clarabel"):
             solve(structured, name, form="lifted")
         assert solve(structured, name, form="dense").certified
-    with pytest.raises(InputError, match="compliance = dense matrix: must be the pair"):
+    with pytest.raises(InputError, match="must be dense for a single dense matrix"):
         solve(dense, "osqp", form="lifted")
     with pytest.raises(InputError, match="auto, dense, lifted"):
         solve(structured, "osqp", form="sparse")
