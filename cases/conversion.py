@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
 from ..contact.compliance.elastic_model import ElasticModel
@@ -12,6 +12,7 @@ from ..contact.compliance.finite_elements.finite_element_tooth import (
     finite_element_tooth,
     solid_shell_tooth,
 )
+from ..core.checks import one_of
 from ..core.errors import GeometryError, InputError
 from ..geometry.cutting.blade import Blade
 from ..geometry.cutting.blade_sections import Relief
@@ -270,8 +271,7 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
     >>> pair.pinion.loaded.blade.side  # the inside blade cuts the convex flank
     'inside'
     """
-    if flank not in ("drive", "coast"):
-        raise InputError(f"flank = {flank!r}: must be one of drive, coast")
+    one_of("flank", flank, get_args(FlankName))
     pinion_side: Side = "concave" if flank == "drive" else "convex"
     gear_side: Side = "convex" if flank == "drive" else "concave"
     for name, side, table in (("pinion", pinion_side, case.pinion), ("gear", gear_side, case.gear)):

@@ -30,7 +30,7 @@ TYPE_MESSAGES = {
 
 
 def count(error: ValidationError) -> str:
-    """How many mistakes there are, in words."""
+    """Number of mistakes, in words."""
     found = len(_items(error))
     return "a mistake" if found == 1 else f"{found} mistakes"
 
@@ -69,7 +69,7 @@ def written(value: Any) -> str:
 
 
 def _allowed(model: type[BaseModel], item: Any) -> str:
-    """What is allowed, in plain words."""
+    """Values allowed, in plain words."""
     kind, context = item["type"], item.get("ctx", {})
     if kind == "missing":
         return "is missing; it must be given"

@@ -16,7 +16,7 @@ def case_toml(case: Case, comment: str = "") -> str:
     """Text of a case file that reads as the given case.
 
     Only the keys that must be given and those that differ from their defaults are written, in the order of the schema.
-    Numbers are written with as many digits as it takes to read the same number again.
+    Numbers are written with enough digits to read the same number again.
 
     Parameters
     ----------

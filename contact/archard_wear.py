@@ -1,4 +1,4 @@
-"""Wear by Archard's law: what one engagement takes off both flanks, from line loads and sliding.
+"""Wear by Archard's law: depth that one engagement removes from both flanks, from line loads and sliding.
 
 By that law (1953, doi:10.1063/1.1721448) a point of a flank loses h = k * integral of p v_s dt while the contact line
 passes over it. The line crosses the flank at right angles to itself with the speed u, so that dt = dx / u with x across
@@ -6,7 +6,7 @@ the line; and the integral of p dx is the load per length F'. Hence, for either 
 
     h = k F' v_s / u
 
-per engagement, whatever the width of the contact. All teeth of a member are alike: the segments of every tooth pair in
+per engagement, for any width of the contact. All teeth of a member are alike: the segments of every tooth pair in
 mesh, over one mesh cycle, are one tooth's whole way through the mesh.
 """
 
@@ -23,11 +23,11 @@ from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
 from ..core.errors import GeometryError
+from ..geometry.pair.gear_pair import MEMBERS
 from .lines.flank_splines import FlankSplines, fit
 
 Array = NDArray[Any]
 GRID = ("lengthwise", "profile")
-MEMBERS = ("pinion", "gear")
 SPLINE_DEGREE = 3  # of the field on a flank that the samples of an engagement are brought onto
 SPLINE_INTERVALS = (16, 10)  # lengthwise and up the profile
 SMOOTHING_WEIGHT = 1e-4  # weight of even continuation, against that of the samples
@@ -92,15 +92,15 @@ class Engagement:
 
 
 def engagement(
-    loaded: xr.Dataset, fields: FlankSplines, pinion_pitch: float, segments_per_line: int, torque: int = 0
+    loaded: xr.Dataset, splines: FlankSplines, pinion_pitch: float, segments_per_line: int, torque: int = 0
 ) -> Engagement:
-    """What the loaded contact of one mesh cycle means for the wear of one tooth.
+    """Wear of one tooth in one engagement, from the loaded contact of a mesh cycle.
 
     Parameters
     ----------
     loaded
         Result of ``loaded_contact``.
-    fields
+    splines
         From ``rolling_splines``.
     pinion_pitch
         Angular pitch of the pinion [rad].
@@ -135,7 +135,7 @@ def engagement(
         raise GeometryError("the contact is not solved at every mesh position: there is no wear to compute from it")
     force, length, lengthwise, profile = (v[present] for v in values.values())
     on_gear = np.stack([lengthwise, profile])
-    moving = fields.evaluate(["sliding", "pinion_speed", "gear_speed", "pinion_lengthwise", "pinion_profile"], on_gear)
+    moving = splines.evaluate(["sliding", "pinion_speed", "gear_speed", "pinion_lengthwise", "pinion_profile"], on_gear)
     points = {"pinion": np.stack([moving["pinion_lengthwise"], moving["pinion_profile"]]), "gear": on_gear}
     speed = {name: moving[f"{name}_speed"] for name in MEMBERS}
     step = pinion_pitch / here.sizes["mesh_position"]
@@ -155,7 +155,7 @@ def _ends(lines: Array) -> Array:
 
 
 def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> Array:
-    """What passes over a flank, as a smooth field on a grid.
+    """Samples of an engagement as a smooth field on a grid of the flank.
 
     The cubic tensor spline that fits the samples best, each weighted with the area it stands for; so the field keeps
     the samples' integral, and the few samples on short lines in the corners weigh as little as they are. Where no line

@@ -9,21 +9,20 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.errors import InputError
+from ..core.checks import array
 from .compliance.elastic_model import ElasticModel, elastic_teeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
-from .line_contact.line_contact_solution import solve_on_bending
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 from .lines.opposite_points import PASSING_FIELDS
 from .loaded_cases import LoadedCase, loaded_dataset
 from .segments import CycleSegments, LineSegments, Segments
-from .solvers import Status, require_solver
+from .solvers import Status
 
 Array = NDArray[Any]
-EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; where a search without any rotation to go by begins
-EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; a pair that turns so far meets nothing any more
+EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
+EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; beyond it no edge is met
 EDGE_SEARCH_ROTATION_FACTOR = 1.1  # times the rotation within which an edge must be met to be taken in
 
 
@@ -49,7 +48,7 @@ def loaded_splines(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) 
 
 
 def loaded_contact(
-    fields: FlankSplines,
+    splines: FlankSplines,
     teeth: xr.Dataset,
     mesh: MeshLines,
     *,
@@ -66,7 +65,7 @@ def loaded_contact(
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``loaded_splines``.
     teeth
         The geometry's ``teeth``.
@@ -75,7 +74,7 @@ def loaded_contact(
     ratio
         Gear teeth over pinion teeth.
     model
-        How the teeth give way.
+        Elastic model of the teeth.
     segments_per_line
         Segments of a contact line.
     torques, edge_contact, solver, progress, **options
@@ -105,8 +104,8 @@ def loaded_contact(
     ['CERTIFIED', 'CERTIFIED']
     """
     model = model or ElasticModel()
-    on_lines = LineSegments(fields, mesh, elastic_teeth(teeth, model), segments_per_line)
-    segments = CycleSegments(fields, on_lines, model)
+    on_lines = LineSegments(splines, mesh, elastic_teeth(teeth, model), segments_per_line)
+    segments = CycleSegments(splines, on_lines, model)
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
 
@@ -132,14 +131,12 @@ def solve_cycle(
     >>> loaded["status"].values.tolist()
     [[0, 0]]
     """
-    torques = np.asarray(torques, dtype=float)
-    if torques.size == 0 or not np.all(np.isfinite(torques) & (torques > 0.0)):
-        raise InputError(f"torques = {torques.tolist()}: every torque must be a positive number in N m")
+    torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
     segments, rotations = cycle.by_position, cycle.on_lines.lines.rotations
     if not edge_contact:
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         return loaded_dataset(segments, cases, torques, rotations), cases
-    # What more touches can only hold the pair back: its rotation with contact on lines alone is the farthest.
+    # Edges can only hold the pair back: its rotation with contact on lines alone is the greatest.
     turned = _turned(solve_all(segments, np.array([torques.max()]), ratio, "auto", {}), rotations.size)
     widest = np.where(turned > 0.0, turned, max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM))
     widest = EDGE_SEARCH_ROTATION_FACTOR * widest
@@ -147,7 +144,7 @@ def solve_cycle(
         segments = cycle.with_edges(widest)
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         turned = _turned(cases, rotations.size)
-        # Where there is no line the pair turns until edges hold it, and may meet more of them than were looked for.
+        # Where there is no line the pair turns until edges hold it, and may meet further ones.
         turned[[here is None for here in segments]] = 2.0 * widest.max()
         if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
             return loaded_dataset(segments, cases, torques, rotations), cases
@@ -190,17 +187,13 @@ def solve_all(
     4
     """
     present = [(k, here) for k, here in enumerate(segments) if here is not None]
-    together = require_solver(solver) == "native" and not options
-    contacts = LineContacts([here.line_contact for _, here in present]) if together else None
+    contacts = LineContacts([here.line_contact for _, here in present])
     starts: list[Array | None] = [None] * len(present)
     cases = []
     for index in np.argsort(torques, kind="stable"):
         problems = [here.bending_problem.with_torque(1e3 * ratio * float(torques[index])) for _, here in present]
-        known = [None] * len(present) if contacts is None else solve_line_contacts(problems, contacts, starts)
-        for i, ((k, here), problem, found) in enumerate(zip(present, problems, known, strict=True)):
-            solution, secant = found or solve_on_bending(
-                problem, here.line_contact, solver, initial_force=starts[i], **options
-            )
+        solved = solve_line_contacts(problems, contacts, tuple(starts), solver, **options)
+        for i, ((k, here), (solution, secant)) in enumerate(zip(present, solved, strict=True)):
             starts[i] = solution.force if solution.status == Status.CERTIFIED else None
             cases.append(LoadedCase(int(index), k, here, solution, secant))
             if progress is not None:

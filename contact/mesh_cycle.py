@@ -75,7 +75,7 @@ class MeshCycle:
         geometry
             From ``geometry.pair_geometry``.
         model
-            How the teeth give way; steel shells on elastic roots if left out.
+            Elastic model of the teeth; steel shells on elastic roots if left out.
         mesh_positions
             Pinion rotations in one pitch.
         segments_per_line
@@ -216,9 +216,9 @@ def _fields(geometry: PairGeometry) -> FlankSplines:
     return loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
 
 
-def _same(fields: FlankSplines, other: FlankSplines) -> bool:
+def _same(splines: FlankSplines, other: FlankSplines) -> bool:
     """Whether splines agree to the bit in all that contact lines and compliance depend on."""
-    if not np.array_equal(fields.holes, other.holes) or fields.spline.c.shape != other.spline.c.shape:
+    if not np.array_equal(splines.holes, other.holes) or splines.spline.c.shape != other.spline.c.shape:
         return False
-    columns = [own for name, (own, _) in fields.columns.items() if name not in GAP_FIELDS]
-    return all(np.array_equal(fields.spline.c[..., own], other.spline.c[..., own]) for own in columns)
+    columns = [own for name, (own, _) in splines.columns.items() if name not in GAP_FIELDS]
+    return all(np.array_equal(splines.spline.c[..., own], other.spline.c[..., own]) for own in columns)

@@ -1,4 +1,4 @@
-"""Root stress over a mesh cycle: what the contact forces of every case do to the roots of both teeth."""
+"""Root stress of both teeth over a mesh cycle, under the contact forces of every case."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from scipy.sparse import csc_array
 
 from ..core.attributes import labelled
 from ..core.errors import InputError
-from .compliance.elastic_model import MEMBERS, member_points
+from ..geometry.pair.gear_pair import MEMBERS
+from .compliance.elastic_model import member_points
 from .compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from .compliance.finite_elements.flank_compliance import flank_shares
 from .lines.flank_splines import FlankSplines
@@ -23,7 +24,7 @@ LENGTHWISE_STATION_COUNT = 41
 
 
 def root_stress(
-    fields: FlankSplines,
+    splines: FlankSplines,
     teeth: tuple[FiniteElementTooth, FiniteElementTooth],
     cases: list[LoadedCase],
     loaded: xr.Dataset,
@@ -35,7 +36,7 @@ def root_stress(
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``loaded_splines``.
     teeth
         Pinion and gear by finite elements.
@@ -87,7 +88,7 @@ def root_stress(
     for member, tooth in enumerate(teeth):
         if tooth.root is None:
             raise InputError('root stresses need finite elements: model = "fe" under [compliance]')
-        on_member = member_points(fields, MEMBERS[member], points)
+        on_member = member_points(splines, MEMBERS[member], points)
         nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(
             ((shares * forces[:, None]).ravel(), (nodes.ravel(), np.repeat(columns, nodes.shape[1]))),

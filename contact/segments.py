@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import MEMBERS, ElasticModel, ElasticTooth, whitened_loads
+from .compliance.elastic_model import ElasticModel, ElasticTooth, whitened_loads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_edges import edges_in_mesh
@@ -20,7 +21,7 @@ from .problem.modal_basis import ModalBasis, basis_of_blocks
 
 Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
-RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact, and a wider band is no harm
+RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact
 DEPTHS = [f"depth_{member}" for member in MEMBERS]
 
 
@@ -81,7 +82,7 @@ class Segments:
 
     @property
     def overhang(self) -> Array:
-        """How far beyond a tooth edge the flanks would come closest (n) [mm]; NaN on contact lines."""
+        """Distance beyond a tooth edge at which the flanks would come closest (n) [mm]; NaN on contact lines."""
         return self.line_contact.overhang
 
     @cached_property
@@ -167,7 +168,7 @@ class CycleSegments:
     on_lines
         Segments of the contact lines.
     model
-        How the teeth give way.
+        Elastic model of the teeth.
 
     Examples
     --------

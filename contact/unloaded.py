@@ -91,12 +91,12 @@ def _least(values: Array) -> Array:
     return np.where(np.isfinite(least), least, np.nan)
 
 
-def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
+def unloaded_contact(splines: FlankSplines, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
     """Unloaded contact over one mesh cycle.
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``contact_lines.contact_splines``.
     mesh
         Contact lines from ``lines_in_mesh``.
@@ -122,7 +122,7 @@ def unloaded_contact(fields: FlankSplines, mesh: MeshLines, *, separation: float
     """
     lines, position, pair = mesh.lines, mesh.position, mesh.pair
     mesh_positions = mesh.rotations.size
-    closest = closest_approach(fields, lines.points)
+    closest = closest_approach(splines, lines.points)
     error, index = _smallest(closest.separation_angle)
     # At the flank's edge the contact stays on the edge.
     at_edge = (index <= 0.0) | (index >= lines.points.shape[2] - 1)

@@ -7,20 +7,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
-BESIDE = ("easeoff.tests", "easeoff.docs", "easeoff.benchmarks")
+EXCLUDED_MODULES = ("easeoff.tests", "easeoff.docs", "easeoff.benchmarks")
 
 
-class Fence:
-    """A finder of modules that finds none, and lets no other one look for what is no part of the package."""
+class CheckoutFinder:
+    """Module finder that refuses the folders of a checkout that are not part of the package."""
 
     @staticmethod
     def find_spec(fullname: str, path: Sequence[str] | None, target: ModuleType | None = None) -> None:
         """Raise ``ModuleNotFoundError`` for folders beside the package's own."""
-        if fullname in BESIDE:
+        if fullname in EXCLUDED_MODULES:
             raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
 
 
 def fence() -> None:
-    """Put the finder in place, where the package is that of a checkout."""
+    """Install the finder if the package is that of a checkout."""
     if (Path(__file__).parents[1] / "pyproject.toml").is_file():
-        sys.meta_path.insert(0, Fence)
+        sys.meta_path.insert(0, CheckoutFinder)

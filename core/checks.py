@@ -24,6 +24,7 @@ def number(
     *,
     above: float | None = None,
     least: float | None = None,
+    below: float | None = None,
     most: float | None = None,
     infinite: bool = False,
 ) -> float:
@@ -34,13 +35,13 @@ def number(
     name
         Of the argument, as the user writes it.
     value
-        What the user gave.
+        Value of the argument.
     unit
         Of the number; ``1`` is left out of the message.
-    above, least, most
-        Bounds, the first of which does not belong to the range.
+    above, least, below, most
+        Bounds; ``above`` and ``below`` do not belong to the range.
     infinite
-        Whether infinity is a value; it is none where ``most`` is given.
+        Whether infinity is a value; it is none where ``below`` or ``most`` is given.
 
     Raises
     ------
@@ -55,8 +56,9 @@ def number(
     Traceback (most recent call last):
     easeoff.core.errors.InputError: slide_to_roll = 2.5: must be a number from -2 to 2
     """
-    if not (_is_number(value) and bool(_within(float(value), above, least, most, infinite))):
-        raise InputError(f"{name} = {shown(value)}: must be a {_range('number', unit, above, least, most, infinite)}")
+    if not (_is_number(value) and bool(_within(float(value), above, least, below, most, infinite))):
+        wanted = _range("number", unit, above, least, below, most, infinite)
+        raise InputError(f"{name} = {shown(value)}: must be a {wanted}")
     return float(value)
 
 
@@ -180,14 +182,16 @@ def array(
     fewest: int = 0,
     above: float | None = None,
     least: float | None = None,
+    below: float | None = None,
     most: float | None = None,
     infinite: bool = False,
+    frozen: bool = False,
 ) -> NDArray[np.float64]:
     """Return an array of numbers within bounds.
 
     Parameters
     ----------
-    name, unit, above, least, most, infinite
+    name, unit, above, least, below, most, infinite
         As for ``number``; the bounds hold for every entry.
     values
         An array, or what can be made one.
@@ -195,6 +199,8 @@ def array(
         Number of dimensions; any if left out.
     size, fewest
         Number of entries, or the least number of them.
+    frozen
+        Whether to return a read-only copy, in C order.
 
     Raises
     ------
@@ -209,21 +215,32 @@ def array(
     Traceback (most recent call last):
     easeoff.core.errors.InputError: position = [0.0]: must be finite numbers [m], 2 or more in a row
     """
-    wanted = _range("numbers", unit, above, least, most, infinite)
-    count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
-    form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
-    wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
     try:
-        found = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} = {shown(values)}: must be {wanted}") from error
-    if (ndim is not None and found.ndim != ndim) or found.size < fewest or (size is not None and found.size != size):
+        found = np.array(values, np.float64, order="C") if frozen else np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        found = None
+    if (
+        found is None
+        or (ndim is not None and found.ndim != ndim)
+        or found.size < fewest
+        or (size is not None and found.size != size)
+    ):
+        wanted = _range("numbers", unit, above, least, below, most, infinite)
+        count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
+        form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
+        wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}")
-    bad = ~_within(found, above, least, most, infinite)
-    if np.any(bad):
-        one = _range("number", unit, above, least, most, infinite)
-        raise InputError(f"{name} = {shown(found[bad].flat[0])}: must be a {one}")
-    return found
+    valid = _within(found, above, least, below, most, infinite)
+    if not np.all(valid):
+        one = _range("number", unit, above, least, below, most, infinite)
+        raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")
+    return read_only(found) if frozen else found
+
+
+def read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Forbid writing to an array and return it."""
+    values.setflags(write=False)
+    return values
 
 
 def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[np.float64]:
@@ -278,21 +295,32 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def _within(value: Any, above: float | None, least: float | None, most: float | None, infinite: bool) -> Any:
+def _within(
+    value: Any, above: float | None, least: float | None, below: float | None, most: float | None, infinite: bool
+) -> Any:
     """Whether a number, or each entry of an array, is within the bounds."""
     valid = ~np.isnan(value) if infinite else np.isfinite(value)
     valid = valid if above is None else valid & (value > above)
     valid = valid if least is None else valid & (value >= least)
+    valid = valid if below is None else valid & (value < below)
     return valid if most is None else valid & (value <= most)
 
 
-def _range(noun: str, unit: str, above: float | None, least: float | None, most: float | None, infinite: bool) -> str:
-    """What is allowed, in words."""
-    finite = "" if infinite or most is not None else "finite "
+def _range(
+    noun: str,
+    unit: str,
+    above: float | None,
+    least: float | None,
+    below: float | None,
+    most: float | None,
+    infinite: bool,
+) -> str:
+    """The numbers allowed, in words."""
+    finite = "" if infinite or below is not None or most is not None else "finite "
     if least is not None and most is not None:
         bounds = f" from {least:g} to {most:g}"
     else:
         lower = f" above {above:g}" if above is not None else f" of {least:g} or more" if least is not None else ""
-        upper = f" of at most {most:g}" if most is not None else ""
+        upper = f" below {below:g}" if below is not None else f" of at most {most:g}" if most is not None else ""
         bounds = f"{lower} and{upper.removeprefix(' of')}" if lower and upper else lower + upper
     return f"{finite}{noun}{bounds}" + (f" [{unit}]" if unit not in ("", "1") else "")

@@ -43,7 +43,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
     except RuntimeError as error:
-        # The netCDF library has no other exception, whatever went wrong; a full disk is the usual reason.
+        # The netCDF library raises this for every failure; a full disk is the usual reason.
         if not str(error).startswith("NetCDF"):
             raise
         raise InputError(f"{target} cannot be written: {error}; is there room on the disk?") from error
@@ -123,7 +123,7 @@ def require_file(path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def netcdf_reading(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Context in which a netCDF file is opened: whatever goes wrong is one message.
+    """Context in which a netCDF file is opened: every failure becomes one message.
 
     Raises
     ------

@@ -21,9 +21,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.line_contact.line_contact_law import LineContacts, solve_line_contacts
-from ..contact.line_contact.line_contact_solution import solve_on_bending
 from ..contact.loaded_cases import LoadedCase
-from ..contact.solvers import Status, require_solver
+from ..contact.solvers import Status
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
 from .efficiency import OPERATION, friction
@@ -49,7 +48,7 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
     operation
         One speed, temperature and roughness.
     model
-        How friction is computed.
+        Model of friction.
     """
     v = contacts.velocities
     # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.
@@ -81,11 +80,9 @@ def _solved_again(
         c.segments.bending_problem.with_torque(1e3 * ratio * float(torque[i])) for c, i in zip(chosen, at, strict=True)
     ]
     starts = [force[i][: case.segments.pair.size].copy() for case, i in zip(chosen, at, strict=True)]
-    contacts = [case.segments.line_contact for case in chosen]
-    native = require_solver(solver) == "native"
-    known = solve_line_contacts(problems, LineContacts(contacts), starts) if native else [None] * len(chosen)
-    for i, problem, contact, start, found in zip(at, problems, contacts, starts, known, strict=True):
-        solution, _ = found or solve_on_bending(problem, contact, solver, initial_force=start)
+    contacts = LineContacts([case.segments.line_contact for case in chosen])
+    solved = solve_line_contacts(problems, contacts, starts, solver)
+    for i, start, (solution, _) in zip(at, starts, solved, strict=True):
         status[i] = solution.status
         force[i][: start.size] = solution.force
     return result

@@ -47,6 +47,6 @@ def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
     Raises
     ------
     InputError
-        If there is none of that name.
+        If the name is unknown.
     """
     return FILMS[one_of("film", name, FILMS)]

@@ -153,7 +153,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
     Parameters
     ----------
     conditions
-        What the contacts work under.
+        Operating conditions of the contacts.
     blend
         Pass smoothly from one regime to the next, for lambda within 0.9 to 1.1 and 2.7 to 3.3; the expressions jump
         there, by 20 to 30 % as a rule and up to threefold.

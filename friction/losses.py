@@ -32,7 +32,7 @@ class Losses:
     contacts
         Which contacts (c).
     conditions
-        What they work under.
+        Their operating conditions.
     coefficient
         Friction coefficient (speed, temperature, roughness, c).
     sliding_loss, rolling_loss

@@ -73,7 +73,7 @@ class Lubricant:
     Parameters
     ----------
     name, title, source
-        What it is, and where the numbers are from.
+        Kind of oil, and source of the numbers.
     temperature
         [degC], increasing.
     dynamic_viscosity

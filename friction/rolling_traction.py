@@ -75,7 +75,7 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     Parameters
     ----------
     conditions
-        What the contacts work under.
+        Operating conditions of the contacts.
     thermal_factor
         Name of the factor for the inlet's heating, see ``THERMAL_FACTORS``.
 

@@ -141,23 +141,23 @@ def action_splines(ease_off: xr.Dataset) -> FlankSplines:
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, fields)
 
 
-def surface_velocities(axes: Axes, fields: FlankSplines, points: Array) -> SurfaceVelocities:
+def surface_velocities(axes: Axes, splines: FlankSplines, points: Array) -> SurfaceVelocities:
     """Surface velocities at points of the gear's flank, each at its conjugate position.
 
     Parameters
     ----------
     axes
         From ``axes_of``.
-    fields
+    splines
         From ``action_splines``.
     points
         Lengthwise and profile fractions (2, ...).
     """
-    here = fields.evaluate(["position", "normal"], points)
+    here = splines.evaluate(["position", "normal"], points)
     position = here["position"]
     normal = here["normal"] / np.sqrt(dot(here["normal"], here["normal"]))
     pinion, gear = axes.velocities(position)
-    slopes = [fields.evaluate(["position", "roll_angle"], points, d) for d in ((1, 0), (0, 1))]
+    slopes = [splines.evaluate(["position", "roll_angle"], points, d) for d in ((1, 0), (0, 1))]
     rates = [s["roll_angle"] for s in slopes]
     # Along a level set of the roll angle the points of action are those of one moment: the contact line.
     line = rates[0] * slopes[1]["position"] - rates[1] * slopes[0]["position"]

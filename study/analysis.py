@@ -10,7 +10,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
 
 from ..cases.conversion import edges_touch
@@ -18,6 +17,7 @@ from ..cases.schema.case_schema import Case
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
+from ..core.checks import distinct
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
@@ -70,10 +70,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     >>> case_torques(read_case("nasa-12x36"), 250.0).tolist()
     [250.0]
     """
-    load = np.atleast_1d(np.asarray(case.contact.torques if torques is None else torques, dtype=float))
-    if np.unique(load).size != load.size:
-        raise InputError(f"torques = {load.tolist()}: a value comes twice; give every torque in N m once")
-    return load
+    return distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
 
 
 def contact_analysis(
@@ -165,7 +162,7 @@ def analyze(
         What the flanks depart from the designed ones: for ``pinion``, ``gear`` or both a ``Deviation``, a dataset, or
         the file of a measured grid.
     deviated
-        How they are taken in: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
+        Treatment of the deviations: ``ease_off`` updates the ease-off, ``surface`` computes with the deviating flanks.
     interpolation
         Between the nodes of measured grids and datasets: ``spline``, ``smooth`` or ``weighted_average``, see
         ``geometry.Deviation``.
@@ -230,7 +227,7 @@ def analyze(
         friction_model = friction_model or FrictionModel()
         friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
     elif friction_model is not None or friction_feedback:
-        raise InputError("friction_model and friction_feedback need the speed of the pinion in 1/min")
+        raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
     case_torques(case, torques)  # a torque given twice shows before the work, too
     state = CaseInMesh.of(
         case,
@@ -291,7 +288,7 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
 
 
 def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[str, Any]:
-    """Where a result came from, as netCDF attributes."""
+    """Origin of a result, as netCDF attributes."""
     now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     own, case, pair = version("easeoff"), state.case, state.pair
     errors, added = pair.assembly.misalignment, state.modification

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from ..geometry.design.pair_design import SIDES, PairDesign, design_pair
 from ..geometry.flanks.flank import NodeStatus
 from ..geometry.pair.assembly import Assembly
 from ..geometry.pair.ease_off import exact_ease_off
-from ..geometry.pair.gear_pair import FlankName, bodies, grid
+from ..geometry.pair.gear_pair import MEMBERS, FlankName, bodies, grid
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
@@ -210,7 +210,7 @@ def _report(design: Design, designed: PairDesign) -> DesignReport:
     return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed)))
 
 
-def _side(design: Design, designed: PairDesign, side: Literal["drive", "coast"]) -> SideReport:
+def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     pair, fit = designed.pair(side), designed.pinion[side]
     t, h = grid(EASE_OFF_NODES)
     found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
@@ -235,7 +235,7 @@ def _narrow(designed: PairDesign) -> list[str]:
     except GeometryError as error:
         return [str(error)]
     found = []
-    for name, body in zip(("pinion", "gear"), both, strict=True):
+    for name, body in zip(MEMBERS, both, strict=True):
         for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
             if thickness < TOP_LAND_LIMIT * designed.blank.mean_normal_module:
                 found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")

@@ -55,7 +55,7 @@ class CaseInMesh:
     deviations
         Deviations of the flanks by member.
     deviated
-        How the deviations are taken in.
+        Treatment of the deviations.
     modification
         Added to the ease-off; ``None`` for none.
     unmodified

@@ -1,4 +1,4 @@
-"""Deviations of a case's flanks, from wherever the user has them, and the geometry of the pair with them."""
+"""Deviations of a case's flanks, from files, datasets or formulas, and the geometry of the pair with them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
+from ..core.checks import one_of
 from ..core.errors import GeometryError, InputError
 from ..geometry.deviation.deviated_flank import deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
@@ -199,8 +200,7 @@ def deviated_geometry(
     >>> bool((deviated_geometry(pair, (9, 7), worn).ease_off["gear_deviation"] < 0.0).any())
     True
     """
-    if deviated not in get_args(Deviated):
-        raise InputError(f"deviated = {deviated!r}: allowed are {', '.join(get_args(Deviated))}")
+    one_of("deviated", deviated, get_args(Deviated))
     if deviations and deviated == "surface":
         pair = deviated_pair(pair, pinion=deviations.get("pinion"), gear=deviations.get("gear"))
     return updated_geometry(pair_geometry(pair, nodes), deviations, deviated)
@@ -256,7 +256,7 @@ def require_line_contact(lost: float, deviations: Mapping[str, Deviation]) -> No
 
 
 def deviation_attributes(deviations: Mapping[str, Deviation], deviated: str) -> dict[str, float | str]:
-    """What a result says about the deviations it was made with, as netCDF attributes.
+    """Deviations of an analysis, as netCDF attributes of its result.
 
     Examples
     --------

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..cases.conversion import gear_pair
 from ..cases.schema.case_schema import Case
+from ..core.checks import whole
 from ..core.errors import InputError
 from ..core.files import check_writable
 from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
@@ -118,9 +119,7 @@ def export_surfaces(
         require_opencascade()
     pair = pair_of(case)
     number = named_member(pair, member).teeth
-    wanted = number if teeth is None else teeth
-    if not 1 <= wanted <= number:
-        raise InputError(f"teeth = {wanted}: must lie between 1 and {number}, the teeth of the {member}")
+    wanted = number if teeth is None else whole("teeth", teeth, 1, number)
     patches = tooth_patches(pair, member, nodes)
     if flank != "both":
         patches = {name: points for name, points in patches.items() if name.startswith(flank)}

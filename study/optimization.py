@@ -27,7 +27,8 @@ from ..contact.modification.modification_search import ModificationSearch, optim
 from ..contact.modification.modified_contact import ModifiedContact
 from ..contact.solvers import require_solver
 from ..core.attributes import labelled
-from ..core.errors import GeometryError, InputError
+from ..core.checks import number, positive, whole
+from ..core.errors import GeometryError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair
 from ..geometry.pair.modification import Modification, basis, terms
@@ -37,6 +38,7 @@ from .case_in_mesh import CaseInMesh, checked_case
 Array = NDArray[Any]
 
 STAGES = ("before", "after")
+LARGEST_MODIFICATION_LIMIT = 1000.0  # [um]
 
 
 def optimize(
@@ -111,7 +113,12 @@ def optimize(
     True
     """
     checked = checked_case(case)
-    _check(transmission_error, end_load, largest, programmes)
+    if transmission_error is not None:
+        positive("transmission_error", transmission_error, "urad", infinite=True)
+    if end_load is not None:
+        positive("end_load", end_load, "N/mm", zero=True, infinite=True)
+    number("largest", largest, "um", above=0.0, most=LARGEST_MODIFICATION_LIMIT)
+    whole("programmes", programmes, 1)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
     # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
@@ -149,17 +156,6 @@ def optimize(
     tree["optimization"] = xr.DataTree(record)
     tree["modification"] = xr.DataTree(_surface(best, tree["ease_off"].to_dataset()))
     return tree
-
-
-def _check(transmission_error: float | None, end_load: float | None, largest: float, programmes: int) -> None:
-    if transmission_error is not None and not transmission_error > 0.0:
-        raise InputError(f"transmission_error = {transmission_error}: must be a peak to peak above 0 urad")
-    if end_load is not None and not end_load >= 0.0:
-        raise InputError(f"end_load = {end_load}: must be a line load of 0 N/mm or more; infinite for no limit")
-    if not 0.0 < largest <= 1000.0:
-        raise InputError(f"largest = {largest}: must be above 0 and up to 1000 um")
-    if programmes < 1:
-        raise InputError(f"programmes = {programmes}: at least one is needed")
 
 
 def _goal(
@@ -219,7 +215,7 @@ def _compared(
     }
     steps = found.steps
     by_step = {
-        "reach": [s.reach for s in steps],
+        "reach": [s.trust_radius for s in steps],
         "promised_objective": [s.promised.objective for s in steps],
         "fresh_objective": [s.fresh.objective for s in steps],
         "promised_violation": [s.promised.violation for s in steps],

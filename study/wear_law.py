@@ -1,4 +1,4 @@
-"""How flanks wear, and under what loads: coefficients, step, stop, duty cycle."""
+"""Wear law: coefficients, step, stop and duty cycle."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.checks import positive
 from ..core.errors import InputError
+
+WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units
 
 
 @dataclass(frozen=True)
 class WearLaw:
-    """How flanks wear, and how far to follow them.
+    """Wear coefficients, step control and stop.
 
     Parameters
     ----------
@@ -43,17 +46,17 @@ class WearLaw:
     largest_depth: float | None = None
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            coefficient = name.endswith("coefficient")
-            if value is None and name == "largest_depth":
-                continue
-            if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not coefficient):
-                raise InputError(f"{name} = {value}: must be {'zero or more' if coefficient else 'greater than zero'}")
-        if max(self.pinion_coefficient, self.gear_coefficient) > 1e-3:
-            raise InputError(
-                f"wear coefficients {self.pinion_coefficient:g} and {self.gear_coefficient:g}: give them in mm^2/N, "
-                "1e-12 for a well lubricated gear"
-            )
+        for name in ("pinion_coefficient", "gear_coefficient"):
+            value = positive(name, getattr(self, name), "mm^2/N", zero=True)
+            if value > WEAR_COEFFICIENT_LIMIT:
+                raise InputError(
+                    f"{name} = {value:g}: must be at most {WEAR_COEFFICIENT_LIMIT:g} [mm^2/N]; 1e-12 is usual for a "
+                    "well lubricated gear"
+                )
+        positive("revolutions", self.revolutions)
+        positive("largest_step", self.largest_step, "um")
+        if self.largest_depth is not None:
+            positive("largest_depth", self.largest_depth, "um")
 
 
 def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
@@ -75,7 +78,7 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
     if not usable or abs(total - 1.0) > 1e-6:
         given = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
         raise InputError(
-            f"torque = {{{given}}}: give a torque in N m, or several with their shares of the revolutions, all greater "
-            f"than zero; the shares add up to {total:g}, not 1"
+            f"torque = {{{given}}}: must be a torque above 0 [N m], or several with their shares of the revolutions, "
+            f"above 0; the shares add up to {total:g}, not 1"
         )
     return {float(t): float(share) / total for t, share in shares.items()}

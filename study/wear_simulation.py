@@ -15,14 +15,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..cases.schema.case_schema import Case
-from ..contact.archard_wear import MEMBERS, engagement, integral, on_flank, rolling_splines, touched
+from ..contact.archard_wear import engagement, integral, on_flank, rolling_splines, touched
 from ..contact.solvers import Status
 from ..core.attributes import labelled
 from ..core.errors import GeometryError
 from ..geometry.deviation.deviation import Deviation, Method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
 from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.gear_pair import FlankName, grid
+from ..geometry.pair.gear_pair import MEMBERS, FlankName, grid
 from ..geometry.pair.rolling import rolling
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
 from .case_in_mesh import CaseInMesh, checked_case, prepared_pair
@@ -197,7 +197,7 @@ class _Run:
             self.volume_rate[name] = k * sum(s * once.work for s, once in parts)
 
     def step(self) -> None:
-        """As many revolutions as the step control allows."""
+        """Wear by as many revolutions as the step control allows."""
         law = self.law
         fastest = max(float(np.max(rate[self.touched[n]])) for n, rate in self.rate.items())
         if fastest == 0.0:
@@ -223,7 +223,7 @@ class _Run:
         return max(float(np.min(left, initial=np.inf)), 0.0)
 
     def state(self) -> xr.Dataset:
-        """Where the wear stands."""
+        """State of the wear."""
         own = ("member", "lengthwise", "profile")
         # Beyond the contact lines the depth is continued for the sake of the splines; nothing wears there.
         depth = {name: np.where(self.touched[name], self.depth[name], 0.0) for name in MEMBERS}

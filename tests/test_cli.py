@@ -266,7 +266,7 @@ def test_python_takes_one_torque_as_a_number_too(case: Path, torques: object) ->
     assert tree["loaded"].to_dataset()["torque"].values.tolist() == [75.0]
 
 
-@pytest.mark.parametrize(("torques", "words"), [([5.0, 5.0], "comes twice"), ([], "positive"), (-5.0, "positive")])
+@pytest.mark.parametrize(("torques", "words"), [([5.0, 5.0], "comes twice"), ([], "1 or more"), (-5.0, "above 0")])
 def test_python_refuses_torques_that_are_none(case: Path, torques: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         easeoff.analyze(case, torques=torques)  # type: ignore[arg-type]
@@ -315,13 +315,13 @@ def test_uncertified_results_are_reported_with_exit_code_1(
     """A solver that fails at one mesh position leaves NaN there, a status, and everything else."""
     import easeoff.contact.loaded as loaded
     from easeoff.contact import Status
-    from easeoff.contact.line_contact.line_contact_law import solve_line_contacts as honest
+    from easeoff.contact.line_contact.line_contact_law import solve_line_contacts
     from easeoff.contact.solvers.solution import no_solution
 
     calls = iter(range(10**6))
 
     def sometimes(problems, *arguments):  # type: ignore[no-untyped-def]
-        found = honest(problems, *arguments)
+        found = list(solve_line_contacts(problems, *arguments))
         if next(calls) == 0:
             nothing = no_solution(problems[1].size, Status.SOLVER_FAILED, "native", message="on purpose")
             found[1] = (nothing, problems[1])

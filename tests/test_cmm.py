@@ -279,8 +279,8 @@ def test_command_writes_the_points_of_a_case(tmp_path: Path, pair: GearPair) -> 
         (["x.stl", "--nodes", "61"], "61x31"),
         (["x.stl", "--nodes", "3x3"], "between 5 and 1001"),
         (["x.stl", "--teeth", "few"], "a number of teeth, or all"),
-        (["x.stl", "--teeth", "13"], "teeth = 13: must lie between 1 and 12"),
-        (["x.stl", "--teeth", "0"], "teeth = 0: must lie between 1 and 12"),
+        (["x.stl", "--teeth", "13"], "teeth = 13: must be a whole number from 1 to 12"),
+        (["x.stl", "--teeth", "0"], "teeth = 0: must be a whole number from 1 to 12"),
     ],
 )
 def test_mistakes_give_one_message_and_no_file(arguments: list[str], words: str, tmp_path: Path) -> None:

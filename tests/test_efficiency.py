@@ -654,7 +654,7 @@ def test_conditions_need_a_speed() -> None:
     assert operation_of(None, speed=None, oil=None) is None
     with pytest.raises(InputError, match="oil and roughness without a speed"):
         operation_of(None, speed=None, oil="75w90", roughness=0.4, temperature=None)
-    with pytest.raises(InputError, match="friction_feedback need the speed"):
+    with pytest.raises(InputError, match="speed = None: must be given"):
         easeoff.analyze(small_case("fh-design-a").model_copy(update={"friction": None}), friction_feedback=True)
 
 

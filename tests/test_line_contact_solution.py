@@ -335,7 +335,7 @@ def test_failing_backend_passes_its_status_on() -> None:
 def test_users_mistakes_are_errors() -> None:
     problem = bending_problems(1)[0]
     local = Logarithmic(np.full(problem.size, 1.2))
-    with pytest.raises(InputError, match="unknown solver"):
+    with pytest.raises(InputError, match="must be one of auto, native"):
         solve_on(problem, local, "simplex")
     with pytest.raises(InputError, match="lever_arm"):
         solve_line_contact(problem.separation, problem.lever_arm[1:], 1.0, problem.compliance, local)

@@ -182,7 +182,7 @@ def test_search_never_beats_the_global_optimum_and_often_reaches_it(seed: int, r
 
 
 def test_model_bounds_the_truth_on_a_bed_of_independent_springs() -> None:
-    """There the programme is a convex upper bound that touches at the present modification: descent without a reach."""
+    """There the programme is a convex upper bound that touches at the present modification: descent without a limit."""
     rng = np.random.default_rng(2)
     for seed in range(10):
         bed = smooth_bed(seed, positions=2, winkler=True)

@@ -155,11 +155,11 @@ def test_command_writes_result_and_fitted_case(tmp_path: Path) -> None:
     [
         ({"objective": "noise"}, "objective = 'noise'"),
         ({"order": 1}, "order = 1: must be one of 2, 3, 4"),
-        ({"transmission_error": 0.0}, "transmission_error = 0.0: must be a peak to peak above 0 urad"),
-        ({"end_load": -1.0}, "end_load = -1.0"),
-        ({"largest": math.inf}, "largest = inf: must be above 0 and up to 1000 um"),
+        ({"transmission_error": 0.0}, r"transmission_error = 0: must be a number above 0 \[urad\]"),
+        ({"end_load": -1.0}, "end_load = -1: must be a number of 0 or more"),
+        ({"largest": math.inf}, r"largest = inf: must be a number above 0 and at most 1000 \[um\]"),
         ({"programmes": 0}, "programmes = 0"),
-        ({"torques": [-5.0]}, "every torque must be a positive number"),
+        ({"torques": [-5.0]}, r"torques = -5: must be a finite number above 0"),
         ({"flank": "left"}, "flank = 'left'"),
     ],
 )

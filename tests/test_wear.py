@@ -165,8 +165,8 @@ def test_wear_takes_where_load_and_sliding_are() -> None:
 
 def test_bad_input_is_refused() -> None:
     for arguments, message in (
-        ((-1.0, 1.0, 1.0), "pinion_coefficient = -1.0: must be zero or more"),
-        ((1e-12, 1e-12, 0.0), "revolutions = 0.0: must be greater than zero"),
+        ((-1.0, 1.0, 1.0), "pinion_coefficient = -1: must be a finite number of 0 or more"),
+        ((1e-12, 1e-12, 0.0), "revolutions = 0: must be a finite number above 0"),
         ((1e-12, 1e-12, 1.0, np.nan), "largest_step"),
         ((1.0, 1e-12, 1.0), "mm\\^2/N"),
     ):

@@ -144,7 +144,7 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
 
 
 def line_differences(both: BothMethods, separation: float) -> tuple[Array, Array]:
-    """How the contact line differs from the major axis of the contact ellipse.
+    """Differences between the contact line and the major axis of the contact ellipse.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class ShapeOperator:
-    """How the normal of a surface turns, at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
+    """Shape operator of a surface at n points: a symmetric 2 x 2 operator in an orthonormal tangent basis.
 
     Curvatures are positive where the body is convex.
 
@@ -118,7 +118,7 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     parameters
         Surface parameters (2, n), see ``GeneratingSurface.evaluate``.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
-from ..core.errors import InputError
+from ..core.checks import positive
 from .flank_response import FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance
@@ -113,14 +113,13 @@ def contact_of_flanks(
     >>> print(found.load_share.sum().round(9))
     1.0
     """
-    for name, value in (
-        ("torque", torque),
-        ("half_width", half_width),
-        ("rotation", rotation),
-        ("cells_per_half_width", cells_per_half_width),
+    for name, value, unit in (
+        ("torque", torque, "N m"),
+        ("half_width", half_width, "mm"),
+        ("rotation", rotation, "rad"),
+        ("cells_per_half_width", cells_per_half_width, "1"),
     ):
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} = {value!r}: must be a positive number")
+        positive(name, value, unit)
     lines = _lines_at(mesh, position, BORROWED_LINE_DISTANCE if beyond_lines else 0.0)
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
@@ -135,7 +134,7 @@ def contact_of_flanks(
                 float(mesh.rotations[position] - pair * pitch),
                 step=step,
                 half_band=band,
-                reach=LINE_EXTENSION if beyond_lines else 0.0,
+                extension=LINE_EXTENSION if beyond_lines else 0.0,
                 widest_gap=allowed * greatest_arm,
             )
             for pair, line in lines.items()

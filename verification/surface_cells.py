@@ -126,7 +126,7 @@ def cells_on_line(
     *,
     step: tuple[float, float],
     half_band: float,
-    reach: float,
+    extension: float,
     widest_gap: float,
 ) -> SurfaceCells:
     """Cells around one contact line.
@@ -142,13 +142,13 @@ def cells_on_line(
     step
         Lengths of a cell along and across the line [mm].
     half_band
-        How far the cells reach to either side of the line [mm].
-    reach
-        How far beyond its ends, where a band still has cells on both flanks [mm].
+        Half-width of the band of cells along the line [mm].
+    extension
+        Its extension beyond the ends of the line, where cells lie on both flanks [mm].
     widest_gap
         Cells with a wider gap are left out [mm].
     """
-    middle, slope = _stations(flanks.splines, line, step[0], reach)
+    middle, slope = _stations(flanks.splines, line, step[0], extension)
     half = int(np.ceil(half_band / step[1]))
     across = step[1] * np.arange(-half, half + 1)
     points = middle[:, :, None] + slope[:, :, None] * across  # (2, stations, across)
@@ -195,11 +195,11 @@ def cells_on_line(
     )
 
 
-def _stations(splines: FlankSplines, points: Array, step: float, reach: float) -> tuple[Array, Array]:
+def _stations(splines: FlankSplines, points: Array, step: float, extension: float) -> tuple[Array, Array]:
     """Stations (2, k) evenly along a line (2, m) and beyond its ends, and the fractions (2, k) of 1 mm across it."""
     closest = np.clip(points + closest_approach(splines, points).shift, 0.0, 1.0)
     length = arc_length(splines, closest[:, None])[0]
-    count = max(int(np.ceil((length[-1] + 2.0 * reach) / step)), 2)
+    count = max(int(np.ceil((length[-1] + 2.0 * extension) / step)), 2)
     wanted = 0.5 * length[-1] + step * (np.arange(count) - 0.5 * (count - 1))
     inside = np.clip(wanted, 0.0, length[-1])
     middle = np.stack([np.interp(inside, length, one) for one in closest])

@@ -6,7 +6,7 @@ half space's field u* in the bricks around the loaded surface, and its values at
 
     u = v + u* - (interpolation of b),       K v = K_near b - (tractions of u* on the surface of these bricks),
 
-whatever number b has at the loaded node itself. On the loaded surface u* has hardly any traction, on all others it is
+for any value of b at the loaded node itself. On the loaded surface u* has hardly any traction, on all others it is
 smooth. At every other node u = v; at the loaded one, with b = 0 there, v is what the body adds to its half space.
 """
 

@@ -53,7 +53,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     Returns
     -------
     list of str
-        What REXS cannot hold: left out, or written as an attribute that other programs do not know.
+        Data that REXS cannot hold: left out, or written as an attribute that other programs do not know.
 
     Raises
     ------

@@ -27,7 +27,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.checks import one_of, positive
 from .material import Material
 from .shell_kinematics import (
     NUMBER_OF_ROOT_QUANTITIES,
@@ -93,13 +93,8 @@ class ElasticFoundation:
     factor: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.source not in get_args(FoundationSource):
-            known = ", ".join(get_args(FoundationSource))
-            raise InputError(f"source = {self.source!r}: must be one of {known}")
-        if not (math.isfinite(self.factor) and self.factor > 0.0):
-            raise InputError(
-                f"factor = {self.factor!r}: must be positive and finite; a shell without foundation has a rigid root"
-            )
+        one_of("source", self.source, get_args(FoundationSource))
+        positive("factor", self.factor)
 
     def constants(self, poisson_ratio: float) -> FoundationConstants:
         """Dimensionless constants of the source, before ``factor``."""

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...geometry.pair.gear_pair import MEMBERS
 from ..lines.flank_splines import FlankSplines
 from . import ElasticFoundation, Material, Shell, ToothDimensions
 from .finite_elements.flank_compliance import FlankCompliance
@@ -16,7 +17,6 @@ from .finite_elements.flank_compliance import FlankCompliance
 Array = NDArray[Any]
 PlateName = Literal["even", "fitted"]
 ElasticTooth = Shell | FlankCompliance
-MEMBERS = ("pinion", "gear")
 STEEL = Material(206000.0, 0.3)
 DEFAULT_FOUNDATION = ElasticFoundation()
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from ...core.errors import InputError
+from ...core.checks import number, positive
 
 
 @dataclass(frozen=True)
@@ -40,10 +39,8 @@ class Material:
     poisson_ratio: float
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.elastic_modulus) and self.elastic_modulus > 0.0):
-            raise InputError(f"elastic_modulus = {self.elastic_modulus!r} MPa: must be positive and finite")
-        if not 0.0 <= self.poisson_ratio < 0.5:
-            raise InputError(f"poisson_ratio = {self.poisson_ratio!r}: must be at least 0 and below 0.5")
+        positive("elastic_modulus", self.elastic_modulus, "MPa")
+        number("poisson_ratio", self.poisson_ratio, least=0.0, below=0.5)
 
     @property
     def plane_strain_modulus(self) -> float:

@@ -10,7 +10,6 @@ needed: forward substitution keeps the zeros in front.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf, dtrtri
 
+from ...core.checks import positive
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
@@ -91,8 +91,7 @@ class Shell:
         counts: tuple[int, ...] = tuple(self.modes)
         if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
             raise InputError(f"modes = {self.modes!r}: must be two whole numbers from 1 up, (profile, lengthwise)")
-        if not (math.isfinite(self.shear_factor) and self.shear_factor > 0.0):
-            raise InputError(f"shear_factor = {self.shear_factor!r}: must be positive and finite")
+        positive("shear_factor", self.shear_factor)
         kinematics = self.kinematics
         functions = TrialFunctions(
             reference_height=self.dimensions.largest_height,

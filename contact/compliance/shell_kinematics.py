@@ -87,7 +87,7 @@ class Kinematics:
     strain_terms
         All terms of all strains.
     root_terms
-        What an elastic foundation acts on.
+        Root quantities on which an elastic foundation acts.
     displacement_terms
         The displacements on which a load does work.
     """

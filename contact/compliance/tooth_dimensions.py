@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import positive
 from ...core.errors import InputError
 
 
@@ -66,10 +66,7 @@ class ToothDimensions:
         for field in fields(self):
             if field.name in ("bulge_toe", "bulge_heel", "fanning"):
                 continue
-            value = getattr(self, field.name)
-            allowed = value > 0.0 and (math.isfinite(value) or field.name == "trace_radius")
-            if not allowed:
-                raise InputError(f"{field.name} = {value!r} mm: must be positive and finite")
+            positive(field.name, getattr(self, field.name), "mm", infinite=field.name == "trace_radius")
         thinnest = self.thickness(np.linspace(0.0, 1.0, 9)[:, None] * self.height(self._ends), self._ends)
         if not thinnest.min() > 0.0:
             bulges = f"bulge_toe = {self.bulge_toe!r}, bulge_heel = {self.bulge_heel!r} mm"

@@ -30,6 +30,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import number, positive, shown
 from ...core.errors import InputError
 from .material import Material
 from .pressed_strip import PressedStrip
@@ -104,7 +105,7 @@ class WeberLineContact:
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
     overhang
-        How far beyond the edge of a tooth the bodies would come closest [mm]; NaN where no edge cuts the strip.
+        Distance beyond the edge of a tooth at which the bodies would come closest [mm]; NaN if none cuts the strip.
 
     Raises
     ------
@@ -150,13 +151,11 @@ class WeberLineContact:
             else:
                 allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
-                raise InputError(f"{name} = {float(array[bad][0])!r} mm: must be {allowed}")
+                raise InputError(f"{name} = {shown(array[bad][0])}: must be {allowed} [mm]")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        if not (math.isfinite(self.foot_correction) and self.foot_correction >= 0.0):
-            raise InputError(f"foot_correction = {self.foot_correction!r}: must be zero or positive")
-        if not 0.0 < self.floor_ratio < 1.0:
-            raise InputError(f"floor_ratio = {self.floor_ratio!r}: must lie between 0 and 1")
+        positive("foot_correction", self.foot_correction, zero=True)
+        number("floor_ratio", self.floor_ratio, above=0.0, below=1.0)
 
         materials = (self.material_pinion, self.material_gear)
         one_per_body = (2, *([1] * self.length.ndim))

@@ -7,9 +7,10 @@ of the force: Newton's method on it comes from below after the first step, and n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,10 @@ from numpy.typing import NDArray
 from ..compliance import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
-from ..solvers import ContactSolution
+from ..solvers import ContactSolution, require_solver
 from ..solvers.modal_batch import ModalBatch
 from ..solvers.modal_newton import newton_batch
-from .line_contact_solution import certified_on_secant
+from .line_contact_solution import certified_on_secant, solve_on_bending
 
 Array = NDArray[np.float64]
 
@@ -80,9 +81,16 @@ class LineContactLaw:
 
 
 def solve_line_contacts(
-    bendings: Sequence[ContactProblem], contacts: LineContacts, starts: Sequence[Array | None]
-) -> list[tuple[ContactSolution, ContactProblem] | None]:
+    bendings: Sequence[ContactProblem],
+    contacts: LineContacts,
+    starts: Sequence[Array | None],
+    solver: str = "auto",
+    **options: Any,
+) -> Iterator[tuple[ContactSolution, ContactProblem]]:
     """Solve contact problems with load-dependent line contact, and prove the answers.
+
+    The native solver without options takes all problems at once; what this leaves without a certified answer, and all
+    problems of another solver, are solved one by one.
 
     Parameters
     ----------
@@ -92,12 +100,24 @@ def solve_line_contacts(
         The local part of each.
     starts
         Forces of each near the solution (n) [N], such as those of a lower torque, or None.
+    solver, **options
+        As for `solve_line_contact`.
 
-    Returns
-    -------
-    list
-        For every problem what `solve_line_contact` returns, or None where this method has no certified answer.
+    Yields
+    ------
+    tuple
+        For every problem what `solve_line_contact` returns.
     """
+    together = require_solver(solver) == "native" and not options and len(bendings) > 0
+    known = _newton_answers(bendings, contacts, starts) if together else [None] * len(bendings)
+    for bending, contact, start, found in zip(bendings, contacts.each, starts, known, strict=True):
+        yield found or solve_on_bending(bending, contact, solver, initial_force=start, **options)
+
+
+def _newton_answers(
+    bendings: Sequence[ContactProblem], contacts: LineContacts, starts: Sequence[Array | None]
+) -> list[tuple[ContactSolution, ContactProblem] | None]:
+    """Answers of Newton's method for all problems at once; None where it has no certified one."""
     sizes = np.array([problem.size for problem in bendings])
     batch = ModalBatch.of(
         [problem.modal_basis for problem in bendings],  # type: ignore[misc]  # structured

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from ..problem.answer import with_certificate
+from ..problem.answer import vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, Status, require_solver, solve
 from ..solvers.solution import judged, no_solution
@@ -57,7 +57,7 @@ def solve_line_contact(
     line_contact
         The local part.
     solver
-        What solves the linear problems; see `solve`.
+        Solver of the linear problems; see `solve`.
     initial_force
         Warm start: the forces of a neighbouring problem (n) [N]. Ignored if they are NaN, as where that problem failed.
     polish
@@ -170,9 +170,7 @@ def certified_on_secant(
 def _warm_start(force: Array | None, size: int) -> Array | None:
     if force is None:
         return None
-    array = np.asarray(force, dtype=np.float64)
-    if array.shape != (size,):
-        raise InputError(f"initial_force has the shape {array.shape}, expected ({size},)")
+    array = vector_of(force, "initial_force", size)
     return np.maximum(array, 0.0) if np.isfinite(array).all() else None
 
 

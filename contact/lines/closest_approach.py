@@ -39,7 +39,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
     """Whether the expansion of the gap at points is valid over the rotation left to their conjugate contact.
 
-    Where it does the gap lies nowhere below the ease-off.
+    Where it is, the gap lies nowhere below the ease-off.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class ClosestApproach:
     separation_angle
         Gap there, as a gear rotation (...) [rad].
     shift
-        How far it lies from the point, as fractions (2, ...).
+        Its offset from the point, as fractions (2, ...).
     lever_arm
         Arm of the normal force about the gear axis (...) [mm].
     curvature

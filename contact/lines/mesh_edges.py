@@ -45,7 +45,7 @@ class EdgeElements:
     curvature
         Relative curvature of the gap across the contact line [1/mm].
     overhang
-        How far beyond the edge the flanks would come closest, across the contact line [mm].
+        Distance beyond the edge at which the flanks would come closest, across the contact line [mm].
     """
 
     level: NDArray[np.int64]
@@ -129,7 +129,7 @@ class _Edge:
     opposite
         Fractions on the pinion opposite the points.
     moving
-        How the points move with the pinion rotation (2, k) [1/rad]; zero for an edge of the gear.
+        Velocity of the points with the pinion rotation (2, k) [1/rad]; zero for an edge of the gear.
     nearing
         How fast a moving point falls behind its own conjugate contact, by the rotation (k); one for a fixed point.
     leaving

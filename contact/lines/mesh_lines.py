@@ -73,12 +73,12 @@ class MeshLines:
         return MeshLines(self.rotations[position : position + 1], lines, here, self.pair[chosen], self.pinion_pitch)
 
 
-def lines_in_mesh(fields: FlankSplines, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
+def lines_in_mesh(splines: FlankSplines, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:
     """Trace the contact lines of every tooth pair that can touch, over one mesh cycle.
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``contact_lines.contact_splines``.
     pinion_pitch
         Angular pitch of the pinion [rad].
@@ -101,10 +101,10 @@ def lines_in_mesh(fields: FlankSplines, pinion_pitch: float, mesh_positions: int
     >>> lines_in_mesh(fields, pair.assembly.pinion_pitch, 2).rotations.size
     2
     """
-    return lines_at(fields, pinion_pitch, mesh_rotations(pinion_pitch, mesh_positions))
+    return lines_at(splines, pinion_pitch, mesh_rotations(pinion_pitch, mesh_positions))
 
 
-def lines_at(fields: FlankSplines, pinion_pitch: float, rotations: Array) -> MeshLines:
+def lines_at(splines: FlankSplines, pinion_pitch: float, rotations: Array) -> MeshLines:
     """As ``lines_in_mesh``, at the given pinion rotations (k) [rad] of one pitch.
 
     Examples
@@ -118,20 +118,20 @@ def lines_at(fields: FlankSplines, pinion_pitch: float, rotations: Array) -> Mes
     [0.0]
     """
     corner = np.linspace(0.0, 1.0, 21)
-    roll = fields("roll_angle", np.stack(np.meshgrid(corner, corner, indexing="ij")))
+    roll = splines("roll_angle", np.stack(np.meshgrid(corner, corner, indexing="ij")))
     ahead = int(np.ceil((float(np.max(roll)) - float(np.min(rotations))) / pinion_pitch))
     behind = int(np.ceil((float(np.max(rotations)) - float(np.min(roll))) / pinion_pitch))
     pairs = np.arange(-ahead, behind + 1)
     levels = (rotations[:, None] - pairs[None, :] * pinion_pitch).ravel()
     position = np.repeat(np.arange(rotations.size), pairs.size)
     pair = np.tile(pairs, rotations.size)
-    lines = trace(fields, levels)
+    lines = trace(splines, levels)
     if lines.level.size == 0:
         raise GeometryError("no contact line lies on the common flank of gear and pinion: check the blanks")
     return MeshLines(rotations, lines, position[lines.level], pair[lines.level], pinion_pitch)
 
 
-def lost_contact(fields: FlankSplines, mesh: MeshLines) -> float:
+def lost_contact(splines: FlankSplines, mesh: MeshLines) -> float:
     """Share of the points of the contact lines next to which there is no line contact.
 
     There the gap does not open to both sides of the line, or its closest approach would lie so far beside the line
@@ -140,7 +140,7 @@ def lost_contact(fields: FlankSplines, mesh: MeshLines) -> float:
 
     Parameters
     ----------
-    fields
+    splines
         Splines from ``contact_lines.contact_splines``.
     mesh
         Contact lines from ``lines_in_mesh``.
@@ -155,7 +155,7 @@ def lost_contact(fields: FlankSplines, mesh: MeshLines) -> float:
     >>> lost_contact(cycle.fields, cycle.lines)
     0.0
     """
-    closest = one_step(fields, mesh.lines.points)
+    closest = one_step(splines, mesh.lines.points)
     far = np.max(np.abs(closest.shift), axis=0) > SEARCH_RADIUS_LIMIT
     return float(np.mean(far | ~(closest.curvature > 0.0)))
 

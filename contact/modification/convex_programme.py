@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.checks import one_of
 from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
@@ -149,7 +149,7 @@ def judged(loads: LoadResponse, goal: Goal) -> Value:
     return Value(float(reached.max()), max(float(end.max()), float(ripple.max()), 0.0))
 
 
-def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach: float) -> ProgrammeAnswer:
+def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_radius: float) -> ProgrammeAnswer:
     """Find the best change of the coefficients while the same segments touch.
 
     Parameters
@@ -157,11 +157,11 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach:
     loads
         Loads at the present coefficients, and how they change.
     goal
-        What is asked for.
+        Objective and limits.
     coefficients
         The present coefficients (p) [um].
-    reach
-        How far the surface may move [um].
+    trust_radius
+        Largest change of the surface in this programme [um].
 
     Returns
     -------
@@ -172,28 +172,28 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach:
 
     cvxpy: Any = untyped
 
-    # In units of the reach, all numbers are of order one.
+    # In units of the trust radius, all numbers are of order one.
     step, worst, violation = cvxpy.Variable(coefficients.size), cvxpy.Variable(), cvxpy.Variable(nonneg=True)
     moved = goal.surface @ step
     conditions = [
         cvxpy.abs(moved) <= 1.0,
-        cvxpy.abs(goal.surface @ coefficients / reach + moved) <= goal.largest / reach,
+        cvxpy.abs(goal.surface @ coefficients / trust_radius + moved) <= goal.largest / trust_radius,
     ]
     torques = goal.reference.size
     for cycle in range(1 + loads.cycle.max()):
         here = loads.cycle == cycle
-        conditions.append(_objective(cvxpy, loads, here, goal, reach, step) <= worst)
+        conditions.append(_objective(cvxpy, loads, here, goal, trust_radius, step) <= worst)
         limit, reference = goal.end_load[cycle % torques], goal.load_reference[cycle % torques]
         ends = here & loads.at_end
         if np.isfinite(limit):
             excess = (loads.line_load[ends] - limit) / reference
             conditions.append(
-                excess + reach / reference * loads.line_load_slope[ends] @ step <= violation - LIMIT_MARGIN
+                excess + trust_radius / reference * loads.line_load_slope[ends] @ step <= violation - LIMIT_MARGIN
             )
         if np.isfinite(goal.transmission_error):
             now = loads.rotation_cycle == cycle
             level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error
-            error = level + reach / goal.transmission_error * loads.rotation_slope[now] @ step
+            error = level + trust_radius / goal.transmission_error * loads.rotation_slope[now] @ step
             conditions.append(cvxpy.max(error) - cvxpy.min(error) <= 1.0 - LIMIT_MARGIN + violation)
     programme = cvxpy.Problem(cvxpy.Minimize(worst + VIOLATION_PRICE * violation), conditions)
     with warnings.catch_warnings():
@@ -206,21 +206,23 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, reach:
         return _no_answer(str(programme.status), coefficients.size)
     reached = max(float(worst.value), 0.0)
     promise = Value(float(np.sqrt(reached)) if _squared(goal) else reached, float(violation.value))
-    return ProgrammeAnswer(str(programme.status), reach * np.asarray(step.value, dtype=np.float64), promise)
+    return ProgrammeAnswer(str(programme.status), trust_radius * np.asarray(step.value, dtype=np.float64), promise)
 
 
-def _objective(cvxpy: Any, loads: LoadResponse, here: NDArray[np.bool_], goal: Goal, reach: float, step: Any) -> Any:
+def _objective(
+    cvxpy: Any, loads: LoadResponse, here: NDArray[np.bool_], goal: Goal, trust_radius: float, step: Any
+) -> Any:
     """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
     reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
     if goal.objective == "even_load":
         chosen = here & loads.touching
         slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
-        rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([reach * slope, level]) / reference
-        # As many rows as unknowns say the same as thousands of them.
+        rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([trust_radius * slope, level]) / reference
+        # As many rows as unknowns hold the same information as thousands of them.
         triangle: Array = np.asarray(np.linalg.qr(rows, mode="r"))
         return cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1])
     scale = _multiple(loads, goal.objective)[here] / reference ** (2 if _squared(goal) else 1)
-    return cvxpy.max(scale * loads.line_load[here] + reach * scale[:, None] * loads.line_load_slope[here] @ step)
+    return cvxpy.max(scale * loads.line_load[here] + trust_radius * scale[:, None] * loads.line_load_slope[here] @ step)
 
 
 def _squared(goal: Goal) -> bool:
@@ -243,9 +245,6 @@ def checked_objective(name: str) -> Objective:
     Raises
     ------
     InputError
-        If there is none.
+        If the objective is unknown.
     """
-    for objective in OBJECTIVES:
-        if objective == name:
-            return objective
-    raise InputError(f"objective = {name!r}: must be one of {', '.join(OBJECTIVES)}")
+    return cast(Objective, one_of("objective", name, OBJECTIVES))

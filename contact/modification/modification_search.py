@@ -1,7 +1,7 @@
 """Search for the best modification by convex programmes, each at the contact regions of the last accepted one.
 
 A programme is exact while its contact regions hold. Where they change it promises too much or too little, so its
-answer is solved afresh, and taken only if it is better; else the next programme may not reach as far.
+answer is solved afresh, and taken only if it is better; else the next programme has a smaller trust radius.
 
 What is found is a local optimum: segments that do not touch yet show no gain. Therefore a second search begins at the
 answer of the programme in which all segments are held in contact, the one of Conry and Seireg.
@@ -21,14 +21,14 @@ from .load_response import LoadResponse
 
 Array = NDArray[np.float64]
 
-#: Least ratios of the gain to the promised one for a step to be taken, and for the next one to reach farther.
+#: Least ratios of the gain to the promised one for a step to be taken, and for a larger trust radius after it.
 TAKEN_GAIN_RATIO, GOOD_GAIN_RATIO = 0.1, 0.75
-#: Reach of the first programme, and reach at which a search ends [um].
-FIRST_REACH, REACH_LIMIT = 8.0, 0.01
-#: A promise below this, or in proportion within a shorter reach than the first, ends the search.
+#: Trust radius of the first programme, and below which a search ends [um].
+FIRST_TRUST_RADIUS, TRUST_RADIUS_MINIMUM = 8.0, 0.01
+#: A promise below this, or in proportion within a smaller trust radius than the first, ends the search.
 GAIN_TOLERANCE = 1e-4
-#: Programmes that may mend a step which gained but broke a limit, and how far they reach in proportion.
-MENDING_LIMIT, MENDING_REACH_RATIO = 2, 0.25
+#: Programmes that may mend a step which gained but broke a limit, and the ratio of their trust radii.
+MENDING_LIMIT, MENDING_RADIUS_RATIO = 2, 0.25
 
 Start = Literal["full_contact", "present"]
 NO_VALUE = Value(np.nan, np.nan)
@@ -42,12 +42,12 @@ class Step:
     ----------
     status
         Status of the programme.
-    reach
-        How far the surface was allowed to move [um].
+    trust_radius
+        Largest change of the surface that was allowed [um].
     promised
-        What the programme promised.
+        Value predicted by the programme.
     fresh
-        What the fresh solution gave; NaN if there was none.
+        Value of the fresh solution; NaN if there was none.
     accepted
         Whether the search went on from there.
     mending
@@ -57,7 +57,7 @@ class Step:
     """
 
     status: str
-    reach: float
+    trust_radius: float
     promised: Value
     fresh: Value
     accepted: bool
@@ -76,7 +76,7 @@ class ModificationSearch:
     loads
         Its loads.
     value
-        How it fares.
+        Its value.
     steps
         All programmes.
     converged
@@ -97,7 +97,7 @@ def search(
     *,
     coefficients: Array | None = None,
     programmes: int = 40,
-    reach: float = FIRST_REACH,
+    trust_radius: float = FIRST_TRUST_RADIUS,
     progress: Callable[[], None] | None = None,
 ) -> ModificationSearch:
     """Improve a modification until no convex programme promises a gain.
@@ -109,13 +109,13 @@ def search(
     start
         The same where the search begins.
     goal
-        What is asked for.
+        Objective and limits.
     coefficients
-        Where it begins (p) [um]; zero if left out.
+        Coefficients to start from (p) [um]; zero if left out.
     programmes
         The most programmes to solve.
-    reach
-        How far the surface may move at first [um].
+    trust_radius
+        Largest change of the surface in the first programme [um].
     progress
         Called after every programme.
 
@@ -128,14 +128,14 @@ def search(
     best = _Point(first, start, judged(start, goal))
     steps: list[Step] = []
     converged = False
-    while len(steps) < programmes and not converged and reach >= REACH_LIMIT:
+    while len(steps) < programmes and not converged and trust_radius >= TRUST_RADIUS_MINIMUM:
         here, gain = best, 0.0
         for mending in range(1 + MENDING_LIMIT):
-            span = reach * MENDING_REACH_RATIO**mending
+            span = trust_radius * MENDING_RADIUS_RATIO**mending
             answer = solve_programme(here.loads, goal, here.coefficients, span)
             if mending == 0:
                 gain = best.value.merit - answer.value.merit
-                converged = answer.solved and gain < GAIN_TOLERANCE * min(1.0, reach / FIRST_REACH)
+                converged = answer.solved and gain < GAIN_TOLERANCE * min(1.0, trust_radius / FIRST_TRUST_RADIUS)
             found = None if converged or not answer.solved else solved(here.coefficients + answer.step)
             fresh = NO_VALUE if found is None else judged(found, goal)
             came_true = (best.value.merit - fresh.merit) / gain
@@ -149,9 +149,9 @@ def search(
                 break
         if steps[-1].accepted:
             best = here
-            reach *= 2.0 if came_true > GOOD_GAIN_RATIO and not steps[-1].mending else 1.0
+            trust_radius *= 2.0 if came_true > GOOD_GAIN_RATIO and not steps[-1].mending else 1.0
         else:
-            reach *= 0.25
+            trust_radius *= 0.25
     return ModificationSearch(best.coefficients, best.loads, best.value, tuple(steps), converged)
 
 

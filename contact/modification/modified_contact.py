@@ -1,4 +1,4 @@
-"""Loaded contact of a pair under any low-order modification of its ease-off, and how the loads change with it."""
+"""Loaded contact of a pair under any low-order modification of its ease-off, and the change of its loads."""
 
 from __future__ import annotations
 

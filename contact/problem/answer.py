@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import shown
 from ...core.errors import InputError
 from .certificate import NO_CERTIFICATE, Certificate, certify, violations
 from .contact_problem import ContactProblem
@@ -30,7 +31,7 @@ class Answer:
     elastic_rotation
         Rotation beyond first contact [rad].
     certificate
-        How well all this solves the contact problem.
+        Violations of the conditions of the contact problem.
     """
 
     force: Array
@@ -41,12 +42,12 @@ class Answer:
 
 
 def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:
-    """Return what stands for no answer: NaN for a number of segments."""
+    """Return the answer of a solve without one: NaN for every segment."""
     return Answer(np.full(size, np.nan), math.nan, np.full(size, np.nan), math.nan, certificate)
 
 
 def unscaled(problem: ContactProblem, force: Array, rotation: float) -> Answer:
-    """Return the answer that scaled forces and a scaled rotation stand for.
+    """Return the answer of scaled forces and a scaled rotation.
 
     Parameters
     ----------
@@ -99,5 +100,5 @@ def vector_of(value: object, name: str, size: int) -> Array:
     """Return an answer of a solver as an array of the given size; InputError where it is none."""
     array = np.asarray(value, dtype=np.float64)
     if array.shape != (size,):
-        raise InputError(f"{name} has the shape {array.shape}, expected ({size},)")
+        raise InputError(f"{name} = {shown(array)}: must have the shape ({size},)")
     return array

@@ -1,7 +1,7 @@
-"""Proof of an answer: how well forces and rotation satisfy every condition of the contact problem.
+"""Certificate of an answer: violations of every condition of the contact problem by forces and rotation.
 
-The certificate is evaluated on the problem as the user gave it, never on a scaled or clipped one, and never from what
-a solver says of itself. It needs no reference solution: the problem is convex, so whoever satisfies all conditions
+The certificate is evaluated on the problem as the user gave it, never on a scaled or clipped one, and never from the
+report of a solver. It needs no reference solution: the problem is convex, so whoever satisfies all conditions
 has the answer.
 """
 
@@ -17,7 +17,7 @@ from .contact_problem import ContactProblem
 
 Array = NDArray[np.float64]
 
-#: What the native solver and every polished answer must reach.
+#: Largest violation of a certified answer of the native solver, and of every polished one.
 EXACT_TOLERANCE = 1e-9
 
 #: Cancellation in C F or r'F beyond this factor leaves fewer than the digits that EXACT_TOLERANCE asks for.
@@ -71,7 +71,7 @@ class Certificate:
         return self.worst <= tolerance
 
 
-#: What stands for "no answer".
+#: Certificate of a solve without an answer.
 NO_CERTIFICATE = Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
@@ -142,7 +142,7 @@ def violations(
     deflection, gap
         Of these forces, at this rotation (n) [mm].
     resolution
-        What the last digit of the rotation is worth [rad].
+        Unit in the last place of the rotation [rad].
     """
     if not np.isfinite(gap).all():
         return NO_CERTIFICATE

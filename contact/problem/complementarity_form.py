@@ -46,7 +46,7 @@ class LCP:
         The segment k. Entry k of z is its gap and entry k of w its force; every other entry of z is the force of its
         segment and of w its gap: no segment is renumbered.
     problem
-        Where it comes from.
+        The contact problem from which the form was made.
 
     Examples
     --------

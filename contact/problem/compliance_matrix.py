@@ -1,7 +1,6 @@
 """The compliance matrix C of a contact problem, in one of two forms: dense, or diagonal plus low rank.
 
-The form is a matter of type: what a solver can make of a compliance is decided by its class, and by the class of its
-modes, never by what happens to have been computed before.
+Solvers choose their method by the class of a compliance and of its modes, never by values computed earlier.
 """
 
 from __future__ import annotations
@@ -13,14 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import array, read_only
 from ...core.errors import InputError
 from .modal_basis import BendingFactor, ModalBasis
-from .validation import compliance_array, finite_array, read_only, symmetric_compliance
 
 Array = NDArray[np.float64]
 
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
 NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
+#: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
+ASYMMETRY_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class DenseCompliance:
 
     @property
     def given(self) -> Array:
-        """What a contact problem is made with: the matrix."""
+        """The compliance as a contact problem takes it: the matrix."""
         return self.dense
 
     @cached_property
@@ -98,7 +99,7 @@ class ModalCompliance:
 
     @property
     def given(self) -> tuple[Array, Array]:
-        """What a contact problem is made with: the pair of d and V."""
+        """The compliance as a contact problem takes it: the pair of d and V."""
         return self.local, self.factor
 
     @cached_property
@@ -154,9 +155,26 @@ def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
     if isinstance(given, ComplianceMatrix):
         return given
     if isinstance(given, tuple | list) and len(given) == 2 and np.ndim(given[0]) == 1 and np.ndim(given[1]) == 2:
-        diagonal = compliance_array(given[0], "compliance diagonal", size)
-        factor = finite_array(given[1], "compliance factor", 2)
+        diagonal = array("compliance diagonal", given[0], "mm/N", ndim=1, size=size, least=0.0, frozen=True)
+        factor = array("compliance factor", given[1], "(mm/N)^0.5", ndim=2, frozen=True)
         if factor.shape[0] != size:
-            raise InputError(f"compliance factor has {factor.shape[0]} rows, expected {size}")
+            raise InputError(f"compliance factor = array of shape {factor.shape}: must have {size} rows")
         return ModalCompliance(diagonal, BendingFactor(factor))
-    return DenseCompliance(symmetric_compliance(given, size))
+    return DenseCompliance(_symmetric(given, size))
+
+
+def _symmetric(given: Any, size: int) -> Array:
+    """The symmetric (n, n) matrix without negative diagonal; asymmetry of the size of rounding is averaged out."""
+    compliance = array("compliance", given, "mm/N", ndim=2, frozen=True)
+    if compliance.shape != (size, size):
+        raise InputError(f"compliance = array of shape {compliance.shape}: must have the shape ({size}, {size})")
+    array("compliance diagonal", compliance.diagonal(), "mm/N", least=0.0)
+    if np.array_equal(compliance, compliance.T):
+        return compliance
+    asymmetry = float(np.abs(compliance - compliance.T).max()) / float(np.abs(compliance).max())
+    if asymmetry > ASYMMETRY_TOLERANCE:
+        raise InputError(
+            f"compliance: must be symmetric, by reciprocity; its relative difference from its transpose is "
+            f"{asymmetry:.1e}"
+        )
+    return read_only(0.5 * (compliance + compliance.T))

@@ -1,4 +1,4 @@
-"""The contact problem of one mesh position: who touches, with what load, at what rotation.
+"""The contact problem of one mesh position: segments in contact, their loads, and the rotation.
 
 The segments of all potential contact lines form one vector. Given their separation S, lever arm r and compliance C,
 find the normal forces F and the rotation theta of the gear such that
@@ -22,13 +22,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import array, read_only
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
 from .modal_basis import ModalBasis
 from .problem_dataset import problem_data, problem_dataset
 from .scaled_problem import ScaledProblem
 from .scaling import Scaling
-from .validation import compliance_array, finite_array, nonnegative_torque, read_only, segment_array
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -82,15 +82,13 @@ class ContactProblem:
         torque: float,
         compliance: ArrayLike | tuple[ArrayLike, ArrayLike] | ComplianceMatrix,
     ) -> None:
-        gap = finite_array(separation, "separation", 1)
-        if gap.size == 0:
-            raise InputError("separation is empty: a contact problem has at least one segment")
-        arm = segment_array(lever_arm, "lever_arm", gap.size)
+        gap = array("separation", separation, "mm", ndim=1, fewest=1, frozen=True)
+        arm = array("lever_arm", lever_arm, "mm", ndim=1, size=gap.size, frozen=True)
         if arm.max() <= 0.0:
-            raise InputError("lever_arm has no positive entry: no segment can carry the torque")
+            raise InputError("lever_arm: must have a positive entry, or no segment can carry the torque")
         object.__setattr__(self, "separation", gap)
         object.__setattr__(self, "lever_arm", arm)
-        object.__setattr__(self, "torque", nonnegative_torque(torque))
+        object.__setattr__(self, "torque", float(array("torque", torque, "N mm", ndim=0, least=0.0)))
         object.__setattr__(self, "compliance_matrix", compliance_matrix(compliance, gap.size))
 
     @classmethod
@@ -108,8 +106,7 @@ class ContactProblem:
         basis
             Blocks of U.
         """
-        compliance = ModalCompliance(compliance_array(local, "local compliance", basis.size), basis)
-        return cls(separation, lever_arm, torque, compliance)
+        return cls(separation, lever_arm, torque, ModalCompliance(_local(local, basis.size), basis))
 
     @property
     def size(self) -> int:
@@ -171,7 +168,7 @@ class ContactProblem:
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
         rotation, separation = self._first_contact
-        # Absurd data shall become a status, not a warning.
+        # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return Scaling.of(separation, self.lever_arm, self.torque, self.compliance_matrix, rotation)
 
@@ -214,8 +211,8 @@ class ContactProblem:
         InputError
             A wrong shape, a number that is not finite, a negative compliance.
         """
-        added = self.compliance_matrix.with_added(compliance_array(local, "local compliance", self.size))
-        gap = self.separation if separation is None else segment_array(separation, "separation", self.size)
+        added = self.compliance_matrix.with_added(_local(local, self.size))
+        gap = self.separation if separation is None else separation
         return ContactProblem(gap, self.lever_arm, self.torque, added)
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
@@ -224,7 +221,7 @@ class ContactProblem:
         Parameters
         ----------
         sparse
-            Give the matrices in compressed sparse column form, as the sparse solvers want them.
+            Give the matrices in compressed sparse column form, as sparse solvers need them.
 
         Returns
         -------
@@ -257,6 +254,10 @@ class ContactProblem:
             The Dataset lacks a variable, or its data are no contact problem.
         """
         return cls(*problem_data(dataset))
+
+
+def _local(local: ArrayLike, size: int) -> Array:
+    return array("local compliance", local, "mm/N", ndim=1, size=size, least=0.0, frozen=True)
 
 
 def _arrays(problem: ContactProblem) -> tuple[Array, ...]:

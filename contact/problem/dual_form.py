@@ -46,7 +46,7 @@ class DualQP:
         Scaled, with inequalities G x <= h alone. Its unknowns are u (n), the modal amplitudes z (k, structured
         compliance only), theta. Matrices in compressed sparse columns where the compliance is structured.
     problem
-        Where it comes from.
+        The contact problem from which the form was made.
 
     Examples
     --------
@@ -120,8 +120,8 @@ def dual_qp(problem: ContactProblem) -> DualQP:
     diagonal, factor, weight = scaled.modal.diagonal, scaled.modal.factor, scaled.modal.weight
     if not diagonal.min() > 0.0:
         raise InputError(
-            f"the dual form needs a positive diagonal d in C = diag(d) + V V^T; {np.count_nonzero(diagonal <= 0.0)} "
-            "segments have none: use the lifted form or the LCP"
+            "compliance diagonal: must be positive in the dual form, and is zero for "
+            f"{np.count_nonzero(diagonal <= 0.0)} segments; use the lifted form or the LCP"
         )
     modes = factor.shape[1]
     inequality = np.zeros((size, size + modes + 1))
@@ -145,5 +145,5 @@ def _require_definite(problem: ContactProblem) -> None:
     require_convex(problem)
     if dpotrf(problem.dense_compliance.T, lower=1, clean=0)[1] != 0:
         raise InputError(
-            "the dual form needs a positive definite compliance; this matrix is singular: use the QP or the LCP"
+            "compliance = singular matrix: must be positive definite in the dual form; use the QP or the LCP"
         )

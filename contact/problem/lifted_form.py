@@ -39,7 +39,7 @@ class LiftedQP:
     programme
         Scaled; its unknowns are the n forces, then the modal amplitudes. Matrices in compressed sparse columns.
     problem
-        Where it comes from.
+        The contact problem from which the form was made.
 
     Examples
     --------
@@ -106,10 +106,7 @@ def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Pro
     from scipy.sparse import csc_matrix
 
     if problem.modal is None:
-        raise InputError(
-            "the lifted form needs a structured compliance, the pair (d, V) of C = diag(d) + V V^T; "
-            "this one is a single dense matrix"
-        )
+        raise InputError("compliance = dense matrix: must be the pair (d, V) of C = diag(d) + V V^T in the lifted form")
     structure = problem.modal
     factor = structure.compressed_factor if compress else structure.factor
     size, modes = factor.shape

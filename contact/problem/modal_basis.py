@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: What a dropped mode adds to a block of V V^T is below this times the greatest entry (or eigenvalue) of the block.
+#: Largest contribution of a dropped mode to a block of V V^T, relative to its greatest entry (or eigenvalue).
 DROP_TOLERANCE = 1e-15
 
 

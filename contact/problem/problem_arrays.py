@@ -1,6 +1,6 @@
-"""The arrays of a file of contact problems, also one that another program wrote with less care.
+"""Arrays of a file of contact problems, also of an incomplete file from another program.
 
-What can be told from the numbers need not be said: without ``size`` a problem ends where its separations do, without
+Entries that follow from the numbers may be missing: without ``size`` a problem ends where its separations do, without
 ``structured`` the form is that of the compliance that is there, without ``mode_count`` the factor ends where its
 numbers do. Dimensions may come in another order or have other names; a file with a single problem need not have that of
 the problem. Where nothing was written a number may be NaN, the variable's ``_FillValue`` or netCDF's own. Units may be
@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import shown
 from ...core.errors import InputError
 from .problem_dataset import ATTRIBUTES
 
@@ -32,7 +33,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
 }
 
 
-#: What netCDF stores where nothing was written to a variable of floating point numbers without a fill value of its own.
+#: Value of netCDF where nothing was written to a variable of floating point numbers without its own fill value.
 NETCDF_FILL = 9.969209968386869e36
 
 #: Other spellings of units, without blanks and asterisks.
@@ -66,7 +67,7 @@ def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
     Parameters
     ----------
     dataset
-        With all that `require_arrays` asks for.
+        Complete by `require_arrays`.
 
     Raises
     ------
@@ -79,21 +80,23 @@ def problem_arrays(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
     count = separation.shape[0]
     for name, array in data.items():
         if array.shape[0] != count:
-            raise InputError(f"{name} has {array.shape[0]} problems, separation has {count}")
+            raise InputError(f"{name} = {shown(array)}: must hold {count} problems, as separation")
     sizes = data.get("size", _length(np.isfinite(separation)))
-    data["size"] = _counts(sizes, "size", "number of segments", 1, separation.shape[1])
+    data["size"] = _counts(sizes, "size", 1, separation.shape[1])
     if "structured" not in data:
         # Where both forms are there, each problem has numbers in one of them.
         diagonal = data.get("compliance_diagonal")
         data["structured"] = np.zeros(count) if diagonal is None else np.isfinite(diagonal).any(axis=1)
-    data["structured"] = _counts(data["structured"], "structured", "flag", 0, 1)
+    data["structured"] = _counts(data["structured"], "structured", 0, 1)
     for flag, name in enumerate(("compliance", "compliance_factor")):
         if name not in data and (data["structured"] == flag).any():
             number = int(np.argmax(data["structured"] == flag))
-            raise InputError(f"structured says {flag} of problem {number}, but there is no {name}")
+            raise InputError(
+                f"structured of problem {number} = {flag}: must go with the variable {name}, which is missing"
+            )
     if factor is not None:
         modes = data.get("mode_count", _length(np.isfinite(factor).any(axis=1)))
-        data["mode_count"] = _counts(modes, "mode_count", "number of modes", 0, factor.shape[2])
+        data["mode_count"] = _counts(modes, "mode_count", 0, factor.shape[2])
     return data
 
 
@@ -103,27 +106,26 @@ def _array(dataset: xr.Dataset, name: str, single: bool) -> NDArray[Any]:
         variable = variable.transpose(*expected)
     elif variable.ndim != len(expected):
         found = ", ".join(map(str, variable.dims))
-        raise InputError(f"{name} has the dimensions ({found}), expected ({', '.join(expected)})")
+        raise InputError(f"{name} = array over ({found}): must have the dimensions ({', '.join(expected)})")
     units = str(variable.attrs.get("units", "")).translate(str.maketrans("", "", " *"))
     wanted = ATTRIBUTES.get(name, {}).get("units", "1")
     if units not in ("", "1", wanted.replace(" ", ""), *SPELLINGS.get(wanted, ())):
-        raise InputError(f"{name} is in {variable.attrs['units']!r}, expected {wanted!r}: convert the file")
+        raise InputError(f"units of {name} = {variable.attrs['units']!r}: must be {wanted!r}; convert the file")
     array = variable.to_numpy()
     if array.dtype.kind not in "biuf":
-        raise InputError(f"{name} holds no numbers")
+        raise InputError(f"{name} = array of {array.dtype}: must hold numbers")
     if array.dtype.kind == "f":
         array = np.where(array == NETCDF_FILL, np.nan, array.astype(np.float64, copy=False))
     return array[np.newaxis] if single else array
 
 
-def _counts(values: NDArray[Any], name: str, what: str, least: int, most: int) -> NDArray[np.intp]:
-    """Return whole numbers within limits, or say which is none."""
+def _counts(values: NDArray[Any], name: str, least: int, most: int) -> NDArray[np.intp]:
+    """Return whole numbers within limits; InputError otherwise."""
     wrong = ~((values >= least) & (values <= most) & (values == np.floor(values)))
     if wrong.any():
         number = int(np.argmax(wrong))
-        raise InputError(
-            f"{name} of problem {number} is {values[number]}: as {what} it must lie between {least} and {most}"
-        )
+        given = shown(values[number])
+        raise InputError(f"{name} of problem {number} = {given}: must be a whole number from {least} to {most}")
     return values.astype(np.intp)
 
 

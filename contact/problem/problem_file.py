@@ -34,6 +34,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import shown
 from ...core.errors import InputError
 from ...core.files import netcdf_reading, whole_file
 from .contact_problem import ContactProblem
@@ -62,10 +63,10 @@ def write_problems(
     path
         The file, replaced if it exists. It appears complete or not at all.
     labels
-        What each problem is, for instance ``torque_index`` and ``mesh_position``: by name an array (number of
+        Labels of the problems, for instance ``torque_index`` and ``mesh_position``: by name an array (number of
         problems) of numbers or text. A DataArray brings its attributes along, such as units.
     attributes
-        What the whole file is: further global attributes, text or numbers by name.
+        Further global attributes of the file, text or numbers by name.
 
     Raises
     ------
@@ -86,14 +87,14 @@ def write_problems(
     [0.25]
     """
     if not problems:
-        raise InputError("no contact problems to write")
+        raise InputError("problems = []: must hold at least one contact problem")
     dataset = _dataset(problems)
     for name, values in (labels or {}).items():
         described = values.attrs if isinstance(values, xr.DataArray) else None
         dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
     taken = sorted(set(attributes or {}) & set(dataset.attrs))
     if taken:
-        raise InputError(f"attribute {taken[0]!r} has the name of an attribute of the file: choose another")
+        raise InputError(f"attribute = {taken[0]!r}: must be another name, the file has an attribute of this one")
     dataset.attrs.update(attributes or {})
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
@@ -201,14 +202,14 @@ def _count(long_name: str) -> dict[str, str]:
 
 def _label(name: str, values: ArrayLike, count: int) -> NDArray[Any]:
     if name in _OWN_NAMES:
-        raise InputError(f"label {name!r} has the name of a variable of the file: choose another")
+        raise InputError(f"label = {name!r}: must be another name, the file has a variable of this one")
     array = np.asarray(values)
     if array.shape != (count,):
-        raise InputError(f"label {name!r} has the shape {array.shape}, expected ({count},)")
+        raise InputError(f"label {name} = {shown(array)}: must have the shape ({count},)")
     if array.dtype.kind == "b":
         return array.astype(np.int8)
     if array.dtype.kind not in "ifuU":
-        raise InputError(f"label {name!r} holds {array.dtype}: only numbers and text can be stored")
+        raise InputError(f"label {name} = array of {array.dtype}: must hold numbers or text")
     return array
 
 
@@ -228,7 +229,7 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
 
 @contextlib.contextmanager
 def _opened(path: str | os.PathLike[str]) -> Any:
-    """Open a file of contact problems, or say why it is none."""
+    """Open a file of contact problems; InputError if it is none."""
     with netcdf_reading(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False)
     with dataset:

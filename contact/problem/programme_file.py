@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import one_of, shown
 from ...core.errors import InputError
 from ...core.files import require_file, whole_file
 from .contact_problem import ContactProblem
@@ -116,8 +117,7 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
 
 
 def _programme(problem: ContactProblem, form: str) -> Any:
-    if form not in FORMS:
-        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    one_of("form", form, FORMS)
     if form == "dense":
         return problem.as_qp()
     programme: Any = (lifted_qp(problem) if form == "lifted" else dual_qp(problem)).programme
@@ -158,15 +158,15 @@ def _foreign_data(file: Any, names: set[str]) -> tuple[Any, Any, Any, Any]:
     matrix, linear = file["P"], file["q"]
     row, right = _optional(file, names, "A"), _optional(file, names, "b")
     if row is None or right is None:
-        raise InputError("the programme has no equality: the balance of torque A x = b is missing")
+        raise InputError("A = none: must be the balance of torque, the one equality A x = b")
     row, right = np.atleast_2d(row), np.atleast_1d(right)
     if row.shape[0] != 1 or right.shape != (1,):
-        raise InputError(f"the programme has {row.shape[0]} equalities; a contact problem has one")
+        raise InputError(f"A = {shown(row)}: must be one equality, the balance of torque")
     lower, upper = _optional(file, names, "lb"), _optional(file, names, "ub")
     if lower is None or np.any(lower != 0.0):
-        raise InputError("the lower bounds of the programme are not zero: the forces of a contact problem only press")
+        raise InputError(f"lb = {shown(lower)}: must be zero, the lower bounds of the normal forces")
     if _optional(file, names, "G") is not None or (upper is not None and np.any(upper < np.inf)):
-        raise InputError("the programme has inequalities or upper bounds; a contact problem has none")
+        raise InputError("G, ub: must be left out, a contact problem has no inequalities and no upper bounds")
     return linear, row[0], right[0], matrix
 
 

@@ -26,7 +26,7 @@ class ScaledModes:
     Attributes
     ----------
     compliance
-        In its own unit.
+        In a unit of its own.
     unit
         Unit in which its numbers are wanted [mm/N], a power of two.
     """

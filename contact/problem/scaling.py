@@ -1,4 +1,4 @@
-"""Load-based scaling of the contact problem: every number of order one, whatever the torque and the units.
+"""Load-based scaling of the contact problem: every number of order one at any torque and in any units.
 
 Optimisation codes stop on absolute tolerances. In N, mm and N mm these are meaningless: several well-known solvers
 then report success with loads wrong by half. The scaling here does four things.

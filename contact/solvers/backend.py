@@ -1,4 +1,4 @@
-"""What all backends behind qpsolvers share: the call, and reading off forces and rotation.
+"""Call of a backend behind qpsolvers, and its forces and rotation.
 
 To add a backend: a row in `solver_table`, and a module in ``adapters`` named after it with a function
 ``solve_scaled(problem, settings) -> ScaledAnswer``. The answer may be anything; it is certified by the caller.
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ...core.checks import one_of, shown
 from ...core.errors import InputError
 from ..problem.lifted_form import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
@@ -25,7 +26,7 @@ FORMS = ("auto", "dense", "lifted")
 
 
 class NoAnswerError(Exception):
-    """A backend ended without numbers; carries what it said. Never leaves this folder."""
+    """A backend ended without numbers; carries its message. Never leaves this folder."""
 
     def __init__(self, message: str, suspicion: Status | None = None) -> None:
         super().__init__(message)
@@ -68,16 +69,15 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
     InputError
         An unknown form, or one that the backend or the problem cannot have.
     """
-    if form not in FORMS:
-        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    one_of("form", form, FORMS)
     least = SOLVERS[name].lifted_from
     if form == "lifted":
         if least is None:
             able = ", ".join(other for other, entry in SOLVERS.items() if entry.lifted_from is not None)
-            raise InputError(f"{name} takes the dense form only; the lifted one is for {able}")
+            raise InputError(f"form = 'lifted': must be dense for {name}; the lifted form is for {able}")
         if problem.modal is None:
             raise InputError(
-                "form='lifted' needs a structured compliance, the pair (d, V); this one is a single dense matrix"
+                "form = 'lifted': must be dense for a single dense matrix; the lifted form needs the pair (d, V)"
             )
         return "lifted"
     if form == "auto" and least is not None and problem.modal is not None:
@@ -139,4 +139,4 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
     """
     for key in settings:
         if key != "form" and not any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known):
-            raise InputError(f"{name} has no setting {key!r}")
+            raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting")

@@ -1,4 +1,4 @@
-"""The answer of one backend to one problem: scaled, polished, certified; every failure becomes a status."""
+"""Solution of a problem by a backend: scaled, polished and certified; every failure becomes a status."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .scaled_answer import ScaledAnswer
 from .solution import RAISED, SOLVED, ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS
 
-#: What calls a backend: takes the scaled problem and the settings of the backend.
+#: Function that calls a backend: takes the scaled problem and the settings of the backend.
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
 
@@ -40,7 +40,7 @@ def backend_solution(
     raw: bool = False,
     own: tuple[str, ...] = (),
 ) -> ContactSolution:
-    """Let a backend solve a contact problem, and certify what it says.
+    """Solve a contact problem with a backend, and certify its answer.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def backend_solution(
     solver
         Name of the solver; one that is not in the table gets the dense form.
     adapter
-        What calls the backend.
+        Function that calls the backend.
     settings
         Of the backend.
     form

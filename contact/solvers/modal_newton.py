@@ -120,7 +120,7 @@ def modal_newton(problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.
     problems
         The scaled problems.
     active
-        Segments of each that are thought to touch (n).
+        Segments of each that are assumed in contact (n).
 
     Returns
     -------
@@ -147,7 +147,7 @@ def modal_newton(problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.
 
 
 def _touching(problem: ScaledProblem, active: NDArray[np.bool_]) -> Array:
-    """One for segments that are thought to touch and turn the gear, (n); of these some press, whatever the others."""
+    """One for segments assumed in contact that turn the gear (n), at least one of them; zero for the others."""
     touching = active & (problem.lever_arm > 0.0)
     if not touching.any():
         touching[first_contact_index(problem)] = True

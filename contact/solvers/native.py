@@ -1,4 +1,4 @@
-"""The native solver: a cascade of methods, the fast one first, each answer certified before it is believed.
+"""The native solver: a cascade of methods, the fast one first, with every answer certified.
 
 1. Newton's method in the space of bending modes, if the compliance is diagonal plus low rank, from the warm start or
    from the Winkler estimate.
@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
 from .modal_newton import has_modal_form, modal_newton
@@ -53,7 +54,7 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
     problem
         The scaled problem.
     active
-        Segments thought to touch (n).
+        Segments assumed in contact (n).
     settings
         ``method``: the name of a single method instead of the cascade.
 
@@ -65,9 +66,8 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
     settings = dict(settings)
     method = settings.pop("method", "cascade")
     if settings:
-        raise InputError(f"native has no setting {', '.join(sorted(settings))}: the only one is method")
-    if method != "cascade" and method not in METHODS:
-        raise InputError(f"native has no method {method!r}: choose from cascade, {', '.join(METHODS)}")
+        raise InputError(f"settings = {', '.join(sorted(settings))}: must be method, the only one of native")
+    one_of("method", method, ("cascade", *METHODS))
     return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,))
 
 

@@ -53,7 +53,7 @@ def polished_answer(
     scaled
         The same, scaled.
     answer
-        What a solver found, scaled.
+        Answer of a solver, scaled.
     polish
         Make it exact, if that succeeds. Numbers that are not finite show no active set.
     """

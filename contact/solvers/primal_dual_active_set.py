@@ -1,6 +1,6 @@
-"""Primal-dual active set, also called block principal pivoting: the hot path of the native solver.
+"""Primal-dual active set, also called block principal pivoting: the first method for small problems.
 
-Guess which segments touch, solve the linear system, then move every segment with a wrong sign at once: out of the set
+Assume which segments touch, solve the linear system, then move every segment with a wrong sign at once: out of the set
 where the force is negative, into it where the gap is. This is Newton's method on the complementarity conditions and
 ends, mostly after two to five solves, when no sign is wrong; the answer is then exact up to rounding. It can cycle
 where C is nearly singular. After a few steps without progress single segments move, always the last one of the wrong
@@ -20,7 +20,7 @@ from .scaled_answer import ScaledAnswer
 MAX_STALLED_STEPS = 4
 #: A wrong sign below this, relative to the largest force or gap term, is rounding.
 SIGN_TOLERANCE = 1e-14
-#: The same once the iteration has lost its way among near-ties.
+#: The same once single segments move.
 RELAXED_SIGN_TOLERANCE = 1e-11
 
 
@@ -34,7 +34,7 @@ def primal_dual_active_set(
     problem
         The scaled problem.
     active
-        Segments thought to touch (n).
+        Segments assumed in contact (n).
     max_iterations
         Linear systems solved before giving up, 40 + n by default.
 

@@ -53,7 +53,7 @@ def solve_many(
     """
     starts: Sequence[ArrayLike | None] = [None] * len(problems) if initial_active is None else initial_active
     if len(starts) != len(problems):
-        raise InputError(f"initial_active has {len(starts)} entries for {len(problems)} problems")
+        raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")
     known = [None if start is None else as_mask(start, p.size) for p, start in zip(problems, starts, strict=True)]
     together = [(number, scaled) for number, scaled in enumerate(map(_scaled, problems)) if scaled is not None]
     together.sort(key=lambda item: item[1].separation.size)

@@ -1,4 +1,4 @@
-"""The solvers there are, and `solve`, which calls any of them and proves its answer."""
+"""Registry of the solvers, and `solve`, which calls any of them and certifies its answer."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import one_of, shown
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE
@@ -58,8 +59,8 @@ def require_solver(name: str) -> str:
         return "native"
     if name not in SOLVERS:
         close = difflib.get_close_matches(str(name), SOLVERS, n=1)
-        hint = f" (did you mean {close[0]!r}?)" if close else ""
-        raise InputError(f"unknown solver {name!r}{hint}: choose from auto, {', '.join(SOLVERS)}")
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(SOLVERS)}{hint}")
     if not _is_installed(name):
         raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
     return name
@@ -86,10 +87,10 @@ def solve(
         Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
         `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
     initial_active
-        Segments thought to touch, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
+        Segments assumed in contact, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
         native solver, ignored by the others.
     form
-        What a backend gets of a structured problem: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
+        Form of a structured problem for a backend: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
         `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
         from that size on.
     **settings
@@ -98,8 +99,8 @@ def solve(
     Returns
     -------
     ContactSolution
-        With NaN forces unless its status is `Status.CERTIFIED`. What a backend says of itself is not believed: the
-        certificate decides, in both directions.
+        With NaN forces unless its status is `Status.CERTIFIED`. Its certificate alone decides, not the
+        report of the backend.
 
     Raises
     ------
@@ -125,11 +126,10 @@ def solve(
 def _solved(
     problem: ContactProblem, name: str, polish: bool, initial: ArrayLike | None, form: str, settings: dict[str, Any]
 ) -> ContactSolution:
-    if form not in FORMS:
-        raise InputError(f"unknown form {form!r}: choose from {', '.join(FORMS)}")
+    one_of("form", form, FORMS)
     active = None if initial is None else as_mask(initial, problem.size)
     if not problem.is_positive_semidefinite:
-        message = "the compliance has a negative eigenvalue: forces would do work for nothing"
+        message = "the compliance has a negative eigenvalue: some forces would release energy"
         return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
@@ -173,7 +173,7 @@ def _solve_native(
 
 
 def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) -> ContactSolution:
-    """Return the solution that an answer of a method of the native solver is, or the record of a refusal."""
+    """Return the solution of an answer of a method of the native solver; see `judged`."""
     return judged(
         "native",
         unscaled(problem, answer.force, answer.rotation),
@@ -216,12 +216,12 @@ def as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
     array = np.asarray(active)
     if array.dtype == np.bool_:
         if array.shape != (size,):
-            raise InputError(f"initial_active has the shape {array.shape}, expected ({size},)")
+            raise InputError(f"initial_active = {shown(array)}: must be a mask of shape ({size},), or indices")
         return array
     if array.ndim != 1 or (array.size and not np.issubdtype(array.dtype, np.integer)):
-        raise InputError("initial_active is neither a mask of the segments nor a list of their indices")
+        raise InputError(f"initial_active = {shown(array)}: must be a mask of the segments, or a list of their indices")
     if array.size and (array.min() < 0 or array.max() >= size):
-        raise InputError(f"initial_active names segments outside 0..{size - 1}")
+        raise InputError(f"initial_active = {array.tolist()}: must be segments from 0 to {size - 1}")
     mask = np.zeros(size, dtype=np.bool_)
     mask[array.astype(np.intp)] = True
     return mask

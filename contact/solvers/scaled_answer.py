@@ -1,4 +1,4 @@
-"""What passes between the stages of a solve: forces and rotation in scaled numbers."""
+"""Scaled answer: forces and rotation of a contact problem in scaled numbers, not yet certified."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ class ScaledAnswer:
     rotation
         Beyond first contact.
     iterations
-        -1 where the solver does not tell.
+        -1 if unknown.
     message
-        The solver's own word on how it ended.
+        The solver's own message.
     suspicion
-        What the solver thinks is wrong; used only if the certificate refuses the answer.
+        Status that the solver reports; used only if the certificate refuses the answer.
     gap
-        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Nothing relies on them: the gaps of
-        a solution are computed from its forces. They tell whether the solver's own are right.
+        Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Only for comparison: the gaps
+        of a solution are computed from its forces.
     """
 
     force: NDArray[np.float64]

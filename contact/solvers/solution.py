@@ -1,4 +1,4 @@
-"""What a solver hands back: the answer, its certificate, and an honest status."""
+"""Solution of a contact problem: answer, certificate and status."""
 
 from __future__ import annotations
 
@@ -15,13 +15,12 @@ from ..problem.certificate import NO_CERTIFICATE, Certificate
 
 Array = NDArray[np.float64]
 
-#: What a solver may say of itself besides the names of `Status` in lower case: that it has the solution, or nothing,
-#: because it raised an exception.
+#: Claims of a solver besides the names of `Status` in lower case: a solution, or an exception.
 SOLVED, RAISED = "solved", "raised"
 
 
 class Status(StoredStatus):
-    """How a solve ended. Only `CERTIFIED` comes with forces.
+    """End of a solve. Only `CERTIFIED` comes with forces.
 
     Examples
     --------
@@ -47,26 +46,26 @@ class ContactSolution:
     Attributes
     ----------
     answer
-        The numbers that were found, proved or not: those of a refused answer stand here and nowhere else.
+        The numbers found, certified or not: those of a refused answer stand here alone.
     status
-        How the solve ended.
+        End of the solve.
     solver
         Name of the solver that was used.
     iterations
-        Its iterations; -1 where it does not tell.
+        Its iterations; -1 if unknown.
     claim
-        What the solver said of itself, right or wrong: ``solved``, ``raised``, or the name of a `Status` in lower case.
+        The solver's own report, right or wrong: ``solved``, ``raised``, or the name of a `Status` in lower case.
     method
-        Which method of the native solver found the answer, or the form in which a backend got the problem.
+        Method of the native solver that found the answer, or form in which a backend was given the problem.
     run_time
         Wall time of the whole call [s]: checks, scaling, solver, polish and certificate; of many problems solved
         together, a share of it.
     polished
         Whether the answer was made exact by solving on the active set that the solver had found.
     tolerance
-        What the certificate had to reach.
+        Largest violation that the certificate may have.
     message
-        A few words on what happened, for people.
+        Course of the solve in a few words.
 
     Examples
     --------
@@ -140,7 +139,7 @@ def judged(
     polished: bool = False,
     message: str = "",
 ) -> ContactSolution:
-    """Return the solution that an answer is, or the record of a refusal.
+    """Return the solution with the status that the certificate of an answer gives it.
 
     Parameters
     ----------
@@ -149,11 +148,11 @@ def judged(
     answer
         In the units of the problem, with its certificate.
     tolerance
-        What the certificate must reach.
+        Largest violation that the certificate may have.
     suspicion
         The status of a refused answer; `Status.NOT_CERTIFIED` by default.
     claim
-        What the solver says of itself; by default what the certificate says.
+        The solver's own report; by default that of the certificate.
     iterations, method, polished, message
         Passed on to the solution.
     """
@@ -186,7 +185,7 @@ def no_solution(
     certificate: Certificate = NO_CERTIFICATE,
     tolerance: float = 0.0,
 ) -> ContactSolution:
-    """Return the record of a solve without an answer: NaN forces, and the reason."""
+    """Return the solution of a solve without an answer: NaN forces, and the reason."""
     return ContactSolution(
         no_answer(size, certificate),
         status,

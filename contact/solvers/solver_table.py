@@ -1,4 +1,4 @@
-"""The one table of the solvers: package, licence, kind, settings for high accuracy, and the certificate to reach.
+"""Table of the solvers: package, licence, kind, settings for high accuracy, and the certificate to reach.
 
 All settings are meant for the scaled problem, in which every number is of order one; on raw units the same tolerances
 mean nothing.
@@ -25,14 +25,14 @@ LARGEST_PIVOTING = 1000
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """What is known about one solver.
+    """Facts and settings of one solver.
 
     Attributes
     ----------
     package
         Importable package it needs; empty for the solvers of this package.
     requirement
-        What pip installs to get it.
+        Requirement that pip installs.
     licence
         SPDX identifier. What is under a copyleft licence is an optional extra of its own.
     kind

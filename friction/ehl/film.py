@@ -39,7 +39,7 @@ class Film:
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     position
         Along the rolling direction, from the middle of the dry contact (n) [m].
     pressure
@@ -51,15 +51,15 @@ class Film:
     status
         Only of ``CERTIFIED`` films the numbers mean anything.
     certificate
-        How well the answer holds each condition.
+        Violations of each condition by the answer.
     iterations
         Of the Newton method on the finest grid.
     outcome
         The same in units of the Hertz contact, with the mass balance.
     problem
-        What was solved.
+        The problem that was solved.
     asperity_pressure
-        What statistical asperities carry of the pressure (n) [Pa]; zero between smooth surfaces.
+        Part of the pressure on statistical asperities (n) [Pa]; zero between smooth surfaces.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def domain(contact: LubricatedContact, flooded: float = INLET_GAP_RATIO) -> tupl
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     flooded
         Gap of the rigid surfaces at the inlet over the film. Starvation by a short inlet thins the film: by 0.3 % at
         40, by 0.1 % at 120 for piezoviscous oils; an isoviscous film between rigid cylinders wants 600 for 0.5 %.
@@ -162,7 +162,7 @@ def smooth_film(
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     nodes
         Nodes of the uniform grid, from 65 to 16385. By default 513, or as many more as the film needs to be resolved.
     flooded
@@ -217,7 +217,7 @@ def mixed_film(
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     asperities
         Both surfaces' roughness together.
     nodes, flooded, span

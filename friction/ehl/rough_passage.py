@@ -36,7 +36,7 @@ class RoughPassage:
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     position
         Of the nodes (n) [m].
     time
@@ -137,7 +137,7 @@ def rough_passage(
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     first, second
         Heights [m] of the faster surface (for a positive slide-to-roll ratio) and of the other, by the point on it [m].
     steps

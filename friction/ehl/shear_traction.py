@@ -81,13 +81,13 @@ def traction(
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     position, pressure, film
         Of the nodes, at equal distances (n) [m], [Pa], [m].
     fluid_part
         Part of the pressure that the lubricant carries (n), see ``reynolds_equation``; asperities carry the rest.
     asperity_pressure
-        What asperities carry beside ``pressure`` (n) [Pa], see ``Asperities``.
+        Pressure on asperities beside ``pressure`` (n) [Pa], see ``Asperities``.
     boundary_friction
         Friction coefficient of touching asperities [1].
     thermal
@@ -215,7 +215,7 @@ def film_temperature(
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     position, stress, film
         Of the nodes (n) [m], [Pa], [m].
     conductivity

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 from .blade_sections import BladeSection, Relief, SectionName, blade_sections
 
@@ -75,8 +76,7 @@ class Blade:
             raise InputError(
                 f"blade_pressure_angle = {np.degrees(self.pressure_angle)}: must be between -90 and 90 degrees"
             )
-        if self.side not in ("outside", "inside"):
-            raise InputError(f"blade side = {self.side!r}: must be one of outside, inside")
+        one_of("blade side", self.side, ("outside", "inside"))
         if not self.edge_radius >= 0.0:
             raise InputError(f"tool_edge_radius = {self.edge_radius}: must be 0 mm or more")
         if self.spheric_radius is not None and not abs(self.spheric_radius) > 1.0:

@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 
 Array = NDArray[Any]
@@ -88,8 +89,7 @@ class MachineSettings:
 
     def __post_init__(self) -> None:
         for name, coefficients in self.motions:
-            if name not in MOVING_SETTINGS:
-                raise InputError(f"motion = {name!r}: must be one of {', '.join(MOVING_SETTINGS)}")
+            one_of("motion", name, MOVING_SETTINGS)
             if not np.all(np.isfinite(coefficients)):
                 raise InputError(f"motion of {name} = {coefficients}: must be finite numbers")
         for field in fields(self):

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
+from ...core.checks import one_of
 from ...core.errors import InputError
 from ..flanks.blank_section import BlankSection
 from .interpolation import GridSpline, Interpolant, WeightedAverage, smoothed
@@ -34,8 +35,7 @@ def require_method(name: str) -> None:
     InputError
         If the name is unknown; the message lists the methods.
     """
-    if name not in get_args(Method):
-        raise InputError(f"interpolation = {name!r}: must be one of {', '.join(get_args(Method))}")
+    one_of("interpolation", name, get_args(Method))
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ def deviated_ease_off(
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 
-    Good to the first order, but for one part: the pinion's deviation goes over the lever arm of the gear's normal,
+    Good to the first order, but for one part: the pinion's deviation is divided by the lever arm of the gear's normal,
     which differs from its own with the slope of the ease-off. So both members count alike; for the flanks themselves
     see ``deviated_flank``.
 

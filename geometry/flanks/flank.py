@@ -43,7 +43,7 @@ class Flank:
     Parameters
     ----------
     surface
-        What generates it.
+        Its generating surface.
     parameters
         Surface parameters of the nodes (2, n).
     position
@@ -155,7 +155,7 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> tuple[Arr
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     section
         The blank.
 
@@ -199,7 +199,7 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     section
         The blank; it locates the tooth and supplies the first guesses.
     axial, radial

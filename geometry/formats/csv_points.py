@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 
 NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
@@ -22,7 +23,7 @@ _REAL_ENDINGS = ("_mm", "_rad")
 
 
 def text(dataset: xr.Dataset) -> str:
-    """Text of a dataset of measuring points, with the digits it takes to read the same numbers again."""
+    """Text of a dataset of measuring points, with enough digits to read the same numbers again."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
     position, normal = dataset["position"].values, dataset["normal"].values
     measured = DEVIATION_COLUMN in dataset
@@ -101,8 +102,7 @@ def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, 
         values = [float(cell) for cell in cells[3:]]
     except ValueError as error:
         raise InputError(f"{where}: {line!r}: {error}") from error
-    if cells[0] not in ("concave", "convex"):
-        raise InputError(f"{where}: flank = {cells[0]!r}: must be one of concave, convex")
+    one_of(f"{where}: flank", cells[0], ("concave", "convex"))
     if min(row, column) < 1:
         raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     if not np.all(np.isfinite(values)):

@@ -19,6 +19,7 @@ from typing import Any
 
 import xarray as xr
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 from . import csv_points as cmm_csv
 
@@ -66,8 +67,7 @@ def parsed(content: str, source: str) -> xr.Dataset:
         word, _, rest = line.partition("/")
         if word.strip().upper() == "UNITS":
             unit = rest.split(",")[0].strip().upper()
-            if unit not in UNIT_LENGTHS:
-                raise InputError(f"{where}: UNITS = {unit!r}: must be one of {', '.join(UNIT_LENGTHS)}")
+            one_of(f"{where}: UNITS", unit, UNIT_LENGTHS)
             scale = UNIT_LENGTHS[unit]
         found = FEATURE_PATTERN.fullmatch(line)
         if found is None:

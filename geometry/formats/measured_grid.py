@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...core.attributes import labelled
+from ...core.checks import one_of
 from ...core.errors import InputError
 from ...core.files import whole_file
 from ..deviation.deviation import Deviation, Method
@@ -163,8 +164,7 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
             "measured_y and measured_z [mm]"
         )
     unit = str(grid.attrs.get("deviation_unit", "um"))
-    if unit not in ("um", "mm"):
-        raise InputError(f"{source}: deviation_unit = {unit!r}: must be one of um, mm")
+    one_of(f"{source}: deviation_unit", unit, ("um", "mm"))
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
     grid = labelled(grid.assign_attrs(deviation_unit="um"))
     _check_size(grid, str(source))

@@ -227,7 +227,7 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     dataset
-        What ``cmm_points`` returned; more attributes (such as ``member`` or ``title``) are written, too.
+        Dataset from ``cmm_points``; more attributes (such as ``member`` or ``title``) are written, too.
     path
         The file, replaced if it exists. It appears complete or not at all.
 

@@ -34,7 +34,7 @@ def write_mesh(
         ``.stl`` (triangles, single precision), ``.vtk`` or ``.vtu`` (quadrilaterals with the cell data ``patch`` and
         ``tooth``, counted from 0, and one of 0 and 1 under the name of every patch). It appears complete or not at all.
     teeth
-        How many copies of the tooth, about the z axis.
+        Number of copies of the tooth, about the z axis.
     pitch
         Angle between them [rad]; ``None`` to spread them over the whole turn.
 

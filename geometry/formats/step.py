@@ -46,7 +46,7 @@ def write_step(
     path
         A ``.step`` or ``.stp`` file, replaced if it exists. It appears complete or not at all.
     teeth
-        How many copies of the tooth.
+        Number of copies of the tooth.
     pitch
         Angle between them [rad]; ``None`` to spread them over the whole turn.
     name

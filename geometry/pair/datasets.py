@@ -95,7 +95,7 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
     ease_off
         Ease-off at the nt * nh nodes.
     drift
-        How the conjugate points of the pinion move past the nodes.
+        Velocity and acceleration of the conjugate points of the pinion past the nodes.
 
     Returns
     -------

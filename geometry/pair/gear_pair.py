@@ -22,6 +22,7 @@ from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surf
 
 Array = NDArray[Any]
 FlankName = Literal["drive", "coast"]
+MEMBERS = ("pinion", "gear")
 DEFAULT_NODES = (31, 21)
 
 
@@ -36,9 +37,9 @@ class Member:
     section
         Axial section of the blank.
     loaded
-        What generates the loaded flank.
+        Generating surface of the loaded flank.
     opposite
-        What generates the other flank; ``None`` if not known: the other blade in the same machine is assumed then.
+        Generating surface of the other flank; ``None`` for the other blade in the same machine.
     mean_thickness
         Normal circular thickness in the middle of the flank [mm]; ``None`` to let the flanks or the mate decide.
 
@@ -157,11 +158,11 @@ class PairGeometry:
     pair
         The pair.
     members
-        What belongs to each member alone.
+        Results of each member alone.
     exact
         Ease-off of the pair's flanks at the nodes, with the conjugate motion and the conjugate points of the pinion.
     drift
-        How those points move past the nodes.
+        Velocity and acceleration of those points past the nodes.
     ease_off
         Ease-off and surface of roll angle as a dataset: made of ``exact``, or updated for deviations or a modification,
         which leave ``exact`` as it is.

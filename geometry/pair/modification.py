@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.checks import one_of
 from ...core.errors import InputError
 from .datasets import first_contact
 
@@ -105,8 +106,7 @@ class Modification:
 
     def __post_init__(self) -> None:
         for name, value in self.coefficients.items():
-            if name not in TERM_POWERS:
-                raise InputError(f"modification term = {name!r}: must be one of {', '.join(TERM_POWERS)}")
+            one_of("modification term", name, TERM_POWERS)
             if not np.isfinite(value):
                 raise InputError(f"modification term {name} = {value}: must be a finite number of um")
 

@@ -146,7 +146,7 @@ def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: Gen
     section
         Axial section of the blank.
     loaded, opposite
-        What generates the loaded flank and the other one.
+        Generating surfaces of the loaded flank and of the other one.
 
     Returns
     -------
@@ -178,7 +178,7 @@ def tooth_body(
     section
         Axial section of the blank.
     loaded, opposite
-        What generates the loaded flank and the other one.
+        Generating surfaces of the loaded flank and of the other one.
     mean_angle
         Angular thickness of the tooth in the middle of the flank [rad].
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import InputError
+from ...core.checks import whole
 
 Array = NDArray[Any]
 
@@ -49,8 +49,8 @@ class LatticeSize:
     overhang: int = 2
 
     def __post_init__(self) -> None:
-        if min(self.lengthwise, self.upward, self.through, self.slot, self.beside, self.deep) < 1 or self.overhang < 0:
-            raise InputError(f"{self}: every number of bricks must be at least 1, overhang at least 0")
+        for name, bricks in vars(self).items():
+            whole(name, bricks, 0 if name == "overhang" else 1)
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""
@@ -91,7 +91,7 @@ class ToothLattice:
         Fractions (2 t + 1) through the tooth from the loaded side, and (2 u + 1) from the middle of the fillet to the
         tip.
     body_bricks
-        How many of the bricks are the body's; they come first.
+        Number of bricks of the body; they come first.
 
     Examples
     --------

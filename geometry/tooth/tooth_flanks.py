@@ -12,11 +12,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import GeometryError, InputError
+from ...core.checks import one_of
+from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
-from ..pair.gear_pair import GearPair, Member, tooth_angles
+from ..pair.gear_pair import MEMBERS, GearPair, Member, tooth_angles
 from ..pair.tooth_body import middle_angle, opposite_surface
 from ..vectors import rotate_z
 
@@ -39,7 +40,7 @@ class PlacedFlank:
     section
         Axial section of the blank.
     surface
-        What generates the flank.
+        Generating surface of the flank.
     rotation
         Angle about z from where the machine cuts it to its tooth [rad].
     """
@@ -94,8 +95,7 @@ def named_member(pair: GearPair, name: str) -> Member:
     >>> named_member(pair, "gear") is pair.gear
     True
     """
-    if name not in ("pinion", "gear"):
-        raise InputError(f"member = {name!r}: must be one of pinion, gear")
+    one_of("member", name, MEMBERS)
     return pair.pinion if name == "pinion" else pair.gear
 
 
@@ -118,7 +118,7 @@ def tooth_angle(pair: GearPair, name: str) -> float:
     True
     """
     named_member(pair, name)
-    angle = tooth_angles(pair)[("pinion", "gear").index(name)]
+    angle = tooth_angles(pair)[MEMBERS.index(name)]
     if angle <= 0.0:
         raise GeometryError(
             f"the tooth of the {name} would be {np.degrees(angle):.3f} degrees thick in its middle: check the "

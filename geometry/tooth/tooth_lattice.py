@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ...core.errors import GeometryError, InputError
+from ...core.checks import positive
+from ...core.errors import GeometryError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
@@ -49,7 +50,7 @@ SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the latti
 # Share of the fillet, from the root land, at which the lattice has its corner: at about 45 degrees to the flank.
 CORNER_SHARE = 0.6
 DEPTH_GROWTH = 1.7  # every brick of the body than the one above
-OVERHANG_PER_DEPTH = 0.75  # of the body's depth, that it runs on beyond toe and heel
+OVERHANG_PER_DEPTH = 0.75  # of the body beyond toe and heel, over its depth
 SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
 
 
@@ -93,9 +94,7 @@ def tooth_lattice(
     """
     size = size or LatticeSize()
     blank = named_member(pair, member).section
-    depth = usual_depth(blank) if rim_depth is None else float(rim_depth)
-    if not (np.isfinite(depth) and depth > 0.0):
-        raise InputError(f"rim_depth = {rim_depth!r}: must be a positive length in mm")
+    depth = usual_depth(blank) if rim_depth is None else positive("rim_depth", rim_depth, "mm")
     if spacing is None:
         spacing = LatticeSpacing.of_size(size)
     t, up, through = spacing.lengthwise, spacing.upward, spacing.through

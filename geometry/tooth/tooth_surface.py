@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import GeometryError, InputError
+from ...core.checks import whole
+from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth, solve_flank
@@ -25,6 +26,7 @@ from .tooth_flanks import Side, named_member, placed_flanks, side, tooth_angle
 
 Array = NDArray[Any]
 
+FLANK_NODES_MINIMUM = 5  # in each direction
 FILLET_NODES = 9
 ROOT_LAND_NODES = 5
 TOP_LAND_NODES = 5
@@ -72,7 +74,7 @@ def tooth_side(
     Parameters
     ----------
     surface
-        What generates the flank.
+        Generating surface of the flank.
     section
         The blank.
     lengthwise
@@ -206,8 +208,8 @@ def tooth_surface(
     """
     which = named_member(pair, member)
     t = nodes[0] if isinstance(nodes[0], np.ndarray) else np.linspace(0.0, 1.0, nodes[0])
-    if min(t.size, nodes[1]) < 5:
-        raise InputError(f"nodes = {nodes}: must be at least 5 in each direction")
+    for index, count in enumerate((t.size, nodes[1])):
+        whole(f"nodes[{index}]", count, FLANK_NODES_MINIMUM)
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (
         tooth_side(p.surface, p.section, t, nodes[1], fillet_nodes).turned(p.rotation) for p in placed.values()

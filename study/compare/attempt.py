@@ -1,4 +1,4 @@
-"""One attempt of one solver at one problem: what it says, what the certificate says, and how long it took.
+"""Attempt of a solver at a problem: its claim, its certificate and its run time.
 
 This runs in a process of its own.
 """
@@ -42,7 +42,7 @@ class Attempt:
     Attributes
     ----------
     claim
-        What the solver says: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
+        Report of the solver: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
         process ended).
     message
         Its own words.
@@ -53,7 +53,7 @@ class Attempt:
     elastic_rotation
         Rotation beyond first contact [rad]; NaN without an answer.
     iterations
-        -1 where the solver does not tell.
+        -1 if unknown.
     polished
         Whether the answer is that of one exact solve on the active set the backend found.
     """
@@ -81,7 +81,7 @@ class Attempt:
 
 
 def load_adapter(solver: str) -> Adapter | None:
-    """Return what solves scaled problems for a solver; None for the native one, which is reached by its own door.
+    """Return the adapter of a solver for scaled problems; None for the native one, which needs none.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def load_adapter(solver: str) -> Adapter | None:
         return adapter_of(solver)
     try:
         found: Adapter = getattr(importlib.import_module(module), function)
-    except Exception as error:  # whatever a module of somebody else's raises
+    except Exception as error:  # a foreign module may raise anything
         raise InputError(f"solver {solver!r} cannot be loaded: {error}") from error
     return found
 
@@ -133,11 +133,11 @@ def attempt(
     solver
         A name of the table of solvers, or of one's own.
     adapter
-        What `load_adapter` returned.
+        The adapter from `load_adapter`.
     settings
         A name of `SETTINGS`.
     time_limit
-        What the backend is told [s]; it may not listen.
+        Time limit passed to the backend [s], which may ignore it.
     active
         Warm start of the native solver (n).
     """

@@ -14,6 +14,7 @@ import xarray as xr
 from ...contact.problem.certificate import Certificate
 from ...contact.solvers import available_solvers, require_solver
 from ...core.checkpoint import Checkpoint, digest
+from ...core.checks import number, whole
 from ...core.errors import InputError
 from ...core.files import check_folder
 from .attempt import CRASHED, SETTINGS, TIME_LIMIT, Attempt
@@ -209,9 +210,6 @@ def _cells(posed: list[PosedProblem], solvers: list[str], raw: bool) -> Iterator
 
 
 def _check_numbers(repetitions: int, time_limit: float, tolerance: float) -> None:
-    if not 1 <= repetitions <= 1000:
-        raise InputError(f"repetitions = {repetitions}: must lie between 1 and 1000")
-    if not 0.0 < time_limit <= 86400.0:
-        raise InputError(f"time_limit = {time_limit:g}: must be greater than 0 and at most 86400 s")
-    if not 0.0 < tolerance < 1.0:
-        raise InputError(f"tolerance = {tolerance:g}: must lie between 0 and 1")
+    whole("repetitions", repetitions, 1, 1000)
+    number("time_limit", time_limit, "s", above=0.0, most=86400.0)
+    number("tolerance", tolerance, above=0.0, below=1.0)

@@ -131,7 +131,7 @@ def performance_profile(run_time: Array) -> tuple[Array, Array]:
 def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     """Fit run_time = factor size^exponent by least squares of the logarithms, over the larger half of the sizes.
 
-    Small problems show the cost of the call, whatever the method. The larger half is that of the logarithmic scale,
+    Small problems show the cost of the call, not of the method. The larger half is that of the logarithmic scale,
     from the geometric mean of the smallest and the largest size.
 
     Parameters

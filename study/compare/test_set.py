@@ -113,7 +113,7 @@ def write_test_set(
         old.unlink()
     for number, problem in enumerate(problems):
         with whole_file(data / f"contact_{number:04d}.npz") as temporary, temporary.open("wb") as file:
-            scaled: Any = problem.as_qp()  # takes an open file too, whatever its type hint says
+            scaled: Any = problem.as_qp()  # takes an open file too, unlike its type hint
             scaled.save(file)
     script = target / SCRIPT
     with whole_file(script) as temporary:

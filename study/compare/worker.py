@@ -1,4 +1,4 @@
-"""A process for each solver: a crash or a hang there is an outcome here, never the end of the study."""
+"""A process for each solver: a crash or an endless solve becomes an outcome of the comparison."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Worker:
         return greeting if isinstance(greeting, Attempt) else None
 
     def run(self, request: Request) -> Attempt:
-        """Return the outcome of a request, whatever becomes of the process."""
+        """Return the outcome of a request, also if the process crashes."""
         if not self.running:
             self.launch()
         if not self._greeted:
@@ -175,7 +175,7 @@ def serve(connection: Connection, solver: str) -> None:
 
 
 def _silence() -> None:
-    """Send what backends print, from whatever language, nowhere."""
+    """Discard all output of backends, in any language."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in (1, 2):
         os.dup2(nowhere, descriptor)

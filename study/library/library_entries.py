@@ -56,7 +56,7 @@ class Source:
     torque
         Torque at the pinion [N m].
     offset_error, pinion_axial_error
-        Assembly errors E and P [mm]; the others are zero, whatever the case file says.
+        Assembly errors E and P [mm]; the others are zero, also where the case file has them.
     mesh_position
         Number of the pinion rotation, from 0 to ``MESH_POSITIONS`` - 1.
     segments_per_line

@@ -23,7 +23,7 @@ def generate(entries: Iterable[Entry]) -> Iterator[tuple[Entry, ContactProblem]]
     Parameters
     ----------
     entries
-        What to make; entries of one geometry or one source share the work.
+        Entries to make; entries of one geometry or one source share the work.
 
     Yields
     ------

@@ -70,14 +70,14 @@ class ContactPattern:
     ranges: tuple[CarryingRange, ...]
 
 
-def contact_pattern(unloaded: xr.Dataset, fields: FlankSplines) -> ContactPattern:
+def contact_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPattern:
     """Contact pattern of a result.
 
     Parameters
     ----------
     unloaded
         The group ``unloaded``.
-    fields
+    splines
         Splines on the gear flank, for the bend of the contact lines.
     """
     pairs = unloaded["pair"].values
@@ -88,7 +88,7 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankSplines) -> ContactPatter
 
     ends = course("line_lengthwise", "line_profile")  # (m, end, 2)
     path = course("path_lengthwise", "path_profile")
-    path = replace(path, values=on_common_flank(fields, path.values, ends.values))
+    path = replace(path, values=on_common_flank(splines, path.values, ends.values))
     error = course("transmission_error")
     carries = (pairs[:, None] == unloaded["carrying_pair"].values).astype(float)
     carrying = (tooth_passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
@@ -98,11 +98,11 @@ def contact_pattern(unloaded: xr.Dataset, fields: FlankSplines) -> ContactPatter
         first, last = path.first + start, path.first + stop - 1
         before, after = _transfer(error, first, -1), _transfer(error, last, 1)
         steps = np.concatenate([before, np.arange(first, last + 1), after])
-        ranges.append(CarryingRange(bent_lines(fields, ends.at(steps)), path.at(steps).T))
-    return ContactPattern(bent_lines(fields, ends.values), path.values, carrying, tuple(ranges))
+        ranges.append(CarryingRange(bent_lines(splines, ends.at(steps)), path.at(steps).T))
+    return ContactPattern(bent_lines(splines, ends.values), path.values, carrying, tuple(ranges))
 
 
-def on_common_flank(fields: FlankSplines, path: Array, ends: Array) -> Array:
+def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
     """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
 
     In edge contact the closest approach lies beyond the edge. The gap is a valley along the contact line, whose ends
@@ -111,7 +111,7 @@ def on_common_flank(fields: FlankSplines, path: Array, ends: Array) -> Array:
     """
     beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
     if beyond.size:
-        beyond = beyond[_outside(fields, path[beyond].T)]
+        beyond = beyond[_outside(splines, path[beyond].T)]
     if beyond.size == 0:
         return path
     direction = (ends[beyond, 1] - ends[beyond, 0]).T
@@ -123,22 +123,22 @@ def on_common_flank(fields: FlankSplines, path: Array, ends: Array) -> Array:
     away = np.stack([reach, -reach], axis=1).ravel()  # ever further, to both sides
     outside = path[beyond].T
     tried = outside[..., None] + direction[..., None] * away
-    within = ~_outside(fields, tried)
+    within = ~_outside(splines, tried)
     first = np.argmax(within, axis=1)
     inside = np.take_along_axis(tried, first[None, :, None], axis=2)[..., 0]
     for _ in range(30):
         middle = 0.5 * (inside + outside)
-        good = ~_outside(fields, middle)
+        good = ~_outside(splines, middle)
         inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
     found = np.any(within, axis=1)
     result[beyond[found]] = inside[:, found].T
     return result
 
 
-def _outside(fields: FlankSplines, points: Array) -> NDArray[np.bool_]:
+def _outside(splines: FlankSplines, points: Array) -> NDArray[np.bool_]:
     """Whether points (2, ...) lie beyond the common flank (...)."""
     beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
-    return np.asarray(beyond_gear | (boundary_distance(fields, points) < 0.0))
+    return np.asarray(beyond_gear | (boundary_distance(splines, points) < 0.0))
 
 
 def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
@@ -151,7 +151,7 @@ def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
     return np.array([step + direction * here / (here - beyond)])
 
 
-def bent_lines(fields: FlankSplines, ends: Array, steps: int = 3) -> Array:
+def bent_lines(splines: FlankSplines, ends: Array, steps: int = 3) -> Array:
     """Contact lines (m, 2, LINE_POINT_COUNT) between their ends (m, end, 2), as fractions.
 
     The chord between the ends is moved along the gradient of the roll angle onto the level of the ends.
@@ -163,11 +163,11 @@ def bent_lines(fields: FlankSplines, ends: Array, steps: int = 3) -> Array:
     first, second = np.moveaxis(ends[finite], 0, -1)  # (2, m) each
     along = np.linspace(0.0, 1.0, LINE_POINT_COUNT)
     points = first[..., None] * (1.0 - along) + second[..., None] * along
-    at_ends = fields("roll_angle", points[..., [0, -1]])
+    at_ends = splines("roll_angle", points[..., [0, -1]])
     level = at_ends[..., :1] * (1.0 - along) + at_ends[..., 1:] * along
     for _ in range(steps):
-        slope = np.stack([fields("roll_angle", points, (1, 0)), fields("roll_angle", points, (0, 1))])
-        step = (level - fields("roll_angle", points)) * slope / np.sum(slope**2, axis=0)
+        slope = np.stack([splines("roll_angle", points, (1, 0)), splines("roll_angle", points, (0, 1))])
+        step = (level - splines("roll_angle", points)) * slope / np.sum(slope**2, axis=0)
         points = np.clip(points + step, 0.0, 1.0)
     lines[finite] = np.moveaxis(points, 1, 0)
     return lines

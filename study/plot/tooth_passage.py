@@ -83,6 +83,6 @@ def pairs_in_view(course: ToothPassage, cycles: float) -> range:
 def envelope(course: ToothPassage, cycles: Array) -> Array:
     """Smallest value (n) of all tooth pairs at times (n) in cycles; NaN where there is none."""
     cycles = np.asarray(cycles, dtype=float)
-    steps = np.round(cycles * course.per_cycle, 9)  # a time on a step is that step, whatever the rounding
+    steps = np.round(cycles * course.per_cycle, 9)  # without rounding a time on a step might miss it
     values = [course.at(steps - pair * course.per_cycle) for pair in pairs_in_view(course, float(np.max(cycles)))]
     return np.asarray(np.fmin.reduce([np.full(cycles.size, np.nan), *values]))

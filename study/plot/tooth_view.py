@@ -116,11 +116,11 @@ def fine_grid(shape: tuple[int, int] = FINE_GRID) -> Array:
     return np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
 
 
-def common_flank(fields: FlankSplines) -> tuple[Array, ...]:
+def common_flank(splines: FlankSplines) -> tuple[Array, ...]:
     """Closed curves (2, k) around the part of the flank that meets the pinion's, as fractions."""
     grid = fine_grid()
     # A frame of outside points just beyond the edges closes every curve.
-    distance = np.pad(boundary_distance(fields, grid), 1, constant_values=-1.0)
+    distance = np.pad(boundary_distance(splines, grid), 1, constant_values=-1.0)
     t, h = (np.pad(np.linspace(0.0, 1.0, n), 1, constant_values=(-1e-9, 1.0 + 1e-9)) for n in FINE_GRID)
     lines = contourpy.contour_generator(t, h, distance.T).lines(0.0)
     return tuple(np.clip(np.asarray(line).T, 0.0, 1.0) for line in lines)

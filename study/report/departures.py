@@ -6,7 +6,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-MEMBERS = ("pinion", "gear")
+from ...geometry.pair.gear_pair import MEMBERS
+
 TERM_COUNT_LIMIT = 5  # of a modification, the largest first; more are counted
 
 

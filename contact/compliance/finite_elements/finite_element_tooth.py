@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import hstack
 
+from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....geometry.pair.gear_pair import GearPair
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
@@ -169,8 +170,7 @@ def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, 
 
 
 def _check(fineness: float) -> None:
-    if not 0.2 <= fineness <= 4.0:
-        raise InputError(f"fineness = {fineness!r}: must lie between 0.2 and 4")
+    number("fineness", fineness, least=0.2, most=4.0)
 
 
 def _long_enough(size: LatticeSize) -> LatticeSize:

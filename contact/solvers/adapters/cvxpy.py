@@ -70,7 +70,7 @@ def _solve(programme: Any, backend: str, settings: Mapping[str, Any]) -> ScaledA
     """Solve a programme whose constraints are the balance and the bounds, in that order."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        # Not from the answer before: the same problem shall have the same answer whatever was solved until then.
+        # No warm start: the same problem has the same answer independent of earlier solves.
         programme.solve(solver=backend, warm_start=False, **settings)
     status = str(programme.status)
     suspicion = _SUSPICIONS.get(status)

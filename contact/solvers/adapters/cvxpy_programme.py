@@ -131,7 +131,7 @@ def parametrised(root: Root, backend: str) -> Iterator[ParametrisedProgramme]:
     root
         Of the compliance.
     backend
-        What works behind CVXPY: each has a translation of its own.
+        Solver behind CVXPY: each has a translation of its own.
     """
     key = (root.shape, root.rows.tobytes(), root.columns.tobytes(), backend)
     programme = _shelf.pop(key, None) or ParametrisedProgramme(root)

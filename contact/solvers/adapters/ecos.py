@@ -13,7 +13,7 @@ from ..backend import read_answer, run_qpsolvers
 from ..scaled_answer import ScaledAnswer
 from ..solution import Status
 
-#: Exit flags; those from 10 on say the same of an answer that misses the tolerances.
+#: Exit flags; those from 10 on have the same meanings, for an answer that misses the tolerances.
 _SUSPICIONS = {
     1: Status.INFEASIBLE,
     2: Status.UNBOUNDED,

@@ -1,8 +1,8 @@
-"""Lemke's complementary pivoting: no iteration to a tolerance, no guess; the oracle for small problems.
+"""Lemke's complementary pivoting: exact up to rounding, without a starting point; for small problems.
 
 The tableau of w - M z - d z0 = q, d = 1, is pivoted from w = q + z0 d, z = 0 until the artificial z0 leaves the basis.
 After each pivot the complement of the variable that left enters. Ties in the ratio test are broken lexicographically
-over the columns of the inverse basis, so that no basis can come back and the method ends, whatever the degeneracy. With
+over the columns of the inverse basis, so that no basis can come back and the method ends, degenerate or not. With
 a positive semidefinite M it ends in a solution, or on a ray, which proves that there is none (Lemke 1965, doi
 10.1287/mnsc.11.7.681; Cottle, Pang and Stone 1992, chapter 4, doi 10.1137/1.9780898719000).
 
@@ -35,14 +35,14 @@ TIE_TOLERANCE = 1e-12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LemkeResult:
-    """How the pivoting ended.
+    """End of the pivoting.
 
     Attributes
     ----------
     z
         The solution (n); NaN unless one was found.
     pivots
-        How many there were.
+        Number of pivots.
     ended
         ``"solved"``, ``"ray"`` (there is no solution, if M is positive semidefinite) or ``"pivot limit"``.
     """
@@ -56,10 +56,10 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     """Solve the scaled problem; the only setting is ``max_pivots``."""
     unknown = sorted(set(settings) - {"max_pivots"})
     if unknown:
-        raise InputError(f"lemke has no setting {', '.join(unknown)}: the only one is max_pivots")
+        raise InputError(f"settings = {', '.join(unknown)}: must be max_pivots, the only one of lemke")
     size = problem.separation.size
     if size > LARGEST_PIVOTING:
-        raise InputError(f"lemke is meant for small problems: {size} segments are more than {LARGEST_PIVOTING}")
+        raise InputError(f"size = {size}: must be at most {LARGEST_PIVOTING} segments for lemke")
     matrix, vector, eliminated = eliminated_system(problem)
     result = lemke(matrix, vector, **settings)
     if result.ended == "ray":

@@ -1,4 +1,4 @@
-"""Proof of an answer of the film model: how well pressures and approach satisfy each condition.
+"""Certificate of an answer of the film model: violations of each condition by pressures and approach.
 
 Everything is evaluated anew from pressures and approach, never taken from the iteration. All entries are dimensionless;
 zero is perfect.
@@ -20,7 +20,7 @@ CERTIFICATE_TOLERANCE = 1e-8
 
 
 class Status(StoredStatus):
-    """How a solve ended.
+    """End of a solve.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def certify(problem: Problem, pressure: Array, approach: float) -> Certificate:
     Parameters
     ----------
     problem
-        What was to be solved.
+        The problem.
     pressure
         In units of the Hertz pressure (n).
     approach

@@ -67,7 +67,7 @@ class Pace:
         Largest change of a pressure in one step, in units of the Hertz pressure.
     gap_scale
         Scale of the gap in the condition, in units of the deflection under a node's own pressure. Below 1, a node that
-        penetrates is taken to touch whatever its mass balance says.
+        penetrates is taken to touch regardless of its mass balance.
     iterations
         After as many the iteration gives up.
     """
@@ -91,7 +91,7 @@ class Problem:
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     deflection
         Of the surfaces, on the grid.
     profile
@@ -150,7 +150,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How an iteration ended.
+    """End of an iteration.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def solve(problem: Problem, pressure: Array, approach: float, paces: Sequence[Pa
     Parameters
     ----------
     problem
-        What is to be solved.
+        The problem.
     pressure
         Where to start; zero at both ends (n).
     approach

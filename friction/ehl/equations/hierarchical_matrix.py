@@ -5,7 +5,7 @@ The Jacobian of the lubricated contact is
     J = A + C K,    K(i, j) = kernel(|i - j|),
 
 A and C banded, K dense: the logarithm, integrated over hat functions. Away from its diagonal K is smooth, so that each
-block of J beside the diagonal has a rank of about a dozen whatever its size. The matrix is halved recursively; each
+block of J beside the diagonal has a rank of about a dozen at any size. The matrix is halved recursively; each
 block beside the diagonal is kept as a product of two thin matrices, and
 
     [ J1      U12 V12' ] [ x1 ]   [ b1 ]
@@ -56,7 +56,7 @@ class _Halving:
 
 @dataclass(frozen=True, eq=False)
 class _Tree:
-    """What all systems with the same number of nodes share."""
+    """Parts that all systems with the same number of nodes share."""
 
     padded: int
     leaf: int

@@ -91,7 +91,7 @@ def balance(
     Parameters
     ----------
     contact
-        What the contact works under.
+        Operating conditions.
     spacing
         Distance of the nodes in half widths.
     pressure, film

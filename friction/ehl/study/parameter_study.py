@@ -8,7 +8,6 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +59,7 @@ def run_study(
     Returns
     -------
     xarray.Dataset
-        What was written; see ``study_dataset``.
+        The dataset written; see ``study_dataset``.
 
     Raises
     ------
@@ -82,10 +81,9 @@ def run_study(
     resolution = Resolution() if resolution is None else resolution
     checks.instance("design", design, Design)
     checks.instance("resolution", resolution, Resolution)
-    if not isinstance(seconds, Real) or math.isnan(seconds):
-        raise InputError(f"seconds must be a number [s], infinity for no end, not {seconds!r}")
+    checks.number("seconds", seconds, "s", infinite=True)
     if progress is not None and not callable(progress):
-        raise InputError(f"progress must be a function of two numbers, not {progress!r}")
+        raise InputError(f"progress = {checks.shown(progress)}: must be a function of two numbers")
     target = Path(path)
     check_writable(target)
     _check_is_study(target)

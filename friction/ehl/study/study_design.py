@@ -199,7 +199,7 @@ class Design:
         Parameters
         ----------
         size
-            How many.
+            Number of combinations.
         seed
             Of the scrambling.
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
+from ....core.checks import number, one_of, positive
 from ....core.errors import InputError
 
 Process = Literal["face_milled", "face_hobbed"]
@@ -148,16 +149,14 @@ class BlankDesign:
                 continue
             if value is None and field.default is None:
                 continue
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-                raise InputError(f"{field.name} = {value!r}: must be a finite number")
+            number(field.name, value)
 
     def _check_choices(self) -> None:
         if self.method not in (0, 1, 2, 3):
             raise InputError(f"method = {self.method!r}: must be one of 0, 1, 2, 3")
-        if self.process not in PROCESSES:
-            raise InputError(f"process = {self.process!r}: must be one of {', '.join(PROCESSES)}")
-        if self.depth_taper is not None and self.depth_taper not in DEPTH_TAPERS:
-            raise InputError(f"depth_taper = {self.depth_taper!r}: must be one of {', '.join(DEPTH_TAPERS)}")
+        one_of("process", self.process, PROCESSES)
+        if self.depth_taper is not None:
+            one_of("depth_taper", self.depth_taper, DEPTH_TAPERS)
         teeth: Sequence[object] = self.number_of_teeth
         whole = [n for n in teeth if isinstance(n, int) and n > 0]
         if len(teeth) != 2 or len(whole) != 2 or whole[0] > whole[1]:
@@ -170,7 +169,7 @@ class BlankDesign:
                 raise InputError(f"number_of_blade_groups = {groups!r}: face_hobbed needs a whole number, 1 or more")
 
     def _check_ranges(self) -> None:
-        positive = (
+        above_zero = (
             "gear_face_width",
             "cutter_radius",
             "gear_outer_pitch_diameter",
@@ -180,23 +179,17 @@ class BlankDesign:
             "depth_factor",
             "gear_mean_slot_width",
         )
-        for name in self._given(positive):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"{name} = {getattr(self, name)}: must be positive")
+        for name in self._given(above_zero):
+            positive(name, getattr(self, name))
         for name in self._given((*BACKLASHES, "clearance_factor")):
-            if getattr(self, name) < 0.0:
-                raise InputError(f"{name} = {getattr(self, name)}: must not be negative")
+            positive(name, getattr(self, name), zero=True)
         below_right_angle = ("mean_spiral_angle", "nominal_drive_pressure_angle", "nominal_coast_pressure_angle")
         for name in below_right_angle:
-            if not 0.0 <= getattr(self, name) < math.pi / 2:
-                raise InputError(f"{name} = {getattr(self, name)}: must lie between 0 and pi/2 rad")
+            number(name, getattr(self, name), "rad", least=0.0, below=math.pi / 2)
         for name in self._given(("gear_addendum_angle", "gear_dedendum_angle")):
-            if not abs(getattr(self, name)) < math.pi / 4:
-                raise InputError(f"{name} = {getattr(self, name)}: must lie between -pi/4 and pi/4 rad")
-        if not 0.0 < self.shaft_angle < math.pi:
-            raise InputError(f"shaft_angle = {self.shaft_angle}: must lie between 0 and pi rad")
-        if not 0.0 <= self.limit_pressure_angle_influence <= 1.0:
-            raise InputError(f"limit_pressure_angle_influence = {self.limit_pressure_angle_influence}: must be 0 to 1")
+            number(name, getattr(self, name), "rad", above=-math.pi / 4, below=math.pi / 4)
+        number("shaft_angle", self.shaft_angle, "rad", above=0.0, below=math.pi)
+        number("limit_pressure_angle_influence", self.limit_pressure_angle_influence, least=0.0, most=1.0)
 
     def _check_method(self) -> None:
         if self.method == 0 and self.hypoid_offset != 0.0:
