@@ -21,7 +21,7 @@ from easeoff.verification import (
     flank_response,
     flanks_in_mesh,
 )
-from easeoff.verification.flank_response import thinner_edges
+from easeoff.verification.flank_contact.flank_response import thinner_edges
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from easeoff.contact import STEEL
-from easeoff.verification.half_space import (
+from easeoff.verification.flank_contact.half_space import (
     even_pressure_integral,
     point_force_displacement,
     point_force_traction,

@@ -13,9 +13,9 @@ from scipy.special import ellipe, ellipk
 from easeoff.contact import STEEL
 from easeoff.geometry.tooth.lattice_spacing import with_middles
 from easeoff.verification import FlankResponse, SurfaceCells, half_space_compliance
-from easeoff.verification.flank_response import cubic_shares
-from easeoff.verification.surface_compliance import surface_compliance
-from easeoff.verification.surface_contact import solve_surface_contact, surface_contact_compliance
+from easeoff.verification.flank_contact.flank_response import cubic_shares
+from easeoff.verification.flank_contact.surface_compliance import surface_compliance
+from easeoff.verification.flank_contact.surface_contact import solve_surface_contact, surface_contact_compliance
 
 BOTH = (STEEL, STEEL)
 MODULUS = 0.5 * STEEL.plane_strain_modulus  # of the contact of two steel bodies

@@ -19,17 +19,17 @@ finite elements                   ``serendipity_functions``: the element of othe
 
 from .conventional_analysis import BothMethods, both_methods, line_differences, point_differences
 from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
-from .flank_contact import FlankContact, contact_of_flanks
+from .flank_contact.flank_contact import FlankContact, contact_of_flanks
+from .flank_contact.flank_response import FlankResponse, flank_response
+from .flank_contact.surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh
+from .flank_contact.surface_contact import half_space_compliance
 from .flank_gap import FlankGap, flank_gap
-from .flank_response import FlankResponse, flank_response
 from .measured_distance import distance_along_normals
 from .point_contact import PointContact, path_of_contact, point_contact
 from .problem_classes import PROBLEM_CLASSES, problems
 from .relative_curvature import RelativeCurvature, relative_curvature
 from .serendipity_brick import serendipity_functions
 from .shell_root_stress import shell_root_stress
-from .surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh
-from .surface_contact import half_space_compliance
 from .thesis_shell import monomials, thesis_kinematics
 
 __all__ = [

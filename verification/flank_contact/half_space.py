@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.compliance.material import Material
+from ...contact.compliance.material import Material
 
 Array = NDArray[Any]
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.compliance.material import Material
-from ..contact.lines.mesh_lines import MeshLines
-from ..core.checks import positive
+from ...contact.compliance.material import Material
+from ...contact.lines.mesh_lines import MeshLines
+from ...core.checks import positive
 from .flank_response import FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
 from .surface_contact import solve_surface_contact, surface_contact_compliance

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from ..contact.compliance.finite_elements.array_store import kept, key_of
-from ..contact.compliance.finite_elements.finite_element_tooth import unfilled
-from ..contact.compliance.material import Material
-from ..core.errors import GeometryError
-from ..geometry.pair.gear_pair import GearPair
-from ..geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
-from ..geometry.tooth.tooth_flanks import MemberName
-from ..geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from ...contact.compliance.finite_elements.array_store import kept, key_of
+from ...contact.compliance.finite_elements.finite_element_tooth import unfilled
+from ...contact.compliance.material import Material
+from ...core.errors import GeometryError
+from ...geometry.pair.gear_pair import GearPair
+from ...geometry.tooth.lattice_spacing import LatticeSpacing, with_middles
+from ...geometry.tooth.tooth_flanks import MemberName
+from ...geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
 from .surface_compliance import surface_compliance
 
 Array = NDArray[Any]

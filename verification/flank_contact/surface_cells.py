@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.lines.closest_approach import closest_approach
-from ..contact.lines.contact_lines import arc_length, contact_splines
-from ..contact.lines.flank_splines import FlankSplines
-from ..geometry.flanks.flank import solve_flank
-from ..geometry.pair.conjugate_motion import ConjugateMotion
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, pair_geometry
-from .flank_gap import flank_gap
+from ...contact.lines.closest_approach import closest_approach
+from ...contact.lines.contact_lines import arc_length, contact_splines
+from ...contact.lines.flank_splines import FlankSplines
+from ...geometry.flanks.flank import solve_flank
+from ...geometry.pair.conjugate_motion import ConjugateMotion
+from ...geometry.pair.gear_pair import DEFAULT_NODES, GearPair, pair_geometry
+from ..flank_gap import flank_gap
 
 Array = NDArray[Any]
 FACING_COSINE_LIMIT = 0.9  # smallest cosine between the normals of flanks that meet

@@ -17,9 +17,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from ..contact.compliance.material import Material
-from ..contact.problem.contact_problem import ContactProblem
-from ..contact.solvers import solve
+from ...contact.compliance.material import Material
+from ...contact.problem.contact_problem import ContactProblem
+from ...contact.solvers import solve
 from .flank_response import FlankResponse
 from .half_space import even_pressure_integral
 from .surface_cells import SurfaceCells

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from ..contact.compliance.finite_elements.bricks import quadratic, stiffness
-from ..contact.compliance.finite_elements.elastic_body import elastic_body
-from ..contact.compliance.finite_elements.stiffness_factor import COLUMNS_PER_SOLVE, Factoriser
-from ..contact.compliance.material import Material
+from ...contact.compliance.finite_elements.bricks import quadratic, stiffness
+from ...contact.compliance.finite_elements.elastic_body import elastic_body
+from ...contact.compliance.finite_elements.stiffness_factor import COLUMNS_PER_SOLVE, Factoriser
+from ...contact.compliance.material import Material
 from .half_space import point_force_displacement, point_force_traction
 
 Array = NDArray[Any]
