@@ -1,6 +1,7 @@
 """Checks of arguments, with one form of message: ``NAME = VALUE: must be ... [UNIT]``.
 
-Each check returns the value, ready for use, or raises ``InputError``. A truth value, a text or an array is no number.
+Each check returns the value, ready for use, or raises ``InputError``. A truth value, a text or a complex number is no
+number; an array without dimensions is one.
 """
 
 from __future__ import annotations
@@ -56,6 +57,8 @@ def number(
     Traceback (most recent call last):
     easeoff.core.errors.InputError: slide_to_roll = 2.5: must be a number from -2 to 2
     """
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
+        value = value.item()  # an array without dimensions holds one number
     if not (_is_number(value) and bool(_within(float(value), above, least, below, most, infinite))):
         wanted = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(value)}: must be a {wanted}")
@@ -216,6 +219,8 @@ def array(
     easeoff.core.errors.InputError: position = [0.0]: must be finite numbers [m], 2 or more in a row
     """
     try:
+        if np.asarray(values).dtype.kind not in "fiuO":
+            raise TypeError("texts, truth values and complex numbers are no numbers here")
         found = np.array(values, np.float64, order="C") if frozen else np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         found = None

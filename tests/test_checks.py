@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from easeoff import InputError
 from easeoff.core import checks
@@ -19,10 +20,16 @@ def test_what_is_no_number_within_the_bounds_is_refused(value: Any) -> None:
         checks.positive("length", value, "mm", zero=True)
 
 
-@pytest.mark.parametrize("value", [3, 3.0, np.float32(3.0), np.int64(3)])
+@pytest.mark.parametrize("value", [3, 3.0, np.float32(3.0), np.int64(3), np.array(3.0), xr.DataArray(3.0)])
 def test_numbers_of_numpy_are_numbers(value: Any) -> None:
     assert type(checks.number("length", value, least=0.0, most=5.0)) is float
     assert checks.array("length", value).tolist() == 3.0
+
+
+@pytest.mark.parametrize("values", [["1.0"], [True], np.array([1.0 + 2.0j]), [None, 1.0]])
+def test_what_is_no_array_of_numbers_is_refused(values: Any) -> None:
+    with pytest.raises(InputError, match=r"^lengths = .*: must be "):
+        checks.array("lengths", values)
 
 
 def test_infinity_is_a_value_where_it_is_allowed() -> None:
