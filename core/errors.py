@@ -32,7 +32,7 @@ class InputError(EaseoffError, ValueError):
     ...     Material(-1.0, 0.3)
     ... except InputError as error:
     ...     print(error)
-    elastic_modulus = -1.0 MPa: must be positive and finite
+    elastic_modulus = -1: must be a finite number above 0 [MPa]
     """
 
 

@@ -293,7 +293,7 @@ def test_numbers_out_of_range_are_refused() -> None:
         tooth_lattice(pair(), "gear", COARSE, rim_depth=-1.0)
     with pytest.raises(InputError, match="fineness"):
         members.finite_element_tooth(pair(), "gear", STEEL, fineness=9.0)
-    with pytest.raises(InputError, match="at least 1"):
+    with pytest.raises(InputError, match="must be a whole number of 1 or more"):
         LatticeSize(0)
 
 
