@@ -218,12 +218,7 @@ def array(
     Traceback (most recent call last):
     easeoff.core.errors.InputError: position = [0.0]: must be finite numbers [m], 2 or more in a row
     """
-    try:
-        if np.asarray(values).dtype.kind not in "fiuO":
-            raise TypeError("texts, truth values and complex numbers are no numbers here")
-        found = np.array(values, np.float64, order="C") if frozen else np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        found = None
+    found = _numbers(values, frozen)
     if (
         found is None
         or (ndim is not None and found.ndim != ndim)
@@ -298,6 +293,17 @@ def shown(value: Any) -> str:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
+    """An array of what can be made numbers without loss, in C order if copied; None of anything else."""
+    try:
+        given = np.asarray(values)
+        if given.dtype.kind not in "fiuO":
+            return None
+        return np.array(given, np.float64, order="C") if copied else np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
 
 
 def _within(
