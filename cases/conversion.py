@@ -220,13 +220,13 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
     )
 
 
-def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
-    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``.
+def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:
+    """Elastic model of the teeth of a case: the teeth from ``finite_elements``, or shells if they are ``None``.
 
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> elastic_model(read_case("nasa-12x36")).pinion
+    >>> elastic_model(read_case("nasa-12x36"), None).pinion
     Material(elastic_modulus=206000.0, poisson_ratio=0.3)
     """
     table = case.compliance
@@ -241,12 +241,6 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
         foundation=foundation,
         condensed=None if teeth is None else (teeth[0].flank, teeth[1].flank),
     )
-
-
-def edges_touch(case: Case) -> bool:
-    """Whether tooth edges may touch beside the contact lines; by default with the accurate elastic models alone."""
-    chosen = case.contact.edge_contact
-    return case.compliance.model != "shell" if chosen is None else chosen
 
 
 def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
-from .compliance.elastic_model import ElasticModel, ElasticTooth, elastic_teeth
+from .compliance.elastic_model import ElasticModel, ElasticTooth, elastic_teeth, solid_shells
 from .lines.closest_approach import SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations
@@ -75,7 +75,7 @@ class MeshCycle:
         geometry
             From ``geometry.pair_geometry``.
         model
-            Elastic model of the teeth; steel shells on elastic roots if left out.
+            Elastic model of the teeth; solid shells of steel if left out.
         mesh_positions
             Pinion rotations in one pitch.
         segments_per_line
@@ -84,9 +84,9 @@ class MeshCycle:
         Raises
         ------
         GeometryError
-            If no tooth pair can touch at any rotation.
+            If no tooth pair can touch at any rotation, or a tooth cannot be made a solid shell.
         """
-        model = model or ElasticModel()
+        model = model or solid_shells(geometry.pair)
         pitch = geometry.pair.assembly.pinion_pitch
         fields = _fields(geometry)
         lines = lines_at(fields, pitch, mesh_rotations(pitch, mesh_positions))
@@ -136,7 +136,7 @@ class MeshCycle:
         self,
         torques: Sequence[float] | Array,
         *,
-        edge_contact: bool = False,
+        edge_contact: bool = True,
         solver: str = "auto",
         progress: Callable[[], None] | None = None,
         **options: Any,
@@ -148,7 +148,7 @@ class MeshCycle:
         torques
             Torques at the pinion (t) [N m].
         edge_contact
-            Whether edges of the teeth may touch beside the contact lines.
+            Whether edges of the teeth may touch beside the contact lines, or these alone.
         solver
             Name of the solver, see ``contact.available_solvers``.
         progress

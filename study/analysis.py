@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ..cases.conversion import edges_touch
 from ..cases.schema.case_schema import Case
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
@@ -107,7 +106,8 @@ def contact_analysis(
     ['CERTIFIED', 'CERTIFIED']
     """
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
-    load, edges = case_torques(case, torques), edges_touch(case) if edge_contact is None else edge_contact
+    load = case_torques(case, torques)
+    edges = case.contact.edge_contact if edge_contact is None else edge_contact
     if state.deviations:
         require_line_contact(cycle.lost_contact, state.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation)
@@ -169,8 +169,7 @@ def analyze(
     modification
         Added to the ease-off.
     edge_contact
-        Whether tooth edges may touch beside the contact lines; as the case says, or with ``fe`` and ``solid_shell``, if
-        left out.
+        Whether tooth edges may touch beside the contact lines; as the case says if left out.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     speed

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import elastic_model
+from ..cases.conversion import materials
 from ..cases.schema.case_schema import Case
 from ..contact.modification.convex_programme import (
     Goal,
@@ -123,7 +123,7 @@ def optimize(
     require_solver(solver)
     # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
     own = CaseInMesh.of(checked, flank=flank)
-    loaded, _ = own.cycle.loaded(case_torques(checked, torques), solver=solver)
+    loaded, _ = own.cycle.loaded(case_torques(checked, torques), edge_contact=False, solver=solver)
     torque = loaded["torque"].values
     states = [own, *(own.misaligned(other) for other in misalignments)]
     contacts = [ModifiedContact(state.cycle, torque, names, solver) for state in states]
@@ -192,8 +192,7 @@ def _compared(
     def both(of: Callable[[LoadResponse], Array]) -> Array:
         return np.stack([of(loads).reshape(shape) for loads in stages])
 
-    model = elastic_model(case)
-    flexibility = 1.0 / model.pinion.plane_strain_modulus + 1.0 / model.gear.plane_strain_modulus
+    flexibility = sum(1.0 / material.plane_strain_modulus for material in materials(case))
     grid = ("stage", "assembly", "torque")
     # Were the load even along all contact lines of the worst mesh position, no surface could do better.
     arms = (before["lever_arm"] * before["length"]).sum("segment")

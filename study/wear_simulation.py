@@ -175,7 +175,7 @@ class _Run:
                 f"{CONTACT_LOST}: at {100 * lost:.1f} % of the points of the contact lines the worn flanks bend over "
                 "too short a way for a line contact"
             )
-        self.loaded, _ = cycle.loaded(list(self.shares), solver=self.solver)
+        self.loaded, _ = cycle.loaded(list(self.shares), edge_contact=False, solver=self.solver)
         bad = int(np.count_nonzero(self.loaded["status"].values != Status.CERTIFIED))
         if bad and self.revolutions > 0.0:
             raise GeometryError(

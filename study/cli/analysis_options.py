@@ -41,7 +41,7 @@ _ANALYSIS = (
         "--edge-contact/--lines-only",
         "edge_contact",
         default=None,
-        show_default="from the case; edges with the models fe and solid_shell",
+        show_default="from the case, there edges",
         help="Contact of tooth edges beside the contact lines, or of the lines only.",
     ),
     click.option(
