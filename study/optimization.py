@@ -58,6 +58,9 @@ def optimize(
 ) -> xr.DataTree:
     """Find the modification of a case's ease-off that is best under load, and analyse the case with it.
 
+    The contact is that on lines alone, whatever the case says of edges: the convex programmes know no others. It keeps
+    loads off the ends of the lines, where edges begin (``end_load``); ``analyze`` shows what edges carry.
+
     Parameters
     ----------
     case
@@ -121,7 +124,6 @@ def optimize(
     whole("programmes", programmes, 1)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
-    # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
     own = CaseInMesh.of(checked, flank=flank)
     loaded, _ = own.cycle.loaded(case_torques(checked, torques), edge_contact=False, solver=solver)
     torque = loaded["torque"].values
@@ -148,6 +150,7 @@ def optimize(
     record = _compared(checked, start, found, loaded, [state.pair for state in states])
     record.attrs |= {
         "objective": chosen,
+        "edge_contact": 0,
         "transmission_error_limit_urad": math.inf if transmission_error is None else transmission_error,
         "end_load_limit_N_per_mm": goal.end_load,
         "largest_modification_um": largest,

@@ -50,6 +50,9 @@ def wear(
 ) -> xr.Dataset:
     """Wear of both flanks of a pair, at one torque or a duty cycle.
 
+    The contact is that on lines alone, whatever the case says of edges: an edge sweeps no flank, so that Archard's law
+    has no depth for it. Peak to peak and pressure can differ from those of ``analyze`` by what its edges carry.
+
     Parameters
     ----------
     case
@@ -72,7 +75,7 @@ def wear(
         of the loaded contact at every torque. Attribute ``stop`` says why it ended, and ``completed`` is 1 if as
         ``law`` has it. If the worn flanks have no line contact any more, or their contact could not be solved, it is 0,
         ``stop`` begins with "contact lost" or "contact not solved", and the history ends before that.
-        ``position`` (member, lengthwise, profile, xyz) [mm] is the
+        Attribute ``edge_contact`` is 0. ``position`` (member, lengthwise, profile, xyz) [mm] is the
         designed flank: what ``flank_deviations`` knows a file of it by.
 
     Raises
@@ -117,6 +120,7 @@ def wear(
         "completed": int(completed),
         "title": checked.title,
         "flank": flank,
+        "edge_contact": 0,
         **of_pair,
         **_attributes(law),
     }

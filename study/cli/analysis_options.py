@@ -41,7 +41,7 @@ _ANALYSIS = (
         "--edge-contact/--lines-only",
         "edge_contact",
         default=None,
-        show_default="from the case, there edges",
+        show_default="edges, unless the case says lines only",
         help="Contact of tooth edges beside the contact lines, or of the lines only.",
     ),
     click.option(

@@ -73,7 +73,8 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) -> None:
     """Optimise the ease-off of CASE under load.
 
-    The result is a modification of low order: the addition to the ease-off.
+    The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
+    without tooth edges.
     """
     from tqdm import tqdm
 

@@ -57,7 +57,7 @@ def wear(
 ) -> None:
     """Wear the flanks of CASE step by step.
 
-    The file holds depth and contact of every step. The worn flanks are deviations: '--deviation pinion=FILE
+    The file holds depth and contact of every step. The contact is that on lines alone, without tooth edges. The worn flanks are deviations: '--deviation pinion=FILE
     --deviation gear=FILE' continues the wear, or analyses the worn pair in 'easeoff run'.
     """
     from tqdm import tqdm
@@ -81,6 +81,7 @@ def wear(
         f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps"
     )
     click.echo(f"largest depth: {depths}")
+    click.echo("contact on lines alone, without tooth edges")
     for torque_value in torque:
         both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
         click.echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
