@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from dissertation_method import by_its_method
 from dissertation_radius import whole_sliding, with_radius_along_line
 from dissertation_tables import table
 from numpy.typing import NDArray
@@ -44,8 +45,8 @@ MAPS = ("rolling_velocity", "sliding_velocity", "slide_to_roll", "equivalent_rad
 
 @cache
 def analysed(letter: str) -> Analysis:
-    """A design at three torques."""
-    return contact_analysis(CaseInMesh.of(easeoff.read_case(DESIGNS[letter])), TORQUES)
+    """A design at three torques, by the method of the dissertation."""
+    return contact_analysis(CaseInMesh.of(by_its_method(DESIGNS[letter])), TORQUES)
 
 
 @cache
