@@ -315,6 +315,7 @@ def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[s
         "case": case.text or case.model_dump_json(),
         "solver": solver,
         "flank": state.flank,
+        "compliance_model": case.compliance.model,
         "edge_contact": int(edge_contact),
         "pinion_teeth": pair.assembly.pinion_teeth,
         "gear_teeth": pair.assembly.gear_teeth,

@@ -78,7 +78,7 @@ def key_numbers(tree: xr.DataTree) -> xr.Dataset:
         friction = tree["friction"].to_dataset()
         numbers |= {name: friction[name] for name in FRICTION if name in friction}
     dataset = xr.Dataset(numbers)
-    for name, variable in dataset.data_vars.items():
+    for variable in dataset.data_vars.values():
         variable.attrs = {key: value for key, value in variable.attrs.items() if key.startswith("flag_")}
     return labelled(dataset)
 
