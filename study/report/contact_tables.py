@@ -29,9 +29,7 @@ def unloaded_table(numbers: xr.Dataset) -> str:
         if f"{state}_pattern_length" in numbers:
             values = [100.0 * numbers[f"{state}_{what}"].item() for what in PATTERN]
             ratio = numbers[f"{state}_contact_ratio"].item()
-            place = "centre {:.0f} % from the toe, {:.0f} % from the root; length {:.0f} %, height {:.0f} %".format(
-                *values
-            )
+            place = "centre {:.0f}, {:.0f} % from toe, root; length, height {:.0f}, {:.0f} %".format(*values)
             rows.append((name, f"{place}; contact ratio {ratio:.2f}"))
     if "geometric_contact_ratio" in numbers:
         rows.append(("geometric contact ratio", f"{numbers['geometric_contact_ratio'].item():.2f}"))

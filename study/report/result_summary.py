@@ -41,12 +41,12 @@ def efficiencies(friction: xr.Dataset) -> str:
         "torque\nN m",
         "speed\n1/min",
         "oil\ndegC",
-        "rough-\nness um",
-        "mean\nfriction",
+        "Rq\num",
+        "mean\nmu",
         "power\nloss W",
         "rolling\npart %",
         "efficiency\n%",
-        *(["least\nfilm um", "at % from\ntoe, root"] if films else []),
+        *(["least\nfilm um", "at toe,\nroot %"] if films else []),
     ]
     shown = rows[:ROW_COUNT_LIMIT]
     table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
