@@ -50,6 +50,11 @@ class CarryingError:
         return cls(passage, float(unloaded["pinion_rotation"].values[0]), pinion_pitch)
 
     @property
+    def is_known(self) -> bool:
+        """Whether there are enough values to interpolate."""
+        return bool(np.sum(np.isfinite(self.passage.values)) > 1)
+
+    @property
     def steps(self) -> Array:
         """Steps (m) from the first to the last at which the pair can touch, ``FINE_STEP_COUNT`` to a mesh position."""
         known = self.passage.steps[np.isfinite(self.passage.values)]

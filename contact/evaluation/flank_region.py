@@ -93,7 +93,7 @@ def region_below(
     return FlankRegion(np.mean(parts, axis=2) @ area / total, extent, total)
 
 
-def grid_triangles(shape: tuple[int, int]) -> NDArray[np.int64]:
+def grid_triangles(shape: tuple[int, ...]) -> NDArray[np.int64]:
     """Corners (m, 3) of the triangles of a grid of points, two a cell, counted along the last axis first.
 
     Examples

@@ -68,9 +68,9 @@ class MarkingPrint:
     Parameters
     ----------
     points
-        Lengthwise and profile fractions (2, *PRINT_GRID).
+        Lengthwise and profile fractions of a grid (2, nt, nh).
     excess
-        Negative within the print, zero on its border (*PRINT_GRID): the gap over the thickness, less one, or the
+        Negative within the print, zero on its border (nt, nh): the gap over the thickness, less one, or the
         distance beyond the common flank if that is greater.
 
     Examples
@@ -91,13 +91,15 @@ class MarkingPrint:
     excess: Array
 
     @classmethod
-    def of(cls, splines: FlankSplines, error: CarryingError, thickness: float) -> MarkingPrint:
-        """Print of a compound of a thickness [um]; other arguments as of ``least_gap``."""
-        points = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in PRINT_GRID), indexing="ij"))
+    def of(
+        cls, splines: FlankSplines, error: CarryingError, thickness: float, shape: tuple[int, int] = PRINT_GRID
+    ) -> MarkingPrint:
+        """Print of a compound of a thickness [um], on a grid of a shape; other arguments as of ``least_gap``."""
+        points = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
         beyond = -BORDER_SLOPE * boundary_distance(splines, points)
         return cls(points, np.maximum(least_gap(splines, error, points) / thickness - 1.0, beyond))
 
     def region(self, plane: ProjectionPlane) -> FlankRegion:
         """The printed part of the flank."""
         flat = self.points.reshape(2, -1)
-        return region_below(flat, self.excess.ravel(), grid_triangles(PRINT_GRID), 0.0, plane)
+        return region_below(flat, self.excess.ravel(), grid_triangles(self.excess.shape), 0.0, plane)

@@ -6,11 +6,13 @@ There the flank is a quadrangle and its grid is bilinear, so that its corners de
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from ...geometry.tooth.tooth_flanks import MemberName
 
 Array = NDArray[Any]
 
@@ -34,7 +36,7 @@ class ProjectionPlane:
     coefficients: Array
 
     @classmethod
-    def of(cls, flanks: xr.Dataset, member: Literal["pinion", "gear"] = "gear") -> ProjectionPlane:
+    def of(cls, flanks: xr.Dataset, member: MemberName = "gear") -> ProjectionPlane:
         """Plane of a flank of ``geometry.pair_geometry``; the nodes that have a position are enough.
 
         The first coordinate runs from toe to heel at half height, from zero at the toe; the second is zero at the lower

@@ -72,6 +72,19 @@ def titled_sheet(heading: str, title: str, print_: str, body_height: float, foot
     return figure
 
 
+def legend_at_foot(figure: Figure, entries: list[Any], height: float) -> None:
+    """Legend below the body of a page, in a strip of a height [in] that is taken from the body."""
+    engine = figure.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    left, bottom, width, whole = engine.get()["rect"]
+    strip = height / figure.get_size_inches()[1]
+    engine.set(rect=(left, bottom + strip, width, whole - strip))
+    figure.legend(
+        handles=entries, loc="center", bbox_to_anchor=(0.5, bottom + 0.5 * strip), ncols=3, fontsize=SMALL_SIZE + 0.5,
+        frameon=False, labelcolor=INK, handlelength=2.2, columnspacing=2.0,
+    )  # fmt: skip
+
+
 def sheet(height: float) -> Figure:
     """White sheet of the page's width and a height [in], without heading and small print."""
     figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
