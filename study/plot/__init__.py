@@ -18,7 +18,7 @@ FRICTION_PICTURES = ("friction_maps", "efficiency")
 """Names of the further pictures of a result with friction."""
 
 
-def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Path]:
+def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking: float | None = None) -> list[Path]:
     """Draw every picture of a result.
 
     Parameters
@@ -27,6 +27,8 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
         A result of ``analyze`` or ``read_result``.
     folder
         Folder for the PNG files; made if it does not exist.
+    marking
+        Thickness of the marking compound of the unloaded print [um]; that of the result if left out.
 
     Returns
     -------
@@ -36,7 +38,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or the thickness is out of range.
 
     Examples
     --------
@@ -48,7 +50,8 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
     ['ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing']
     """
     # The drawing library is slow to load, and most of what imports this package never draws.
-    from . import contact_pattern, friction_maps
+    from ...core.checks import number
+    from . import contact_pattern_chart, friction_maps
     from . import ease_off_map as ease_off
     from . import efficiency_chart as efficiency
     from . import load_share_chart as load_sharing
@@ -57,13 +60,15 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str]) -> list[Pa
     from .page import save
     from .tooth_view import tooth_view
 
-    view = tooth_view(tree)
+    if marking is not None:
+        number("marking", marking, "um", above=0.0, below=1000.0)
+    view, pinion = tooth_view(tree), tooth_view(tree, "pinion")
     names, figures = (
         list(PICTURES),
         [
             ease_off.draw(tree, view),
-            contact_pattern.draw(tree, view),
-            pressure.draw(tree, view),
+            contact_pattern_chart.draw(tree, (view, pinion), marking),
+            pressure.draw(tree, (view, pinion)),
             transmission_error.draw(tree),
             load_sharing.draw(tree),
         ],

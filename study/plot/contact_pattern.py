@@ -1,4 +1,4 @@
-"""Contact pattern without load: contact lines, path of contact and outline on the gear flank."""
+"""Contact pattern without load: contact lines, path of contact and outline of the range in which a pair carries."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from ...contact.evaluation.tooth_passage import ToothPassage, tooth_passage
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
-from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
-from .tooth_passage import ToothPassage, tooth_passage
+from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION
 from .tooth_view import ToothView, draw_flank
 
 Array = NDArray[Any]
@@ -171,31 +170,6 @@ def bent_lines(splines: FlankSplines, ends: Array, steps: int = 3) -> Array:
         points = np.clip(points + step, 0.0, 1.0)
     lines[finite] = np.moveaxis(points, 1, 0)
     return lines
-
-
-def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the contact pattern of a result."""
-    unloaded = tree["unloaded"].to_dataset()
-    pattern = contact_pattern(unloaded, view.fields)
-    separation = unloaded.attrs.get("separation", float("nan"))
-    figure = page(
-        tree,
-        "Contact pattern without load, gear flank",
-        (WIDTH - 0.8) * view.aspect + 0.8,
-        f"lines where the gap is within {separation:g} µm",
-    )
-    axes = figure.subplots()
-    draw_pattern(axes, view, pattern)
-    entries = [
-        Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
-        path_beyond("path of contact, before and after"),
-        Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the pattern"),
-        Line2D([], [], color=BLUE, linewidth=0.8, alpha=0.75, label="contact lines, carrying pair"),
-        Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
-        Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
-    ]
-    legend_below(axes, entries, columns=3)
-    return figure
 
 
 def draw_pattern(

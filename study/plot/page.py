@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ...core.files import whole_file
 from ..report.departures import deviations, modification
+from ..report.model_name import model_name
 
 DPI = 160
 WIDTH = 8.6  # [in]
@@ -71,6 +72,19 @@ def titled_sheet(heading: str, title: str, print_: str, body_height: float, foot
     return figure
 
 
+def legend_at_foot(figure: Figure, entries: list[Any], height: float) -> None:
+    """Legend below the body of a page, in a strip of a height [in] that is taken from the body."""
+    engine = figure.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    left, bottom, width, whole = engine.get()["rect"]
+    strip = height / figure.get_size_inches()[1]
+    engine.set(rect=(left, bottom + strip, width, whole - strip))
+    figure.legend(
+        handles=entries, loc="center", bbox_to_anchor=(0.5, bottom + 0.5 * strip), ncols=3, fontsize=SMALL_SIZE + 0.5,
+        frameon=False, labelcolor=INK, handlelength=2.2, columnspacing=2.0,
+    )  # fmt: skip
+
+
 def sheet(height: float) -> Figure:
     """White sheet of the page's width and a height [in], without heading and small print."""
     figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white", layout="constrained")
@@ -79,7 +93,7 @@ def sheet(height: float) -> Figure:
 
 
 def small_print(attributes: Mapping[Any, Any]) -> list[str]:
-    """Small print of a result: teeth, flanks, misalignment, departures from the design and version."""
+    """Small print of a result: teeth, flanks, elastic model, misalignment, departures from the design and version."""
     flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
     errors = [
         ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
@@ -93,7 +107,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     version = attributes.get("easeoff_version", "")
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
     departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
-    return [teeth, flanks.get(name, name), f"misalignment {given or 'none'}", *departed, f"easeoff {version}".strip()]
+    misaligned, model = f"misalignment {given or 'none'}", model_name(attributes)
+    return [teeth, flanks.get(name, name), misaligned, *departed, model, f"easeoff {version}".strip()]
 
 
 def plain_axes(axes: Axes) -> None:

@@ -1,4 +1,4 @@
-"""Pressure chart: contact pressure on the gear flank over the mesh cycle, a panel a torque."""
+"""Pressure chart: contact pressure on both flanks over the mesh cycle, a row a torque."""
 
 from __future__ import annotations
 
@@ -12,45 +12,49 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation, TriContourSet
 from numpy.typing import NDArray
 
+from ...contact.evaluation.pressure_map import PressureMap, pressure_map
 from ...contact.solvers import Status
 from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, WIDTH, evenly_chosen, page, plain_bar, torque_name
-from .pressure_map import PressureMap, pressure_map
 from .tooth_view import ToothView, draw_flank
 
 PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
 LEVEL_COUNT = 24
 
 
-def draw(tree: xr.DataTree, view: ToothView) -> Figure:
-    """Draw the pressure chart of a result."""
+def draw(tree: xr.DataTree, views: tuple[ToothView, ...]) -> Figure:
+    """Draw the pressure chart of a result on the flanks of gear and pinion."""
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = evenly_chosen(torques)
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
-    columns = 1 if chosen.size <= 3 else 2
-    rows = -(-chosen.size // columns)
     note = "+ peak, dashed: boundary of the common flank"
     note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
     # What the axis labels and the colour bar leave of the page's width.
-    height = rows * ((WIDTH - 1.6) / columns * view.aspect + 0.27) + 0.35
-    figure = page(tree, "Contact pressure over the mesh cycle, gear flank", height, note)
-    panels = figure.subplots(rows, columns, squeeze=False)
+    height = chosen.size * ((WIDTH - 1.6) / 2 * max(view.aspect for view in views) + 0.27) + 0.35
+    figure = page(tree, "Contact pressure over the mesh cycle, gear and pinion flank", height, note)
+    panels = figure.subplots(chosen.size, 2, squeeze=False)
     peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
     levels = pressure_levels(max(peaks, default=1.0))
     shading = None
-    for number, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
-        axes = panels.flat[number]
-        bottom, left = number + columns >= chosen.size, columns == 1
-        draw_flank(axes, view, labels=(bottom, left))
-        drawn = draw_surface(axes, view, surface, levels)
-        shading = shading or drawn
-        panel_title(axes, torque_name(torques[index]), surface, loaded.isel(torque=int(index)))
-    for axes in panels.flat[chosen.size :]:
-        axes.set_visible(False)
+    for row, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
+        for column, view in enumerate(views):
+            axes = panels[row, column]
+            draw_flank(axes, view, labels=(row == chosen.size - 1, column == 0))
+            drawn = draw_surface(axes, view, surface, levels)
+            shading = shading or drawn
+            panel_title(axes, f"{torque_name(torques[index])}, {view.member}", surface, loaded.isel(torque=int(index)))
+    side_by_side(panels)
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(panels.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
         plain_bar(bar, "greatest contact pressure [MPa]")
     return figure
+
+
+def side_by_side(panels: NDArray[Any]) -> None:
+    """Align flanks that stand side by side, and keep their height's numbers clear of the names of their edges."""
+    for axes in panels.flat:
+        axes.set_anchor("N")
+        axes.tick_params(axis="y", pad=15, length=0)
 
 
 def pressure_levels(peak: float) -> NDArray[Any]:

@@ -1,7 +1,6 @@
-"""Tooth view: the gear flank true to scale in the projection plane, toe on the left, tip at the top.
+"""Tooth view: a flank true to scale in its member's projection plane, toe on the left, tip at the top.
 
-The projection plane is the axial plane of the gear, into which every point of the flank is turned about the gear axis.
-There the flank is a quadrangle and its grid is bilinear, so that its corners describe it completely.
+Points are given on the gear flank; the view of the pinion flank shows their conjugate points.
 """
 
 from __future__ import annotations
@@ -17,8 +16,10 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
+from ...contact.evaluation.projection_plane import ProjectionPlane
 from ...contact.lines.contact_lines import boundary_distance, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
+from ...geometry.tooth.tooth_flanks import MemberName
 from .page import GREY, INK, PAPER, SMALL_SIZE
 
 Array = NDArray[Any]
@@ -29,31 +30,38 @@ MARGIN_WIDTH = 1.3  # around the flank, for the names of its edges [mm per 30 mm
 
 @dataclass(frozen=True)
 class ToothView:
-    """Gear flank and the plane it is drawn in.
+    """A flank and the plane it is drawn in.
 
     Parameters
     ----------
-    coefficients
-        Coefficients (2, 4) of 1, t, h and t h, for both coordinates of the plane [mm].
+    plane
+        Projection plane of the flank.
     fields
-        Splines on the flank.
+        Splines on the gear flank.
     common
-        Closed curves (2, k) around the common flank of gear and pinion, as fractions.
+        Closed curves (2, k) around the common flank of gear and pinion, as fractions on the gear.
+    member
+        Whose flank it is.
     """
 
-    coefficients: Array
+    plane: ProjectionPlane
     fields: FlankSplines
     common: tuple[Array, ...]
+    member: MemberName = "gear"
 
     def in_plane(self, points: Array) -> Array:
-        """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...)."""
-        t, h = points
-        return np.asarray(np.tensordot(self.coefficients, np.stack([np.ones_like(t), t, h, t * h]), axes=1))
+        """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...) on the gear."""
+        if self.member == "gear":
+            return self.plane(points)
+        known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
+        found = self.fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
+        opposite = np.stack(list(found.values())).reshape(np.shape(points))
+        return np.where(np.isfinite(points), self.plane(opposite), np.nan)
 
     @property
     def corners(self) -> Array:
         """Corners (2, 4) [mm], around the flank from toe and root along the root."""
-        return self.in_plane(np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]]))
+        return self.plane(np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]]))
 
     @property
     def window(self) -> tuple[float, float, float, float]:
@@ -74,8 +82,8 @@ class ToothView:
         return Outline.make_compound_path(*parts) if parts else Outline(np.zeros((0, 2)))
 
 
-def tooth_view(tree: xr.DataTree) -> ToothView:
-    """View of the gear flank of a result.
+def tooth_view(tree: xr.DataTree, member: MemberName = "gear") -> ToothView:
+    """View of a flank of a result.
 
     Raises
     ------
@@ -84,31 +92,7 @@ def tooth_view(tree: xr.DataTree) -> ToothView:
     """
     flanks, ease_off = tree["flanks"].to_dataset(), tree["ease_off"].to_dataset()
     fields = contact_splines(flanks, ease_off)
-    return ToothView(plane_coefficients(flanks), fields, common_flank(fields))
-
-
-def plane_coefficients(flanks: xr.Dataset) -> Array:
-    """Coefficients (2, 4) [mm] of the bilinear map from fractions to the plane, see ``ToothView``.
-
-    The first coordinate runs from toe to heel at half height, from zero at the toe; the second is zero at the lower of
-    the root's corners. The nodes that have a position are enough.
-    """
-    position = flanks["position"].sel(member="gear").transpose("lengthwise", "profile", "xyz").values
-    t, h = np.meshgrid(flanks["lengthwise"].values, flanks["profile"].values, indexing="ij")
-    valid = np.all(np.isfinite(position), axis=-1)
-    axial, radial = position[valid][:, 2], np.hypot(position[valid][:, 0], position[valid][:, 1])
-    t, h = t[valid], h[valid]
-    basis = np.stack([np.ones_like(t), t, h, t * h], axis=1)
-    section = np.linalg.lstsq(basis, np.stack([axial, radial], axis=1))[0].T
-    along = section[:, 1] + 0.5 * section[:, 3]
-    along /= np.linalg.norm(along)
-    up = np.array([-along[1], along[0]])
-    if up @ (section[:, 2] + 0.5 * section[:, 3]) < 0.0:
-        up = -up
-    plane = np.stack([along, up]) @ section
-    plane[0, 0] = -0.5 * plane[0, 2]
-    plane[1, 0] = -min(0.0, plane[1, 1])
-    return np.asarray(plane)
+    return ToothView(ProjectionPlane.of(flanks, member), fields, common_flank(fields), member)
 
 
 def fine_grid(shape: tuple[int, int] = FINE_GRID) -> Array:
@@ -151,7 +135,7 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
     gap = 0.3 * (corners[0].min() - left)
     names = (("toe", 0.0, 0.5, -1, 0), ("heel", 1.0, 0.5, 1, 0), ("root", 0.5, 0.0, 0, -1), ("tip", 0.5, 1.0, 0, 1))
     for name, t, h, across, up in names:
-        x, y = view.in_plane(np.array([t, h])) + gap * np.array([across, up])
+        x, y = view.plane(np.array([t, h])) + gap * np.array([across, up])
         horizontal, vertical = ("right", "center", "left")[across + 1], ("top", "center", "bottom")[up + 1]
         axes.text(x, y, name, ha=horizontal, va=vertical, fontsize=SMALL_SIZE + 0.5, color=GREY, style="italic")
     axes.set_aspect("equal")

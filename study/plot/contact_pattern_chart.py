@@ -1,0 +1,137 @@
+"""Contact pattern chart: contact lines, marking print and pattern at light load, on both flanks."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from ...contact.evaluation.carrying_error import CarryingError
+from ...contact.evaluation.flank_region import FlankRegion
+from ...contact.evaluation.marking_print import MarkingPrint
+from ...contact.evaluation.pressure_map import pressure_map
+from .contact_pattern import contact_pattern, draw_pattern, path_beyond
+from .page import (
+    BLUE,
+    BODY_SIZE,
+    FAINT,
+    GREY,
+    INK,
+    SMALL_SIZE,
+    VERMILION,
+    WIDTH,
+    legend_at_foot,
+    page,
+    torque_name,
+)
+from .pressure_chart import draw_surface, pressure_levels, side_by_side
+from .tooth_view import ToothView, draw_flank
+
+Array = NDArray[Any]
+FLANK_NAMES = {"gear": "gear flank", "pinion": "pinion flank"}
+COMPOUND = "#7FB2D6"  # colour of the marking compound
+LEGEND_HEIGHT = 0.62  # [in]
+DRAWN_GRID = (481, 241)  # points of a drawn print along the face and the profile
+CENTRE_STYLE: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 3.5, "color": INK}
+
+
+def draw(tree: xr.DataTree, views: tuple[ToothView, ...], marking: float | None = None) -> Figure:
+    """Draw the contact pattern of a result.
+
+    Parameters
+    ----------
+    tree
+        The result.
+    views
+        Flanks of gear and pinion.
+    marking
+        Thickness of the marking compound [um]; that of the result if left out.
+    """
+    unloaded = tree["unloaded"].to_dataset()
+    separation = float(unloaded.attrs.get("separation", float("nan")))
+    thickness = separation if marking is None else marking
+    light = tree["light_load"].to_dataset().isel(torque=0) if "light_load" in tree.children else None
+    rows = 2 if light is None else 3
+    height = rows * ((WIDTH - 0.9) / 2 * max(view.aspect for view in views) + 0.28) + 0.35 + LEGEND_HEIGHT
+    figure = page(tree, "Contact pattern", height, f"contact lines drawn where the gap is within {separation:g} µm")
+    panels = figure.subplots(rows, 2, squeeze=False)
+    side_by_side(panels)
+    pattern = contact_pattern(unloaded, views[0].fields)
+    printed = marking_print(tree, views[0], thickness)
+    region = None if printed is None else printed.region(views[0].plane)
+    surface = None if light is None else pressure_map(light)
+    for column, view in enumerate(views):
+        name, left = FLANK_NAMES[view.member], column == 0
+        draw_pattern(panels[0, column], view, pattern, labels=(False, left))
+        _title(panels[0, column], name, "contact lines, path of contact")
+        draw_flank(panels[1, column], view, labels=(rows == 2, left))
+        if region is not None and printed is not None:
+            draw_print(panels[1, column], view, printed, region)
+        said = "no unloaded contact" if region is None else size_name(region)
+        _title(panels[1, column], f"marking print, {thickness:g} µm", said if left else "")
+        if light is not None and surface is not None:
+            draw_flank(panels[2, column], view, labels=(True, left))
+            draw_surface(
+                panels[2, column], view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0)
+            )
+            _title(
+                panels[2, column], f"light load, {torque_name(float(light['torque']))}", _light(light) if left else ""
+            )
+    legend_at_foot(figure, _entries(), LEGEND_HEIGHT)
+    return figure
+
+
+def marking_print(tree: xr.DataTree, view: ToothView, thickness: float) -> MarkingPrint | None:
+    """Print of a marking compound of a thickness [um]; ``None`` if the result has no unloaded contact."""
+    error = CarryingError.of(tree["unloaded"].to_dataset(), 2.0 * math.pi / tree.attrs["pinion_teeth"])
+    return MarkingPrint.of(view.fields, error, thickness, DRAWN_GRID) if error.is_known else None
+
+
+def draw_print(axes: Axes, view: ToothView, printed: MarkingPrint, region: FlankRegion) -> None:
+    """Draw a marking print on its flank, and the centre of its region on the gear."""
+    x, y = view.in_plane(printed.points)
+    if not region.area > 0.0:
+        return
+    axes.contourf(x, y, printed.excess, levels=[1.01 * float(np.min(printed.excess)), 0.0], colors=[COMPOUND], zorder=2)
+    axes.contour(x, y, printed.excess, levels=[0.0], colors=BLUE, linewidths=0.9, zorder=3)
+    axes.plot(*view.in_plane(region.centre), zorder=9, **CENTRE_STYLE)
+
+
+def size_name(region: FlankRegion) -> str:
+    """Length and height of a region of the gear flank, as text."""
+    return "length {:.0f} %, height {:.0f} %".format(*(100.0 * region.size)) if region.area > 0.0 else "nothing printed"
+
+
+def _light(light: xr.Dataset) -> str:
+    """Size and greatest pressure of the pattern at light load."""
+    length, height = (100.0 * float(light[f"pattern_{name}"]) for name in ("length", "height"))
+    if not math.isfinite(length):
+        return "no certified solution"
+    return f"length {length:.0f} %, height {height:.0f} %, up to {float(light['max_pressure']):.0f} MPa"
+
+
+def _title(axes: Axes, name: str, said: str) -> None:
+    axes.set_title(name, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def _entries() -> list[Any]:
+    """Entries of the legend."""
+    return [
+        Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
+        path_beyond("path of contact, before and after"),
+        Line2D([], [], color=BLUE, linewidth=1.4, label="outline of the carrying range"),
+        Line2D([], [], color=BLUE, linewidth=0.8, alpha=0.75, label="contact lines, carrying pair"),
+        Line2D([], [], color=FAINT, linewidth=0.8, label="contact lines, before and after"),
+        Line2D([], [], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="boundary of the common flank"),
+        Patch(facecolor=COMPOUND, edgecolor=BLUE, linewidth=0.9, label="print over a mesh cycle"),
+        Line2D([], [], label="centre of the print", **CENTRE_STYLE),
+        Line2D([], [], linestyle="none", marker="+", markersize=7, color=INK, label="greatest pressure"),
+    ]
