@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from ..core.checks import array, distinct, instance, one_of
 from ..core.errors import InputError
-from .coefficient import CoefficientModel, coefficient_model
+from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
 from .film_thickness import film_formula
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
-from .rolling_traction import THERMAL_FACTORS
 from .surface_velocities import SurfaceVelocities
+from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 
 Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
@@ -112,6 +112,8 @@ class FrictionModel:
         Name of a model in ``COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
     film
         Name of a formula in ``FILMS``.
+    film_heating
+        Factor by which heat of the inlet thins the film, a name in ``FILM_FACTORS``.
     thermal_factor
         Of the rolling traction, a name in ``THERMAL_FACTORS``.
     rolling_frame
@@ -131,8 +133,9 @@ class FrictionModel:
     'benedict_kelly'
     """
 
-    coefficient: str | float | CoefficientModel = "kolivand"
+    coefficient: str | float | CoefficientModel = DEFAULT_COEFFICIENT
     film: str = "pan_hamrock"
+    film_heating: str = "none"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: FrameOfRolling = "fixed"
     out_of_range: OutOfRange = "error"
@@ -140,6 +143,7 @@ class FrictionModel:
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
         film_formula(self.film)
+        one_of("film_heating", self.film_heating, FILM_FACTORS)
         one_of("thermal_factor", self.thermal_factor, THERMAL_FACTORS)
         one_of("rolling_frame", self.rolling_frame, get_args(FrameOfRolling))
         one_of("out_of_range", self.out_of_range, get_args(OutOfRange))
@@ -155,13 +159,16 @@ class FrictionModel:
     @property
     def name(self) -> str:
         """Name of the model of the coefficient."""
-        if isinstance(self.coefficient, str):
-            return self.coefficient
-        return getattr(self.coefficient, "__name__", "own") if callable(self.coefficient) else f"{self.coefficient:g}"
+        return model_name(self.coefficient)
 
     @property
-    def is_formula(self) -> bool:
-        """Whether the coefficient is that of Eq. 5.11, with its ranges."""
+    def has_range(self) -> bool:
+        """Whether the model of the coefficient has a range that is known."""
+        return isinstance(self.coefficient, str) and self.coefficient in RANGE_FLAGS
+
+    @property
+    def has_regimes(self) -> bool:
+        """Whether the model of the coefficient is made of several expressions."""
         return isinstance(self.coefficient, str) and self.coefficient in ("kolivand", "kolivand_blended")
 
     def oil_states(self, operation: Operation) -> OilState:
@@ -185,7 +192,7 @@ def checked_model(operation: Operation, model: FrictionModel | str | float | Coe
 
 def named_models(attributes: Mapping[Any, Any]) -> str:
     """Oil and models of a group ``/friction`` in words, from its attributes: those that are not the usual ones."""
-    usual = {"film": "film", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame"}
+    usual = {"film": "film", "film_heating": "film heating", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame"}
     words = [f"oil {attributes['oil']}", f"coefficient {attributes['friction_coefficient']}"]
     for name, word in usual.items():
         default = FrictionModel.__dataclass_fields__[name].default
