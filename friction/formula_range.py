@@ -1,4 +1,4 @@
-"""Ranges of friction formulas: flags of what was clamped or extrapolated, and the part of the power loss it concerns."""
+"""Ranges of friction formulas: flags of what was clamped or extrapolated, and its part of the power loss."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class LossShares:
             if ranged:
                 data["extrapolated_share"] = (dimensions, self.outside / self.whole)
                 data["flagged_share"] = (("formula_flag", *dimensions), self.by_flag / self.whole)
-                data["formula_flag"] = ("formula_flag", np.array(list(FLAGS), dtype=np.int32))
+                data["formula_flag"] = ("formula_flag", np.array(list(FLAGS), dtype=np.uint16))
             if joined:
                 data["transition_share"] = (dimensions, self.between / self.whole)
         return data

@@ -112,8 +112,6 @@ class FrictionModel:
         Name of a model in ``COEFFICIENTS``, a constant, or a function of ``ContactConditions``.
     film
         Name of a formula in ``FILMS``.
-    film_heating
-        Factor by which heat of the inlet thins the film, a name in ``FILM_FACTORS``.
     thermal_factor
         Of the rolling traction, a name in ``THERMAL_FACTORS``.
     rolling_frame
@@ -121,6 +119,9 @@ class FrictionModel:
         ``contact_line``.
     out_of_range
         Temperatures the oil has no data for: ``error``, or ``clamp`` and flag it.
+    film_heating
+        Factor by which heat of the inlet thins the film, a name in ``FILM_FACTORS``. The dissertation's formula was
+        made with the film without.
 
     Raises
     ------
@@ -135,10 +136,10 @@ class FrictionModel:
 
     coefficient: str | float | CoefficientModel = DEFAULT_COEFFICIENT
     film: str = "pan_hamrock"
-    film_heating: str = "none"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: FrameOfRolling = "fixed"
     out_of_range: OutOfRange = "error"
+    film_heating: str = "none"
 
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
@@ -192,7 +193,12 @@ def checked_model(operation: Operation, model: FrictionModel | str | float | Coe
 
 def named_models(attributes: Mapping[Any, Any]) -> str:
     """Oil and models of a group ``/friction`` in words, from its attributes: those that are not the usual ones."""
-    usual = {"film": "film", "film_heating": "film heating", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame"}
+    usual = {
+        "film": "film",
+        "film_heating": "film heating",
+        "thermal_factor": "thermal factor",
+        "rolling_frame": "rolling frame",
+    }
     words = [f"oil {attributes['oil']}", f"coefficient {attributes['friction_coefficient']}"]
     for name, word in usual.items():
         default = FrictionModel.__dataclass_fields__[name].default

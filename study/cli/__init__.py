@@ -47,5 +47,20 @@ def main() -> None:
     """
 
 
-for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct, wear, oil):
+for _command in (
+    run,
+    show,
+    plot,
+    optimize,
+    design,
+    cases,
+    problems,
+    library,
+    compare,
+    export,
+    convert,
+    correct,
+    wear,
+    oil,
+):
     main.add_command(_command)

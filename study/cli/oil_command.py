@@ -17,7 +17,9 @@ from .options import output_option
 @click.option("--density", type=float, required=True, metavar="RHO", help="Density at 15 degC in kg/m3.")
 @click.option("--base-oil", required=True, metavar="BASE", help="mineral, pao, pag or ester.")
 @click.option("--title", metavar="TEXT", help="What the oil is.  [default: from the numbers]")
-@click.option("--source", metavar="TEXT", default="its data sheet", show_default=True, help="Where the numbers are from.")
+@click.option(
+    "--source", metavar="TEXT", default="its data sheet", show_default=True, help="Where the numbers are from."
+)
 @output_option("TOML file to write, for --oil and the table [friction].")
 def oil(
     viscosity_40: float,

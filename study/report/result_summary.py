@@ -13,6 +13,7 @@ from ...contact.solvers import Status
 from ...friction.operation import named_models
 from .departures import deviations, modification
 from .plausibility import plausibility
+from .ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
@@ -155,6 +156,8 @@ def _root_stresses(stresses: xr.Dataset) -> str:
 def _notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
     notes = [*uncertified(tree), *plausibility(tree)]
+    if "friction" in tree.children:
+        notes += range_notes(tree["friction"].to_dataset())
     # Older results lack the attribute.
     searched = int(tree["loaded"].attrs.get("searched_segments", 0))
     if searched:

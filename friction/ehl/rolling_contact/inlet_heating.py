@@ -21,7 +21,8 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
     contact
         Its oil needs ``temperature_viscosity`` and ``thermal_conductivity``.
     factor
-        Name in ``friction.FILM_FACTORS``: ``gupta_cheng`` with sliding, ``murch_wilson`` in pure rolling, or ``none``.
+        Name in ``friction.FILM_FACTORS`` other than ``none``: ``gupta_cheng`` with sliding, ``murch_wilson`` in pure
+        rolling.
 
     Raises
     ------
@@ -36,7 +37,7 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
     0.736
     """
     groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))
-    value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS)](groups))
+    value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS[1:])](groups))
     if not 0.0 < value <= 1.0:
         raise InputError(f"the {factor} factor is {value:g} here: these conditions are beyond it")
     return value
