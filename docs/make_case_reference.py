@@ -21,7 +21,7 @@ from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
-from easeoff.friction import COEFFICIENTS, FILMS, THERMAL_FACTORS, available_lubricants
+from easeoff.friction import COEFFICIENTS, FILM_FACTORS, FILMS, THERMAL_FACTORS, available_lubricants
 
 PAGE = Path(__file__).with_name("case_file.md")
 DESIGN_PAGE = Path(__file__).with_name("design_file.md")
@@ -57,7 +57,8 @@ MEANINGS = {
     ),
     "oil": ("lubricant: a shipped name, or the path of a TOML file from the folder of this one", ""),
     "film": ("formula for the least film thickness", ""),
-    "thermal_factor": ("how heating lowers the rolling traction", ""),
+    "film_heating": ("how heat of the inlet thins the film", ""),
+    "thermal_factor": ("how heat of the inlet lowers the rolling traction", ""),
     "rolling_frame": ("rolling velocity in the fixed frame, or relative to the contact line", ""),
     "out_of_range": ("temperatures the oil has no data for: an error, or the end of the data with a flag", ""),
     "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
@@ -74,6 +75,7 @@ ELSEWHERE = {
     "oil": f"{', '.join(f'`{name}`' for name in available_lubricants())}, a path",
     "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number ≥ 0",
     "film": ", ".join(f"`{name}`" for name in FILMS),
+    "film_heating": ", ".join(f"`{name}`" for name in FILM_FACTORS),
     "thermal_factor": ", ".join(f"`{name}`" for name in THERMAL_FACTORS),
 }
 SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}

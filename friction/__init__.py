@@ -2,17 +2,22 @@
 
 from .coefficient import COEFFICIENTS, coefficient_model, contact_conditions, friction_coefficient
 from .conditions import ContactConditions
+from .data_sheet import data_sheet_lubricant, lubricant_toml, write_lubricant
 from .efficiency import friction
 from .feedback import friction_feedback
 from .film_thickness import FILMS
+from .formula_range import FLAGS
 from .kolivand_formula import formula_flags
 from .lubricant import Lubricant, OilState, available_lubricants, lubricant
 from .operation import FrictionModel, Operation
-from .rolling_traction import THERMAL_FACTORS, rolling_traction
+from .rolling_traction import rolling_traction
+from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 
 __all__ = [
     "COEFFICIENTS",
     "FILMS",
+    "FILM_FACTORS",
+    "FLAGS",
     "THERMAL_FACTORS",
     "ContactConditions",
     "FrictionModel",
@@ -22,10 +27,13 @@ __all__ = [
     "available_lubricants",
     "coefficient_model",
     "contact_conditions",
+    "data_sheet_lubricant",
     "formula_flags",
     "friction",
     "friction_coefficient",
     "friction_feedback",
     "lubricant",
+    "lubricant_toml",
     "rolling_traction",
+    "write_lubricant",
 ]

@@ -4,7 +4,7 @@ A model is any function from ``ContactConditions`` to friction coefficients.
 
 >>> from easeoff.friction import COEFFICIENTS
 >>> list(COEFFICIENTS)
-['kolivand', 'kolivand_blended', 'xu_kahraman', 'benedict_kelly', 'constant']
+['kolivand_blended', 'kolivand', 'mixed_lubrication', 'xu_kahraman', 'benedict_kelly', 'constant']
 """
 
 from __future__ import annotations
@@ -16,15 +16,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.checks import array, positive, shown
+from ..core.checks import array, one_of, positive, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
-from .kolivand_formula import formula_coefficient
+from .formula_range import Flags, combined_flags
+from .kolivand_formula import formula_coefficient, formula_flags
 from .lubricant import Lubricant, OutOfRange, lubricant
+from .thermal_factors import FILM_FACTORS
 
 Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
 CONSTANT_COEFFICIENT = 0.05  # Coleman, Machine Design 47, 1975
+DEFAULT_COEFFICIENT = "kolivand_blended"
+ROUGHNESS_LIMIT = 1.0  # [um] of the formula of Xu and others
+SLIDING_MINIMUM = 0.025  # of the rolling velocity, for the formula of Benedict and Kelly
 
 
 def xu_kahraman(conditions: ContactConditions) -> Array:
@@ -38,7 +43,7 @@ def xu_kahraman(conditions: ContactConditions) -> Array:
     c = conditions
     pressure, viscosity, sliding = 1e-9 * c.hertz_pressure, 1e3 * c.viscosity, np.abs(c.slide_to_roll)
     group = sliding * pressure * np.log10(viscosity)
-    roughness = np.minimum(1e6 / np.sqrt(2.0) * c.composite_roughness, 1.0)
+    roughness = np.minimum(1e6 / np.sqrt(2.0) * c.composite_roughness, ROUGHNESS_LIMIT)
     exponent = b[0] + b[3] * group + b[4] * np.exp(-group) + b[8] * np.exp(roughness)
     powers = pressure ** b[1] * sliding ** b[2] * c.rolling_velocity ** b[5] * viscosity ** b[6]
     return np.asarray(np.exp(exponent) * powers * c.equivalent_radius ** b[7])
@@ -52,7 +57,7 @@ def benedict_kelly(conditions: ContactConditions) -> Array:
     that. A negative value, of a contact without load, is taken as zero.
     """
     c = conditions
-    sliding = np.maximum(c.sliding_velocity, 0.025 * c.rolling_velocity)
+    sliding = np.maximum(c.sliding_velocity, SLIDING_MINIMUM * c.rolling_velocity)
     argument = 0.02966 * c.load / (c.viscosity * sliding * (2.0 * c.rolling_velocity) ** 2)
     return np.asarray(np.maximum(0.0127 * np.log10(argument), 0.0))
 
@@ -62,12 +67,47 @@ def constant(conditions: ContactConditions, value: float = CONSTANT_COEFFICIENT)
     return np.full((), value)
 
 
+def mixed_lubrication(conditions: ContactConditions) -> Array:
+    """Formula fitted to our own study of mixed films with load sharing (...): ``ehl.study.shipped_formula``."""
+    from .ehl.study.friction_formula import shipped_formula
+
+    return shipped_formula().coefficient(conditions)
+
+
 COEFFICIENTS: Mapping[str, CoefficientModel] = {
-    "kolivand": formula_coefficient,
     "kolivand_blended": partial(formula_coefficient, blend=True),
+    "kolivand": formula_coefficient,
+    "mixed_lubrication": mixed_lubrication,
     "xu_kahraman": xu_kahraman,
     "benedict_kelly": benedict_kelly,
     "constant": constant,
+}
+
+
+def _mixed_lubrication_flags(conditions: ContactConditions, coefficient: Array) -> Flags:
+    from .ehl.study.friction_formula import shipped_formula
+
+    return shipped_formula().flags(conditions)
+
+
+def _xu_kahraman_flags(conditions: ContactConditions, coefficient: Array) -> Flags:
+    rough = 1e6 / np.sqrt(2.0) * conditions.composite_roughness > ROUGHNESS_LIMIT * (1.0 + 1e-9)
+    return combined_flags({4: np.asarray(rough), 16384: conditions.lambda_ratio < 1.0})
+
+
+def _benedict_kelly_flags(conditions: ContactConditions, coefficient: Array) -> Flags:
+    c = conditions
+    slow = c.sliding_velocity < SLIDING_MINIMUM * (1.0 - 1e-9) * c.rolling_velocity
+    return combined_flags({1: np.asarray(slow), 512: coefficient == 0.0})
+
+
+#: What of the inputs is beyond the range of a named model (...), from the conditions and the coefficients there.
+RANGE_FLAGS: Mapping[str, Callable[[ContactConditions, Array], Flags]] = {
+    "kolivand_blended": formula_flags,
+    "kolivand": formula_flags,
+    "mixed_lubrication": _mixed_lubrication_flags,
+    "xu_kahraman": _xu_kahraman_flags,
+    "benedict_kelly": _benedict_kelly_flags,
 }
 
 
@@ -98,6 +138,64 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
     return partial(constant, value=positive("coefficient", model, zero=True))
 
 
+def checked_coefficient(model: str | float | CoefficientModel, conditions: ContactConditions) -> Array:
+    """Friction coefficients (...) by a model, refused if it is the user's own and gives what no friction is.
+
+    Parameters
+    ----------
+    model
+        As for ``coefficient_model``.
+    conditions
+        Operating conditions of the contacts.
+
+    Returns
+    -------
+    Array
+        Of the shape to which the conditions broadcast, or one that broadcasts to it.
+
+    Raises
+    ------
+    InputError
+        As ``coefficient_model``, or if the function gives other than finite numbers of 0 or more, or another shape.
+    """
+    found = coefficient_model(model)(conditions)
+    if not callable(model):
+        return found
+    name, shape = model_name(model), conditions.shape
+    try:
+        values = np.asarray(found)
+    except ValueError:
+        values = np.asarray(None)
+    if values.dtype.kind not in "fiu":
+        raise InputError(f"coefficient = {name}: gives {shown(found)}: must give numbers")
+    try:
+        fits = np.broadcast_shapes(values.shape, shape) == shape
+    except ValueError:
+        fits = False
+    if not fits:
+        raise InputError(
+            f"coefficient = {name}: gives an array of shape {values.shape}: must give one number, or numbers of the "
+            f"shape {shape} of the conditions"
+        )
+    wrong = ~(np.isfinite(values) & (values >= 0.0))
+    if np.any(wrong):
+        everywhere = np.broadcast_to(wrong, shape)
+        first = tuple(int(i) for i in np.argwhere(everywhere)[0])
+        raise InputError(
+            f"coefficient = {name}: gives {float(np.broadcast_to(values, shape)[first]):g} at "
+            f"{np.count_nonzero(everywhere)} of {everywhere.size} contacts and conditions, first at "
+            f"{conditions.described(first)}: must give finite numbers of 0 or more"
+        )
+    return values.astype(np.float64)
+
+
+def model_name(model: str | float | CoefficientModel) -> str:
+    """Name of a model of the friction coefficient: its own, that of the function, or the number."""
+    if isinstance(model, str):
+        return model
+    return getattr(model, "__name__", "own") if callable(model) else f"{model:g}"
+
+
 def contact_conditions(
     *,
     hertz_pressure: ArrayLike,
@@ -110,6 +208,7 @@ def contact_conditions(
     sliding_velocity: ArrayLike | None = None,
     contact_modulus: float = STEEL_MODULUS,
     film: str = "pan_hamrock",
+    film_heating: str = "none",
     out_of_range: OutOfRange = "error",
 ) -> ContactConditions:
     """Checked operating conditions of line contacts, from numbers or arrays that broadcast, in SI.
@@ -136,6 +235,8 @@ def contact_conditions(
         2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
     film
         See ``FILMS``.
+    film_heating
+        Factor by which heat of the inlet thins the film, see ``FILM_FACTORS``.
     out_of_range
         What to do with temperatures the oil has no data for: ``error`` or ``clamp``.
 
@@ -173,10 +274,11 @@ def contact_conditions(
         thermal_conductivity=state.thermal_conductivity,
         contact_modulus=positive("contact_modulus", contact_modulus, "Pa"),
         film_formula=film,
+        film_heating=one_of("film_heating", film_heating, FILM_FACTORS),
     )
 
 
-def friction_coefficient(model: str | float | CoefficientModel = "kolivand", **conditions: Any) -> Array:
+def friction_coefficient(model: str | float | CoefficientModel = DEFAULT_COEFFICIENT, **conditions: Any) -> Array:
     """Friction coefficient of lubricated line contacts.
 
     Parameters
@@ -195,7 +297,7 @@ def friction_coefficient(model: str | float | CoefficientModel = "kolivand", **c
     Raises
     ------
     InputError
-        From model and conditions.
+        From model and conditions, or if a function gives other than finite numbers of 0 or more.
 
     Examples
     --------
@@ -204,4 +306,4 @@ def friction_coefficient(model: str | float | CoefficientModel = "kolivand", **c
     >>> print(f"{mu:.5f}")
     0.05099
     """
-    return coefficient_model(model)(contact_conditions(**conditions))
+    return checked_coefficient(model, contact_conditions(**conditions))

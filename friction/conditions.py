@@ -2,49 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .film_thickness import film_formula
 from .lubricant import THERMAL_CONDUCTIVITY
+from .thermal_factors import THERMAL_FACTORS
 
 Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
-
-
-class DimensionlessGroups(Protocol):
-    """Dimensionless groups of line contacts, under the same names in friction and in the film model.
-
-    ``ContactConditions`` has them, and ``ehl.LubricatedContact``.
-    """
-
-    @property
-    def pressure_parameter(self) -> Any:
-        """Hertz pressure over contact modulus, H."""
-
-    @property
-    def load_parameter(self) -> Any:
-        """Load per length over contact modulus and radius, W."""
-
-    @property
-    def speed_parameter(self) -> Any:
-        """Viscosity times rolling velocity over contact modulus and radius, U."""
-
-    @property
-    def material_parameter(self) -> Any:
-        """Pressure-viscosity coefficient times contact modulus, G."""
-
-    @property
-    def thermal_parameter(self) -> Any:
-        """Thermal loading of the inlet, L."""
-
-    @property
-    def slide_to_roll(self) -> Any:
-        """Sliding over rolling velocity, SR."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +49,8 @@ class ContactConditions:
         2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] [Pa].
     film_formula
         Name of the formula for the least film thickness, see ``FILMS``.
+    film_heating
+        Factor by which heat of the inlet thins the film, a name in ``FILM_FACTORS``.
 
     Examples
     --------
@@ -103,6 +75,34 @@ class ContactConditions:
     thermal_conductivity: float = THERMAL_CONDUCTIVITY
     contact_modulus: float = STEEL_MODULUS
     film_formula: str = "pan_hamrock"
+    film_heating: str = "none"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """What all arrays broadcast to."""
+        values = (getattr(self, entry.name) for entry in fields(self))
+        return np.broadcast_shapes(*(np.shape(value) for value in values if not isinstance(value, str)))
+
+    def described(self, index: tuple[int, ...]) -> str:
+        """The conditions of one contact in words.
+
+        Examples
+        --------
+        >>> from easeoff.friction import contact_conditions
+        >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+        ...                              slide_to_roll=0.45, roughness=0.8e-6)
+        >>> contact.described(())
+        '700 MPa, radius 42 mm, rolling velocity 2.2 m/s, slide-to-roll ratio 0.45, 90 degC, lambda ratio 0.19'
+        """
+
+        def at(values: Any) -> float:
+            return float(np.broadcast_to(values, self.shape)[index])
+
+        return (
+            f"{1e-6 * at(self.hertz_pressure):.4g} MPa, radius {1e3 * at(self.equivalent_radius):.3g} mm, rolling "
+            f"velocity {at(self.rolling_velocity):.3g} m/s, slide-to-roll ratio {at(self.slide_to_roll):.3g}, "
+            f"{at(self.temperature):g} degC, lambda ratio {at(self.lambda_ratio):.2g}"
+        )
 
     @property
     def pressure_parameter(self) -> Array:
@@ -131,9 +131,10 @@ class ContactConditions:
 
     @cached_property
     def film_thickness(self) -> Array:
-        """Least thickness of the smooth isothermal film [m]."""
+        """Least thickness of the smooth film [m], thinned by ``film_heating``."""
         formula = film_formula(self.film_formula)
-        return self.equivalent_radius * formula(self.speed_parameter, self.material_parameter, self.load_parameter)
+        cold = self.equivalent_radius * formula(self.speed_parameter, self.material_parameter, self.load_parameter)
+        return cold if self.film_heating == "none" else cold * THERMAL_FACTORS[self.film_heating](self)
 
     @property
     def thermal_parameter(self) -> Array:

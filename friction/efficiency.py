@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
-from .kolivand_formula import FLAGS, formula_flags
+from .formula_range import FLAGS, LossShares
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
+from .lubricant import lubricant
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
 KEPT_VALUES_LIMIT = 3_000_000  # of a field over segments that is kept without being asked for
+FORMULA_OIL = "75w90"  # of the dissertation's formula
+OIL_TOLERANCE = 0.02  # of viscosity and pressure-viscosity coefficient, within which an oil is the formula's
 OPERATION = ("speed", "temperature", "roughness")
 
 
@@ -38,7 +41,7 @@ def friction(
     operation
         Speeds, temperatures, roughnesses and oil.
     model
-        Models of friction coefficient, film and rolling, or that of the coefficient alone; the dissertation's if left
+        Models of friction coefficient, film and rolling, or that of the coefficient alone; ``FrictionModel()`` if left
         out.
     segment_fields
         Whether to keep the fields over the segments, not just sums and means. Left out: if each has less than three
@@ -94,11 +97,12 @@ def losses_dataset(
     group = contacts.group
     sums = {name: np.zeros((*shape, contacts.solved.size)) for name in ("sliding", "rolling", "weighted")}
     fields: dict[str, Array] = {}
+    shares = LossShares((cycle[0], *shape))
     if segments:
         whole = (*cycle, segments, *shape)
         fields = {name: np.full(whole, np.nan) for name in ("friction_coefficient", "lambda_ratio", "power_loss")}
         fields["film_thickness"] = np.full((*whole[:-1],), np.nan)
-        if model.is_formula:
+        if model.has_range:
             fields["formula_flags"] = np.zeros(whole, dtype=np.uint16)
     for block in losses(contacts, operation, model):
         here = group[block.contacts]
@@ -110,16 +114,18 @@ def losses_dataset(
             ("weighted", force_speed),
         ):
             sums[name][..., here[starts]] += np.add.reduceat(values, starts, axis=-1)
+        loss, torque = block.sliding_loss + block.rolling_loss, contacts.index[0, block.contacts]
+        shares.add(torque, loss, block.flags, block.between_regimes, block.film_thinning)
         if segments:
             at = tuple(contacts.index[:, block.contacts])
             found = {
                 "friction_coefficient": block.coefficient,
                 "lambda_ratio": block.conditions.lambda_ratio,
                 "film_thickness": 1e6 * block.conditions.film_thickness[..., 0, :],
-                "power_loss": block.sliding_loss + block.rolling_loss,
+                "power_loss": loss,
             }
-            if model.is_formula:
-                found["formula_flags"] = formula_flags(block.conditions)
+            if block.flags is not None:
+                found["formula_flags"] = block.flags
             for name, values in found.items():
                 fields[name][at] = np.moveaxis(values, -1, 0)
     sliding, rolling, weighted = (
@@ -143,6 +149,7 @@ def losses_dataset(
         "mean_friction_coefficient": (mean, sliding.sum(axis=1) / weighted.sum(axis=1)),
         "input_power": (("torque", "speed"), power),
     }
+    data |= shares.variables(mean, ranged=model.has_range, joined=model.has_regimes)
     if "formula_flags" in fields:
         data["formula_flags"] = (
             *data["formula_flags"],
@@ -184,16 +191,31 @@ def _coordinates(operation: Operation, model: FrictionModel) -> dict[str, Any]:
     }
 
 
-def _provenance(operation: Operation, model: FrictionModel) -> dict[str, str]:
+def _provenance(operation: Operation, model: FrictionModel) -> dict[str, Any]:
     oil = operation.lubricant
     return {
         "oil": oil.name,
         "oil_title": oil.title,
         "oil_source": oil.source,
+        "oil_temperature_range_degC": list(oil.temperature_range),
         "friction_coefficient": model.name,
         "film": model.film,
+        "film_heating": model.film_heating,
         "thermal_factor": model.thermal_factor,
         "rolling_frame": model.rolling_frame,
         "sliding_of_ratio": "across",
         "radius_direction": "across",
+        **({"formula_oil": FORMULA_OIL} if _made_for_another_oil(operation, model) else {}),
     }
+
+
+def _made_for_another_oil(operation: Operation, model: FrictionModel) -> bool:
+    """Whether the formula of the coefficient was made for one oil, and this is not like it."""
+    if not model.has_regimes:
+        return False
+    of_formula = lubricant(FORMULA_OIL).at(operation.temperatures, out_of_range="clamp")
+    given = model.oil_states(operation)
+    return any(
+        bool(np.any(np.abs(getattr(given, name) / getattr(of_formula, name) - 1.0) > OIL_TOLERANCE))
+        for name in ("viscosity", "pressure_viscosity")
+    )

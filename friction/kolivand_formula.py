@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .conditions import ContactConditions
+from .formula_range import Flags, combined_flags
 
 Array = NDArray[Any]
 
@@ -39,18 +40,6 @@ STUDY_RANGES = {
     "rolling_velocity": (1.0, 20.0),
     "roughness": (0.1e-6, 1.0e-6),
     "temperature": (25.0, 100.0),
-}
-FLAGS = {
-    1: "slide_to_roll_clamped",
-    2: "pressure_clamped",
-    4: "roughness_clamped",
-    8: "pressure_extrapolated",
-    16: "radius_extrapolated",
-    32: "rolling_velocity_extrapolated",
-    64: "roughness_extrapolated",
-    128: "temperature_extrapolated",
-    256: "lambda_clamped",
-    512: "coefficient_limited",
 }
 LAMBDA_MINIMUM = 0.0266  # of the study: 2.5 GPa, 5 mm, 1 m/s, 100 degC, 1 um on both flanks
 # Least and greatest coefficient over the whole study, rounded outwards. Far outside the expressions give anything.
@@ -128,7 +117,8 @@ def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
     lowest = STUDY_RANGES["roughness"][0]
     roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
     composite = np.hypot(*roughness)
-    log_ratio = np.maximum(np.log(conditions.film_thickness) - np.log(composite), np.log(LAMBDA_MINIMUM))
+    with np.errstate(divide="ignore"):  # a film that heat thins to nothing
+        log_ratio = np.maximum(np.log(conditions.film_thickness) - np.log(composite), np.log(LAMBDA_MINIMUM))
     radius = conditions.equivalent_radius
     in_both = {
         "slide_to_roll": np.clip(conditions.slide_to_roll, *STUDY_RANGES["slide_to_roll"]),
@@ -156,7 +146,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
         Operating conditions of the contacts.
     blend
         Pass smoothly from one regime to the next, for lambda within 0.9 to 1.1 and 2.7 to 3.3; the expressions jump
-        there, by 20 to 30 % as a rule and up to threefold.
+        there, by JUMPS.
 
     References
     ----------
@@ -186,8 +176,24 @@ def _joined(below: Array, above: Array, weight: Array) -> Array:
     return np.where(weight, above, below) if weight.dtype == bool else below + weight * (above - below)
 
 
-def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
+def between_regimes(conditions: ContactConditions) -> NDArray[np.bool_]:
+    """Whether lambda (...) is within one of the ``BLEND_WINDOWS``, about the steps of the formula."""
+    lowest = STUDY_RANGES["roughness"][0]
+    ratio = conditions.film_thickness / np.hypot(
+        *(np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear))
+    )
+    return np.asarray(np.any([(low < ratio) & (ratio < high) for low, high in BLEND_WINDOWS], axis=0))
+
+
+def formula_flags(conditions: ContactConditions, coefficient: Array | None = None) -> Flags:
     """Which inputs of ``formula_coefficient`` were clamped, and which lie outside the data of the regression (...).
+
+    Parameters
+    ----------
+    conditions
+        Operating conditions of the contacts.
+    coefficient
+        What the formula gives there, if it is known.
 
     Returns
     -------
@@ -196,7 +202,7 @@ def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
 
     Examples
     --------
-    >>> from easeoff.friction import contact_conditions
+    >>> from easeoff.friction import FLAGS, contact_conditions
     >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                              slide_to_roll=0.45, roughness=0.8e-6)
     >>> [name for bit, name in FLAGS.items() if formula_flags(contact) & bit]
@@ -214,20 +220,18 @@ def formula_flags(conditions: ContactConditions) -> NDArray[np.uint16]:
     pressure = conditions.hertz_pressure
     thick = conditions.film_thickness >= LAMBDA_BOUNDARIES[0] * composite
     light = outside("hertz_pressure", pressure, above=False)
-    conditions_of = {
-        1: outside("slide_to_roll", conditions.slide_to_roll),
-        2: (light & thick) | outside("hertz_pressure", pressure, below=False),
-        4: outside("roughness", rough[0], above=False) | outside("roughness", rough[1], above=False),
-        8: light & ~thick,
-        16: outside("equivalent_radius", conditions.equivalent_radius),
-        32: outside("rolling_velocity", conditions.rolling_velocity),
-        64: outside("roughness", rough[0], below=False) | outside("roughness", rough[1], below=False),
-        128: outside("temperature", conditions.temperature),
-        256: conditions.film_thickness < LAMBDA_MINIMUM * composite,
-        512: np.isin(formula_coefficient(conditions), COEFFICIENT_LIMITS),
-    }
-    # One after the other, small arrays first: the sum is large.
-    total: Any = np.uint16(0)
-    for bit, where in sorted(conditions_of.items(), key=lambda item: np.size(item[1])):
-        total = total + np.uint16(bit) * where
-    return np.asarray(total, dtype=np.uint16)
+    found = formula_coefficient(conditions) if coefficient is None else coefficient
+    return combined_flags(
+        {
+            1: outside("slide_to_roll", conditions.slide_to_roll),
+            2: (light & thick) | outside("hertz_pressure", pressure, below=False),
+            4: outside("roughness", rough[0], above=False) | outside("roughness", rough[1], above=False),
+            8: light & ~thick,
+            16: outside("equivalent_radius", conditions.equivalent_radius),
+            32: outside("rolling_velocity", conditions.rolling_velocity),
+            64: outside("roughness", rough[0], below=False) | outside("roughness", rough[1], below=False),
+            128: outside("temperature", conditions.temperature),
+            256: conditions.film_thickness < LAMBDA_MINIMUM * composite,
+            512: np.isin(found, COEFFICIENT_LIMITS),
+        }
+    )

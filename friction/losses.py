@@ -13,13 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .coefficient import coefficient_model
+from .coefficient import RANGE_FLAGS, checked_coefficient
 from .conditions import ContactConditions
+from .formula_range import Flags
+from .kolivand_formula import between_regimes
 from .loaded_contacts import LoadedContacts
 from .operation import FrictionModel, Operation
 from .rolling_traction import rolling_traction
+from .thermal_factors import THERMAL_FACTORS
 
 Array = NDArray[Any]
+TOLD_FACTOR = "gupta_cheng"  # by which the film's thinning is told where the model leaves it out
 BLOCK_SIZE = 200_000  # values: intermediate arrays stay in the processor's cache
 
 
@@ -37,6 +41,12 @@ class Losses:
         Friction coefficient (speed, temperature, roughness, c).
     sliding_loss, rolling_loss
         Power loss [W], the second of length one over the roughness.
+    flags
+        What is beyond the range of the coefficient's formula, as sums of ``FLAGS``; none if it has no range.
+    between_regimes
+        Whether the coefficient is where two expressions of its formula meet.
+    film_thinning
+        Part by which heat of the inlet thins the film by the model's factor, or would by that of Gupta and others.
     """
 
     contacts: slice
@@ -44,6 +54,9 @@ class Losses:
     coefficient: Array
     sliding_loss: Array
     rolling_loss: Array
+    flags: Flags | None
+    between_regimes: Array
+    film_thinning: Array
 
 
 def conditions_of(
@@ -69,6 +82,7 @@ def conditions_of(
         thermal_conductivity=oil.thermal_conductivity,
         contact_modulus=contacts.contact_modulus,
         film_formula=model.film,
+        film_heating=model.film_heating,
         **by_temperature,
     )
 
@@ -79,13 +93,23 @@ def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel)
     The sliding loss is the friction force times the whole sliding velocity, the rolling loss the rolling traction times
     length and rolling velocity.
     """
-    coefficient = coefficient_model(model.coefficient)
+    heating = TOLD_FACTOR if model.film_heating == "none" else model.film_heating
     per_contact = int(np.prod(operation.shape))
     step = max(1, BLOCK_SIZE // per_contact)
     for start in range(0, contacts.force.size, step):
         block = slice(start, min(start + step, contacts.force.size))
         conditions = conditions_of(contacts, operation, model, block)
-        friction = np.broadcast_to(coefficient(conditions), (*operation.shape, block.stop - start))
+        coefficient = checked_coefficient(model.coefficient, conditions)
+        friction = np.broadcast_to(coefficient, (*operation.shape, block.stop - start))
         sliding = (contacts.force[block] * conditions.sliding_velocity) * friction
         traction = rolling_traction(conditions, model.thermal_factor) * contacts.length[block]
-        yield Losses(block, conditions, friction, sliding, traction * conditions.rolling_velocity)
+        yield Losses(
+            block,
+            conditions,
+            friction,
+            sliding,
+            traction * conditions.rolling_velocity,
+            RANGE_FLAGS[model.name](conditions, friction) if model.has_range else None,
+            between_regimes(conditions) if model.has_regimes else np.zeros((), dtype=bool),
+            1.0 - THERMAL_FACTORS[heating](conditions),
+        )

@@ -1,4 +1,12 @@
-"""Lubricants: viscosity, pressure-viscosity coefficient and density against temperature, from tables in TOML files."""
+"""Lubricants: viscosity, pressure-viscosity coefficient and density against temperature, from tables in TOML files.
+
+Between the temperatures of a table the kinematic viscosity v [mm^2/s] follows Walther's law as in ASTM D341,
+
+    log10 log10 (v + 0.7) = A - B log10 T,
+
+with T the absolute temperature and A and B of the two neighbours: two temperatures are enough, and a table of more is
+met at each.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +24,7 @@ from ..core.checks import array, number, one_of, shown
 from ..core.errors import InputError
 
 Array = NDArray[Any]
-Interpolation = Literal["log_linear", "walther"]
+Interpolation = Literal["walther", "log_linear"]
 OutOfRange = Literal["error", "clamp"]
 LUBRICANTS_FOLDER = Path(__file__).with_name("lubricants")
 THERMAL_CONDUCTIVITY = 0.14  # [W/(m K)], usual for oils; only the thermal factor of the rolling traction asks for it
@@ -29,6 +37,11 @@ PLAUSIBLE_RANGES = {
     "thermal_conductivity": (1.0, "W/(m K)", 0.01, 10.0),
 }
 WARM_VISCOSITY_LIMIT = 1.0  # [Pa s] at the warmest temperature of a table
+#: [kg/m^3] Of an oil of unknown density, for its kinematic viscosity between the temperatures of its table: 100 kg/m^3
+#: more or less change the viscosity there by 0.6 % at most.
+ASSUMED_DENSITY = 850.0
+WALTHER_VISCOSITY = 0.7  # [mm^2/s] added to the kinematic viscosity
+KELVIN = 273.15  # of 0 degC
 KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
 
 
@@ -95,7 +108,7 @@ class Lubricant:
     --------
     >>> own = Lubricant("own", "An oil", "its data sheet", [40.0, 100.0], [0.08, 0.01], [2e-8, 1.5e-8])
     >>> print(f"{own.at(70.0).viscosity:.4f} Pa s")
-    0.0283 Pa s
+    0.0235 Pa s
     """
 
     name: str
@@ -130,7 +143,7 @@ class Lubricant:
             )
 
     def at(
-        self, temperature: Any, *, interpolation: Interpolation = "log_linear", out_of_range: OutOfRange = "error"
+        self, temperature: Any, *, interpolation: Interpolation = "walther", out_of_range: OutOfRange = "error"
     ) -> OilState:
         """The lubricant at temperatures (...) [degC].
 
@@ -139,22 +152,21 @@ class Lubricant:
         temperature
             [degC].
         interpolation
-            Of the viscosity between the table's temperatures. ``log_linear``: its logarithm is linear. ``walther``:
-            ln ln(v + 0.7) is linear in the logarithm of the absolute temperature (ASTM D341), with v the kinematic
-            viscosity in mm^2/s. The pressure-viscosity coefficient and the density are linear in either case.
+            Of the viscosity between the table's temperatures. ``walther``: ASTM D341. ``log_linear``: its logarithm is
+            linear, which is too thick between distant temperatures. The pressure-viscosity coefficient and the density
+            are linear in either case.
         out_of_range
             What to do outside of the table: ``error``, or ``clamp`` to its end and say so in the result.
 
         Raises
         ------
         InputError
-            If a temperature is out of range and not to be clamped, an option is unknown, or ``walther`` is asked of a
-            lubricant without density.
+            If a temperature is out of range and not to be clamped, or an option is unknown.
         """
         one_of("out_of_range", out_of_range, get_args(OutOfRange))
         one_of("interpolation", interpolation, get_args(Interpolation))
         asked = np.asarray(temperature, dtype=float)
-        low, high = float(self.temperature[0]), float(self.temperature[-1])
+        low, high = self.temperature_range
         clamped = ~((asked >= low) & (asked <= high))
         if np.any(np.isnan(asked)) or (out_of_range == "error" and np.any(clamped)):
             raise InputError(
@@ -162,32 +174,45 @@ class Lubricant:
                 f"lubricant {self.name}; or clamp it to the end with out_of_range='clamp' (--clamp-temperature)"
             )
         here = np.clip(asked, low, high)
+        viscosity, slope = self._walther(here) if interpolation == "walther" else self._log_linear(here)
         density = None if self.density is None else np.interp(here, self.temperature, self.density)
-        if interpolation == "log_linear":
-            viscosity = np.exp(np.interp(here, self.temperature, np.log(self.dynamic_viscosity)))
-        else:
-            viscosity = self._walther(here)
-        # Slopes belong to the middles of the intervals; between those they change linearly, beyond they stay.
-        slope = -np.diff(np.log(self.dynamic_viscosity)) / np.diff(self.temperature)
-        middles = 0.5 * (self.temperature[1:] + self.temperature[:-1])
         return OilState(
             viscosity=np.asarray(viscosity),
             pressure_viscosity=np.asarray(np.interp(here, self.temperature, self.pressure_viscosity)),
-            temperature_viscosity=np.asarray(np.interp(here, middles, slope)),
+            temperature_viscosity=np.asarray(slope),
             density=np.full(here.shape, np.nan) if density is None else np.asarray(density),
             thermal_conductivity=self.thermal_conductivity,
             clamped=np.asarray(clamped),
         )
 
-    def _walther(self, here: Array) -> Array:
-        if self.density is None:
-            raise InputError(f"interpolation = 'walther': lubricant {self.name} has no density, which it needs")
-        kinematic = 1e6 * self.dynamic_viscosity / self.density
-        double_log = np.interp(
-            np.log(here + 273.15), np.log(self.temperature + 273.15), np.log(np.log(kinematic + 0.7))
-        )
-        density = np.interp(here, self.temperature, self.density)
-        return np.asarray(1e-6 * density * (np.exp(np.exp(double_log)) - 0.7))
+    @property
+    def temperature_range(self) -> tuple[float, float]:
+        """Ends of the table [degC]."""
+        return float(self.temperature[0]), float(self.temperature[-1])
+
+    def _log_linear(self, here: Array) -> tuple[Array, Array]:
+        """Viscosity [Pa s] whose logarithm is linear between the table's temperatures, and its fall [1/K]."""
+        logarithms = np.log(self.dynamic_viscosity)
+        # Slopes belong to the middles of the intervals; between those they change linearly, beyond they stay.
+        slope = -np.diff(logarithms) / np.diff(self.temperature)
+        return np.exp(np.interp(here, self.temperature, logarithms)), np.interp(here, _middles(self.temperature), slope)
+
+    def _walther(self, here: Array) -> tuple[Array, Array]:
+        """Viscosity [Pa s] by ASTM D341, and the fall of its logarithm [1/K]."""
+        density = np.full_like(self.temperature, ASSUMED_DENSITY) if self.density is None else self.density
+        kelvin, nodes = np.log(here + KELVIN), np.log(self.temperature + KELVIN)
+        double_logs = np.log(np.log(1e6 * self.dynamic_viscosity / density + WALTHER_VISCOSITY))
+        grown = np.exp(np.exp(np.interp(kelvin, nodes, double_logs)))  # v + 0.7
+        viscosity = 1e-6 * np.interp(here, self.temperature, density) * (grown - WALTHER_VISCOSITY)
+        # The slope of the law is that of an interval in its middle, and changes linearly from one middle to the next.
+        steepness = np.interp(kelvin, _middles(nodes), -np.diff(double_logs) / np.diff(nodes))
+        thinning = steepness * grown * np.log(grown) / (grown - WALTHER_VISCOSITY) / (here + KELVIN)
+        expansion = np.interp(here, _middles(self.temperature), -np.diff(np.log(density)) / np.diff(self.temperature))
+        return viscosity, thinning + expansion
+
+
+def _middles(nodes: Array) -> Array:
+    return np.asarray(0.5 * (nodes[1:] + nodes[:-1]))
 
 
 def available_lubricants() -> list[str]:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from ..core.checks import array, distinct, instance, one_of
 from ..core.errors import InputError
-from .coefficient import CoefficientModel, coefficient_model
+from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
 from .film_thickness import film_formula
 from .lubricant import Lubricant, OilState, OutOfRange, lubricant
-from .rolling_traction import THERMAL_FACTORS
 from .surface_velocities import SurfaceVelocities
+from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 
 Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
@@ -119,6 +119,9 @@ class FrictionModel:
         ``contact_line``.
     out_of_range
         Temperatures the oil has no data for: ``error``, or ``clamp`` and flag it.
+    film_heating
+        Factor by which heat of the inlet thins the film, a name in ``FILM_FACTORS``. The dissertation's formula was
+        made with the film without.
 
     Raises
     ------
@@ -131,15 +134,17 @@ class FrictionModel:
     'benedict_kelly'
     """
 
-    coefficient: str | float | CoefficientModel = "kolivand"
+    coefficient: str | float | CoefficientModel = DEFAULT_COEFFICIENT
     film: str = "pan_hamrock"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: FrameOfRolling = "fixed"
     out_of_range: OutOfRange = "error"
+    film_heating: str = "none"
 
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
         film_formula(self.film)
+        one_of("film_heating", self.film_heating, FILM_FACTORS)
         one_of("thermal_factor", self.thermal_factor, THERMAL_FACTORS)
         one_of("rolling_frame", self.rolling_frame, get_args(FrameOfRolling))
         one_of("out_of_range", self.out_of_range, get_args(OutOfRange))
@@ -155,13 +160,16 @@ class FrictionModel:
     @property
     def name(self) -> str:
         """Name of the model of the coefficient."""
-        if isinstance(self.coefficient, str):
-            return self.coefficient
-        return getattr(self.coefficient, "__name__", "own") if callable(self.coefficient) else f"{self.coefficient:g}"
+        return model_name(self.coefficient)
 
     @property
-    def is_formula(self) -> bool:
-        """Whether the coefficient is that of Eq. 5.11, with its ranges."""
+    def has_range(self) -> bool:
+        """Whether the model of the coefficient has a range that is known."""
+        return isinstance(self.coefficient, str) and self.coefficient in RANGE_FLAGS
+
+    @property
+    def has_regimes(self) -> bool:
+        """Whether the model of the coefficient is made of several expressions."""
         return isinstance(self.coefficient, str) and self.coefficient in ("kolivand", "kolivand_blended")
 
     def oil_states(self, operation: Operation) -> OilState:
@@ -185,7 +193,12 @@ def checked_model(operation: Operation, model: FrictionModel | str | float | Coe
 
 def named_models(attributes: Mapping[Any, Any]) -> str:
     """Oil and models of a group ``/friction`` in words, from its attributes: those that are not the usual ones."""
-    usual = {"film": "film", "thermal_factor": "thermal factor", "rolling_frame": "rolling frame"}
+    usual = {
+        "film": "film",
+        "film_heating": "film heating",
+        "thermal_factor": "thermal factor",
+        "rolling_frame": "rolling frame",
+    }
     words = [f"oil {attributes['oil']}", f"coefficient {attributes['friction_coefficient']}"]
     for name, word in usual.items():
         default = FrictionModel.__dataclass_fields__[name].default

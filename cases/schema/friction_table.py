@@ -75,9 +75,10 @@ class FrictionTable(Table):
     )
     oil: str = "75w90"
     coefficient: Annotated[str | float, BeforeValidator(_coefficient)] = number(
-        "model of the friction coefficient, or a number", "1", default="kolivand"
+        "model of the friction coefficient, or a number", "1", default="kolivand_blended"
     )
     film: str = "pan_hamrock"
+    film_heating: str = "none"
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: Literal["fixed", "contact_line"] = "fixed"
     out_of_range: Literal["error", "clamp"] = "error"

@@ -13,6 +13,7 @@ from ...core.errors import EaseoffError
 from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
+from .oil_command import oil
 from .optimize_command import optimize
 from .result_commands import plot, show
 from .run_command import run
@@ -46,5 +47,20 @@ def main() -> None:
     """
 
 
-for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct, wear):
+for _command in (
+    run,
+    show,
+    plot,
+    optimize,
+    design,
+    cases,
+    problems,
+    library,
+    compare,
+    export,
+    convert,
+    correct,
+    wear,
+    oil,
+):
     main.add_command(_command)

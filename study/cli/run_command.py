@@ -51,7 +51,17 @@ if TYPE_CHECKING:
     help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
 )
 @click.option(
-    "--friction-model", metavar="MODEL", show_default="kolivand", help="Friction coefficient: a model, or a number."
+    "--friction-model",
+    metavar="MODEL",
+    show_default="kolivand_blended",
+    help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, benedict_kelly), "
+    "or a number.",
+)
+@click.option(
+    "--film-heating",
+    metavar="FACTOR",
+    show_default="none",
+    help="Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.",
 )
 @click.option(
     "--clamp-temperature/--no-clamp-temperature",
@@ -74,6 +84,7 @@ def run(
     temperature: Any,
     roughness: Any,
     friction_model: str | None,
+    film_heating: str | None,
     clamp_temperature: bool | None,
     friction_feedback: bool | None,
     **options: Any,
@@ -86,6 +97,7 @@ def run(
     from ...core.files import check_folder, check_writable
     from ..analysis import analyze, operation_of
     from ..report.plausibility import plausibility
+    from ..report.ranges import range_notes
     from ..report.result_summary import uncertified
     from ..result import write_result
 
@@ -98,10 +110,11 @@ def run(
     conditions = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
     model = None
     if operation_of(table, **conditions) is not None:
-        model = _model(table, friction_model, clamp_temperature)
-    elif friction_model is not None or clamp_temperature or friction_feedback:
+        model = _model(table, friction_model, film_heating, clamp_temperature)
+    elif friction_model is not None or film_heating is not None or clamp_temperature or friction_feedback:
         raise click.UsageError(
-            "--friction-model, --clamp-temperature and --friction-feedback must go with --speed or a table [friction]"
+            "--friction-model, --film-heating, --clamp-temperature and --friction-feedback must go with --speed or a "
+            "table [friction]"
         )
     friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
     with progress_bar(checked, options["torques"]) as step:
@@ -113,7 +126,8 @@ def run(
 
         for picture in write_pictures(tree, plots):
             click.echo(f"wrote {picture}")
-    for note in plausibility(tree):
+    ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
+    for note in (*plausibility(tree), *ranges):
         click.echo(note, err=True)
     failures = uncertified(tree)
     if failures:
@@ -121,8 +135,10 @@ def run(
         sys.exit(EXIT_UNCERTIFIED)
 
 
-def _model(table: FrictionTable | None, name: str | None, clamp: bool | None) -> FrictionModel:
-    """Friction models of the case, with the coefficient and the rule beyond the oil's data that are given."""
+def _model(
+    table: FrictionTable | None, name: str | None, film_heating: str | None, clamp: bool | None
+) -> FrictionModel:
+    """Friction models of the case, with the coefficient, film heating and rule beyond the oil's data that are given."""
     from ...friction import FrictionModel
 
     changed: dict[str, Any] = {}
@@ -130,6 +146,8 @@ def _model(table: FrictionTable | None, name: str | None, clamp: bool | None) ->
         changed["coefficient"] = name
         with suppress(ValueError):
             changed["coefficient"] = float(name)
+    if film_heating is not None:
+        changed["film_heating"] = film_heating
     if clamp is not None:
         changed["out_of_range"] = "clamp" if clamp else "error"
     return FrictionModel(**changed) if table is None else table.model(**changed)

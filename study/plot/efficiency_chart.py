@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...friction.operation import named_models
-from .friction_maps import chosen_condition, roughness_name
+from ..report.ranges import range_notes
+from .friction_maps import chosen_condition, in_print, roughness_name
 from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes
 from .transmission_error_chart import two_cycles
 
@@ -100,7 +101,8 @@ def draw(tree: xr.DataTree) -> Figure:
     varied = [name for name in AXES if friction.sizes[name] > 1]
     count = 1 + len(varied)
     rows = -(-count // 2)
-    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, named_models(friction.attrs))
+    note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction))])
+    figure = page(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note)
     panels = figure.subplots(rows, 2, squeeze=False)
     for axes in panels.flat[count:]:
         axes.set_visible(False)

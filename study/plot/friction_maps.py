@@ -21,6 +21,7 @@ from ...contact.lines.contact_lines import boundary_distance
 from ...friction import FrictionModel
 from ...friction.operation import named_models
 from ...friction.surface_velocities import action_splines, axes_of, surface_velocities
+from ..report.ranges import range_notes
 from .contour_labels import (
     drop_short,
     number_lines,
@@ -198,6 +199,13 @@ def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
 
 
+def in_print(notes: list[str]) -> list[str]:
+    """Notes as small print: without their first word and last stop, with the signs of the pictures."""
+    return [
+        note.removeprefix("Note: ").removesuffix(".").replace(" degC", " °C").replace(" um", " µm") for note in notes
+    ]
+
+
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     """Draw the friction maps of a result at its middle operating condition."""
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
@@ -217,6 +225,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
         f"{torque_name(at['torque'])}, {at['speed']:g} / min, "
         f"{named_models(friction.attrs)}, {at['temperature']:g} °C{clamped}, roughness {rough}"
     )
+    conditions = " · ".join([conditions, *in_print(range_notes(friction, index))])
     rows = -(-len(maps) // 2)
     height = rows * ((WIDTH - 0.4) / 2 * view.aspect + 0.25)
     figure = page(tree, "Sliding, rolling and friction, gear flank", height, conditions)

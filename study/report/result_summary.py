@@ -16,6 +16,7 @@ from .departures import deviations, modification
 from .key_numbers import key_numbers
 from .model_name import model_name
 from .plausibility import plausibility
+from .ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
@@ -124,6 +125,8 @@ def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
 def _notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
     notes = [*uncertified(tree), *plausibility(tree)]
+    if "friction" in tree.children:
+        notes += range_notes(tree["friction"].to_dataset())
     # Older results lack the attribute.
     searched = int(tree["loaded"].attrs.get("searched_segments", 0))
     if searched:

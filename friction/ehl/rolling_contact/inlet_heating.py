@@ -6,11 +6,9 @@ from dataclasses import replace
 
 from ....core.checks import one_of
 from ....core.errors import InputError
-from ...rolling_traction import THERMAL_FACTORS
+from ...thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 from .lubricated_contact import LubricatedContact
 
-#: Those of the factors that were made for the film thickness.
-FILM_FACTORS = ("gupta_cheng", "murch_wilson")
 #: Power of the viscosity in the smallest film (Pan and Hamrock).
 VISCOSITY_EXPONENT = 0.694
 
@@ -23,8 +21,8 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
     contact
         Its oil needs ``temperature_viscosity`` and ``thermal_conductivity``.
     factor
-        ``gupta_cheng``: Gupta, Cheng, Zhu, Forster and Schrand, ASME Journal of Tribology 114 (1992) 55, with sliding.
-        ``murch_wilson``: Murch and Wilson, ASME Journal of Lubrication Technology 97 (1975) 212, in pure rolling.
+        Name in ``friction.FILM_FACTORS`` other than ``none``: ``gupta_cheng`` with sliding, ``murch_wilson`` in pure
+        rolling.
 
     Raises
     ------
@@ -39,7 +37,7 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
     0.736
     """
     groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))
-    value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS)](groups))
+    value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS[1:])](groups))
     if not 0.0 < value <= 1.0:
         raise InputError(f"the {factor} factor is {value:g} here: these conditions are beyond it")
     return value

@@ -25,6 +25,7 @@ from ....core import checks
 from ....core.errors import InputError
 from ....core.files import check_writable, whole_file
 from ...conditions import STEEL_MODULUS, ContactConditions
+from ...formula_range import Flags, combined_flags
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -35,6 +36,8 @@ DEGREE = 3
 TERMS = tuple(t for d in range(DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
 #: How far ln(G) may be from that of the study's oil at the same viscosity.
 OIL_TOLERANCE = 0.15
+#: Flags of the inputs beyond the study, in the order of the ``VARIABLES``, and of the oil; see ``friction.FLAGS``.
+VARIABLE_FLAGS, OIL_FLAG = (2, 1024, 2048, 1, 4096, 4), 8192
 CHUNK_SIZE = 16384
 #: How many numbers each array of a formula has.
 ARRAY_SIZES = {
@@ -166,10 +169,8 @@ class FrictionFormula:
             contact_modulus,
         )
         logarithms, material, modulus = logarithms_of(*inputs)
-        slack = 1e-9
-        inside = np.all((logarithms >= self.lowest - slack) & (logarithms <= self.highest + slack), axis=-1)
-        usual = np.polyval(self.oil, np.clip(logarithms[..., 4], self.lowest[4], self.highest[4]))
-        inside &= np.abs(material - usual) <= OIL_TOLERANCE
+        usual = self._usual_material(logarithms)
+        inside = ~np.any(self._beyond(logarithms), axis=-1) & (np.abs(material - usual) <= OIL_TOLERANCE)
         material = np.clip(material, usual - OIL_TOLERANCE, usual + OIL_TOLERANCE)
         flat = logarithms.reshape(-1, len(VARIABLES))
         material, modulus = material.reshape(-1), modulus.reshape(-1)
@@ -182,19 +183,36 @@ class FrictionFormula:
             friction[part] = combined(columns, self.share, self.film, self.boundary_friction)
         return friction.reshape(inside.shape), np.asarray(inside)
 
+    def _beyond(self, logarithms: Array) -> Bools:
+        """Which of the logarithms (..., 6) are beyond the range of the study, or no numbers."""
+        slack = 1e-9
+        return np.asarray(~((logarithms >= self.lowest - slack) & (logarithms <= self.highest + slack)))
+
+    def _usual_material(self, logarithms: Array) -> Array:
+        """ln(G) of the study's oil (...) at the viscosity among the logarithms (..., 6)."""
+        return np.asarray(np.polyval(self.oil, np.clip(logarithms[..., 4], self.lowest[4], self.highest[4])))
+
     def coefficient(self, conditions: ContactConditions) -> Array:
         """Friction coefficient of the segments of a gear analysis: a model that ``easeoff.friction`` takes."""
-        friction, _ = self(
-            conditions.hertz_pressure,
-            conditions.equivalent_radius,
-            conditions.rolling_velocity,
-            conditions.slide_to_roll,
-            conditions.viscosity,
-            conditions.pressure_viscosity,
-            conditions.composite_roughness,
-            conditions.contact_modulus,
-        )
+        friction, _ = self(*_inputs(conditions))
         return friction
+
+    def flags(self, conditions: ContactConditions) -> Flags:
+        """Which inputs of ``coefficient`` were taken at the end of the study's range (...), as sums of flags.
+
+        Examples
+        --------
+        >>> from easeoff.friction import FLAGS, contact_conditions
+        >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+        ...                              slide_to_roll=0.45, roughness=0.8e-6)
+        >>> [name for bit, name in FLAGS.items() if shipped_formula().flags(contact) & bit]
+        ['radius_clamped']
+        """
+        logarithms, material, _ = logarithms_of(*_inputs(conditions))
+        beyond = self._beyond(logarithms)
+        found = {bit: beyond[..., column] for column, bit in enumerate(VARIABLE_FLAGS)}
+        found[OIL_FLAG] = ~(np.abs(material - self._usual_material(logarithms)) <= OIL_TOLERANCE)
+        return combined_flags(found)
 
 
 @cache
@@ -262,6 +280,20 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
         raise InputError(f"{path} is not a friction formula: {error} is missing") from error
     except (OSError, ValueError, TypeError) as error:
         raise InputError(f"{path} is not a friction formula: {error}") from error
+
+
+def _inputs(conditions: ContactConditions) -> tuple[ArrayLike, ...]:
+    """Arguments of a formula from conditions of contacts."""
+    return (
+        conditions.hertz_pressure,
+        conditions.equivalent_radius,
+        conditions.rolling_velocity,
+        conditions.slide_to_roll,
+        conditions.viscosity,
+        conditions.pressure_viscosity,
+        conditions.composite_roughness,
+        conditions.contact_modulus,
+    )
 
 
 def logarithms_of(*inputs: ArrayLike) -> tuple[Array, Array, Array]:
