@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from ...core.errors import InputError
+from .command import Command
 from .options import output_option
 
 
-@click.command()
+@click.command(cls=Command)
 def cases() -> None:
     """List the shipped cases."""
     from ...cases import shipped_cases
@@ -21,7 +22,7 @@ def cases() -> None:
         click.echo(f"{name:<{width}}  {title}")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("design")
 @output_option("Case file to write, .toml.")
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
@@ -43,7 +44,7 @@ def design(design: str, output: Path, report: bool) -> None:
     click.echo(design_report(found) if report else "\n".join(summary_lines(found)))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("source", metavar="INPUT")
 @output_option("File to write: case file (.toml) or REXS file (.rexs, .xml).")
 def convert(source: str, output: Path) -> None:

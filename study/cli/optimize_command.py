@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, misalignment, output_option, torques
 
@@ -16,7 +17,7 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
     return [misalignment(ctx, param, text) for text in texts]
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("case")
 @output_option("netCDF file to write.")
 @flank_option

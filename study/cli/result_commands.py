@@ -6,8 +6,10 @@ from pathlib import Path
 
 import click
 
+from .command import Command
 
-@click.command()
+
+@click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 def show(result: Path) -> None:
     """Show the main numbers of RESULT, a file of 'easeoff run'."""
@@ -17,7 +19,7 @@ def show(result: Path) -> None:
     click.echo(result_summary(read_result(result)))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path))
 def plot(result: Path, folder: Path) -> None:

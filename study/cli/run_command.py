@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .analysis_options import analysis_options, progress_bar, with_defaults
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import numbers, roughnesses
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from ...friction import FrictionModel
 
 
-@click.command()
+@click.command(cls=Command)
 @analysis_options
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="netCDF file to write."

@@ -9,11 +9,12 @@ from typing import Any
 import click
 
 from .analysis_options import pair_options, with_defaults
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import coefficients, duty_cycle, output_option
 
 
-@click.command()
+@click.command(cls=Command)
 @pair_options
 @click.option(
     "--torque",
