@@ -73,7 +73,8 @@ def refuse_decimal_commas(text: str, *, from_zero: bool = True) -> None:
     if len(parts) < 2 or not all(WHOLE_NUMBER.fullmatch(part) for part in parts):
         return
     numbers = [float(part) for part in parts]
-    falling = any(first > second for first, second in pairwise(numbers))
+    # Of a value that comes twice the caller says so.
+    falling = len(set(numbers)) == len(numbers) and any(first > second for first, second in pairwise(numbers))
     padded = any(re.fullmatch(r"0\d+", part) for part in parts[1:])
     zero = min(numbers) == 0.0 and not from_zero
     if not (falling or padded or zero):

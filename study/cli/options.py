@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -38,6 +39,13 @@ def output_option(text: str) -> Callable[[Command], Command]:
     return click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help=text)
 
 
+def force_option(command: Command) -> Command:
+    """Option ``--force`` of a command that writes a case file."""
+    return click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")(
+        command
+    )
+
+
 def folder_option(default: str) -> Callable[[Command], Command]:
     """Option ``--output`` of a command that writes a folder."""
     return click.option(
@@ -62,6 +70,23 @@ def deviation_option(text: str, *, required: bool = False) -> Callable[[Command]
         metavar="MEMBER=FILE",
         help=text,
     )
+
+
+def printable(text: str) -> str:
+    r"""A text of a foreign file, which must not steer the terminal.
+
+    Examples
+    --------
+    >>> printable("PAINT \x1b[2J")
+    'PAINT ?[2J'
+    """
+    return "".join(character if character.isprintable() else "?" for character in text)
+
+
+def next_commands(*commands: Sequence[object]) -> None:
+    """Say which commands take what was written; each is given by its words after ``easeoff``."""
+    words = (shlex.join(["easeoff", *map(str, command)]) for command in commands)
+    click.echo(f"next: {', or '.join(words)}")
 
 
 def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:

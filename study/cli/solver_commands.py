@@ -11,7 +11,7 @@ import click
 from .analysis_options import analysis_options, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import folder_option, output_option, problem_files, solvers
+from .options import folder_option, next_commands, output_option, problem_files, solvers
 
 
 @click.command(cls=Command)
@@ -47,6 +47,7 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
         },
     )
     click.echo(f"wrote {output}: {len(solved)} contact problems")
+    next_commands(("compare", output))
 
 
 @click.command(cls=Command)
