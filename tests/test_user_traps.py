@@ -101,8 +101,8 @@ def test_blanks_after_commas_and_lists_with_a_point_are_read(options: list[str],
     if "--misalignment" in options:
         assert [tree.attrs[f"misalignment_{key}_mm"] for key in ("offset", "pinion_axial")] == [0.1, -0.1]
     if "--speed" in options:
-        assert tree["friction"]["roughness_pinion"].values.tolist() == [0.8, 0.2]
-        assert tree["friction"]["temperature"].values.tolist() == [40.0, 30.0]
+        assert list(tree["friction"].to_dataset()["roughness_pinion"].values) == [0.8, 0.2]
+        assert list(tree["friction"].to_dataset()["temperature"].values) == [40.0, 30.0]
 
 
 def test_pictures_of_another_result_do_not_stay(results: tuple[Path, Path], tmp_path: Path) -> None:
