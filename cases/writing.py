@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 from pathlib import Path
 
 import tomli_w
 
+from ..core.errors import InputError
 from ..core.files import check_writable, whole_file
 from .schema.case_schema import Case
+
+SEAL = "# checksum of the lines above, as easeoff wrote them:"
+SEAL_LENGTH = 12  # of the checksum [digits]
 
 
 def case_toml(case: Case, comment: str = "") -> str:
@@ -40,8 +45,45 @@ def case_toml(case: Case, comment: str = "") -> str:
     return head + tomli_w.dumps(case.model_dump(exclude_defaults=True), multiline_strings=readable)
 
 
+def _sealed(text: str) -> str:
+    """Text of a case file with a last line by which ``require_replaceable`` knows that nobody edited it."""
+    return f"{text}{SEAL} {hashlib.sha256(text.encode()).hexdigest()[:SEAL_LENGTH]}\n"
+
+
+def require_replaceable(path: str | os.PathLike[str], force: bool = False) -> None:
+    """Refuse to replace a case file that somebody edited after ``write_case``, or wrote by hand.
+
+    Parameters
+    ----------
+    path
+        The file; it need not exist.
+    force
+        Whether it may be replaced all the same.
+
+    Raises
+    ------
+    InputError
+        If it may not be replaced.
+
+    Examples
+    --------
+    >>> require_replaceable("no such file.toml")
+    """
+    if force or not os.path.exists(path):
+        return
+    try:
+        head, seal, _ = (text := Path(path).read_bytes().decode()).rpartition(SEAL)
+    except (OSError, UnicodeDecodeError):
+        head, seal, text = "", "", ""
+    if not seal or _sealed(head) != text:
+        why = "was edited after easeoff wrote it" if seal else "was not written by easeoff"
+        raise InputError(f"{path} {why}: give another name, or --force to replace it")
+
+
 def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> None:
     """Write a case file, whole or not at all; see ``case_toml``.
+
+    Its last line is a checksum, a comment: the command line does not replace a file that was edited since.
 
     If the case takes its oil from a file by a relative path, the path is written as it is from the new file's folder.
 
@@ -64,4 +106,4 @@ def write_case(case: Case, path: str | os.PathLike[str], comment: str = "") -> N
         check_writable(path, case.friction.oil_file)
         case = case.model_copy(update={"friction": case.friction.seen_from(Path(path).parent)})
     with whole_file(path) as temporary:
-        temporary.write_text(case_toml(case, comment), encoding="utf-8", newline="\n")
+        temporary.write_text(_sealed(case_toml(case, comment)), encoding="utf-8", newline="\n")

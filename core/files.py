@@ -10,7 +10,7 @@ from pathlib import Path
 from .errors import InputError
 
 #: Format of a suffix, in messages.
-FORMATS = {".nc": "netCDF"}
+FORMATS = {".nc": "netCDF", ".toml": "TOML"}
 
 
 @contextlib.contextmanager

@@ -39,8 +39,15 @@ def shipped_deviations() -> list[str]:
     return sorted(f.name.removesuffix(".csv") for f in folder.iterdir() if f.name.endswith(".csv"))
 
 
-def measured_file(name_or_path: str | Path) -> xr.Dataset:
+def measured_file(name_or_path: str | Path, member: Member | None = None) -> xr.Dataset:
     """A measured grid that comes with the package (by name), or of a file (by path).
+
+    Parameters
+    ----------
+    name_or_path
+        Name or path.
+    member
+        The member as designed, for a file that is a table of deviations without points.
 
     Raises
     ------
@@ -61,7 +68,7 @@ def measured_file(name_or_path: str | Path) -> xr.Dataset:
             f"deviation {name!r}: there is no such file ({', '.join(SUFFIXES)}), and the shipped ones are: "
             f"{', '.join(shipped_deviations())}"
         )
-    return read_measured_grid(name_or_path)
+    return read_measured_grid(name_or_path, member)
 
 
 def _from_file(name_or_path: str | Path, name: MemberName, pair: GearPair) -> xr.Dataset:
@@ -72,7 +79,7 @@ def _from_file(name_or_path: str | Path, name: MemberName, pair: GearPair) -> xr
         if "wear_depth" in opened:
             _require_own_flank(path, opened, name, pair)
             return opened[["deviation"]].isel(step=-1).sel(member=name)
-    return measured_file(name_or_path)
+    return measured_file(name_or_path, named_member(pair, name))
 
 
 def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: GearPair) -> None:

@@ -9,8 +9,9 @@ import xarray as xr
 
 from ..core.errors import InputError
 from ..core.files import netcdf_reading, whole_file
+from .result_layout import VARIABLES, faults
 
-GROUPS = ("flanks", "ease_off", "teeth", "unloaded", "loaded")
+FAULT_COUNT_LIMIT = 3  # that a message names
 
 
 def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
@@ -82,11 +83,15 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     source = Path(path)
     with netcdf_reading(source), xr.open_datatree(source, engine="netcdf4") as opened:
         tree = opened.load()
-    missing = [name for name in GROUPS if name not in tree.children]
-    if "easeoff_version" not in tree.attrs or missing:
+    found = faults(tree)
+    if "easeoff_version" not in tree.attrs or found == [f"no group {name}" for name in VARIABLES]:
         raise InputError(
-            f"{source} is a netCDF file, but no result of 'easeoff run'"
-            + (f" (no group {', '.join(missing)})" if missing else "")
-            + ": make one with 'easeoff run CASE -o FILE'"
+            f"{source} is a netCDF file, but no result of 'easeoff run': make one with 'easeoff run CASE -o FILE'"
+        )
+    if found:
+        more = f", and {len(found) - FAULT_COUNT_LIMIT} more" if len(found) > FAULT_COUNT_LIMIT else ""
+        raise InputError(
+            f"{source} is damaged, changed by hand or made by another version of easeoff: "
+            f"{'; '.join(found[:FAULT_COUNT_LIMIT])}{more}; make it anew with 'easeoff run CASE -o FILE'"
         )
     return tree

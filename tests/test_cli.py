@@ -61,11 +61,13 @@ def test_edges_touch_if_asked_and_show_says_what_they_carry(case: Path, tmp_path
         assert ("on edges" in call("show", str(out)).output) == bool(touch)
 
 
-def test_run_writes_a_result_and_keeps_quiet_about_progress(case: Path, tmp_path: Path) -> None:
+def test_run_writes_a_result_and_says_so_without_progress(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "new" / "folder" / "out.nc"
     found = call("run", str(case), "-o", str(out), "--torque", "100,200", "--misalignment", "E=0.1,P=-0.05,Sigma=0.1")
     assert found.exit_code == 0, found.output
-    assert found.output == f"wrote {out}\n"
+    wrote, following = found.output.splitlines()
+    assert wrote.startswith(f"wrote {out}: 8 of 8 mesh positions certified at 100, 200 N m; greatest pressure ")
+    assert following == f"next: easeoff show {out}, or easeoff plot {out} FOLDER"
     tree = easeoff.read_result(out)
     assert tree["loaded"].to_dataset()["torque"].values.tolist() == [100.0, 200.0]
     assert tree.attrs["misalignment_offset_mm"] == 0.1

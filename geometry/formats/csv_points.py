@@ -1,6 +1,7 @@
 """Measuring points as text: comment lines ``# key: value``, one line of column names, one line a point.
 
-A measured grid has one more column, ``deviation``; or three more, the measured coordinates.
+Columns may be separated by semicolons or tabs, then also with decimal commas. A measured grid has one more column,
+``deviation``; or three more, the measured coordinates.
 """
 
 from __future__ import annotations
@@ -12,14 +13,13 @@ import xarray as xr
 
 from ...core.checks import one_of
 from ...core.errors import InputError
+from .separated_text import cells, excerpt, parted, separator
 
 NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
 DEVIATION_COLUMN = "deviation"
 MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
 HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
 Points = dict[tuple[str, int, int], list[float]]
-_WHOLE = ("format_version", "number_of_teeth")
-_REAL_ENDINGS = ("_mm", "_rad")
 
 
 def text(dataset: xr.Dataset) -> str:
@@ -52,64 +52,47 @@ def parsed(content: str, source: str) -> xr.Dataset:
     InputError
         If a line cannot be used; with its number.
     """
-    attributes: dict[str, Any] = {}
+    attributes, lines = parted(content, source)
     points: Points = {}
-    heading: tuple[str, ...] = ()
-    for number, line in enumerate(content.splitlines(), start=1):
+    number, head = lines[0]
+    mark = separator(head)
+    heading = tuple(cells(head, mark))
+    if heading not in HEADINGS:
+        raise InputError(
+            f"{source}, line {number}: {excerpt(head)}: expected the column names {mark.join(NOMINAL_COLUMNS)}; "
+            f"of a measured grid also {DEVIATION_COLUMN} or {mark.join(MEASURED_COLUMNS)}"
+        )
+    for number, line in lines[1:]:
         where = f"{source}, line {number}"
-        stripped = line.strip()
-        if not stripped:
-            continue
-        if stripped.startswith("#"):
-            key, colon, value = stripped[1:].partition(":")
-            if not colon:
-                raise InputError(f"{where}: {stripped!r}: a comment must have the form '# key: value'")
-            attributes[key.strip()] = _attribute(key.strip(), value.strip(), where)
-        elif not heading:
-            heading = tuple(name.strip() for name in stripped.split(","))
-            if heading not in HEADINGS:
-                raise InputError(
-                    f"{where}: expected the column names {','.join(NOMINAL_COLUMNS)}; of a measured grid also "
-                    f"{DEVIATION_COLUMN} or {','.join(MEASURED_COLUMNS)}"
-                )
-        else:
-            index, values = _point(stripped, heading, where)
-            if index in points:
-                raise InputError(
-                    f"{where}: a second point of the {index[0]} flank in row {index[1]}, column {index[2]}"
-                )
-            points[index] = values
+        index, values = _point(line.strip(), mark, heading, where)
+        if index in points:
+            raise InputError(f"{where}: a second point of the {index[0]} flank in row {index[1]}, column {index[2]}")
+        points[index] = values
     if not points:
         raise InputError(f"{source}: there are no points in it")
     return gridded(points, attributes, source)
 
 
-def _attribute(key: str, value: str, where: str) -> Any:
+def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
+    found = cells(line, mark)
+    if len(found) != len(heading):
+        hint = "; with decimal commas, separate the columns by semicolons" if len(found) > len(heading) else ""
+        raise InputError(
+            f"{where}: {excerpt(line)}: {len(found)} values, expected {len(heading)} ({','.join(heading)}){hint}"
+        )
     try:
-        if key in _WHOLE:
-            return int(value)
-        return float(value) if key.endswith(_REAL_ENDINGS) else value
+        row, column = int(found[1]), int(found[2])
+        values = [float(cell) for cell in found[3:]]
     except ValueError as error:
-        raise InputError(f"{where}: {key} = {value!r}: must be a number") from error
-
-
-def _point(line: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
-    cells = [cell.strip() for cell in line.split(",")]
-    if len(cells) != len(heading):
-        raise InputError(f"{where}: {len(cells)} values, expected {len(heading)} ({','.join(heading)})")
-    try:
-        row, column = int(cells[1]), int(cells[2])
-        values = [float(cell) for cell in cells[3:]]
-    except ValueError as error:
-        raise InputError(f"{where}: {line!r}: {error}") from error
-    one_of(f"{where}: flank", cells[0], ("concave", "convex"))
+        raise InputError(f"{where}: {excerpt(line)}: {error}") from error
+    one_of(f"{where}: flank", found[0], ("concave", "convex"))
     if min(row, column) < 1:
         raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     if not np.all(np.isfinite(values)):
         raise InputError(f"{where}: every value must be a finite number")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
-        raise InputError(f"{where}: normal = ({', '.join(cells[6:9])}): must be of length 1")
-    return (cells[0], row, column), values
+        raise InputError(f"{where}: normal = ({', '.join(found[6:9])}): must be of length 1")
+    return (found[0], row, column), values
 
 
 def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:

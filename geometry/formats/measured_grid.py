@@ -18,7 +18,7 @@ from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import side
 from . import csv_points as cmm_csv
-from . import dmis
+from . import deviation_table, dmis
 from . import measuring_points as cmm
 
 FORMAT = "easeoff measured grid"
@@ -111,16 +111,19 @@ def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
         cmm.write_cmm_points(grid, path)
 
 
-def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
+def read_measured_grid(path: str | os.PathLike[str], member: Member | None = None) -> xr.Dataset:
     """Read a measured grid of this package (``.csv``, ``.nc``) or of DMIS (``.dmi``, ``.dmo``, ``.dmis``).
 
     A text file may give a column ``deviation`` (in um, or in what ``# deviation_unit: mm`` says), or the measured
-    coordinates; then the deviation is their distance along the normal.
+    coordinates; then the deviation is their distance along the normal. Or it is a table of deviations without points,
+    see ``deviation_table``; they stand at the points of ``cmm_points``.
 
     Parameters
     ----------
     path
         The file.
+    member
+        The member as designed; it gives a table its points.
 
     Returns
     -------
@@ -153,6 +156,11 @@ def read_measured_grid(path: str | os.PathLike[str]) -> xr.Dataset:
             )
     else:
         content = cmm.content(source)
+        if suffix == ".csv" and deviation_table.is_table(content):
+            table = deviation_table.parsed_table(content, str(source))
+            if member is None:
+                raise InputError(f"{source}: a table of deviations without points: give the member that it is of")
+            return measured_grid(table.points(member), table.deviation)
         grid = (dmis if suffix in DMIS_SUFFIXES else cmm_csv).parsed(content, str(source))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION)
     cmm.check_points(grid, source, FORMAT)

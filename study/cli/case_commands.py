@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from ...core.errors import InputError
-from .options import output_option
+from .command import Command
+from .options import force_option, next_commands, output_option, printable
 
 
-@click.command()
+@click.command(cls=Command)
 def cases() -> None:
     """List the shipped cases."""
     from ...cases import shipped_cases
@@ -21,44 +22,52 @@ def cases() -> None:
         click.echo(f"{name:<{width}}  {title}")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("design")
 @output_option("Case file to write, .toml.")
+@force_option
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
-def design(design: str, output: Path, report: bool) -> None:
+def design(design: str, output: Path, force: bool, report: bool) -> None:
     """Design a pair and write it as a case file.
 
     DESIGN is the name of a shipped design or the path of a design file: basic data and the wanted ease-off. The blanks
     follow from the basic data; the pinion is fitted to the ease-off.
     """
     from ...cases import read_design, write_case
+    from ...cases.writing import require_replaceable
     from ...core.files import check_writable
     from ..case_design import design_case
     from ..report.design_report import design_report, summary_lines
 
-    check_writable(output, design)
+    check_writable(output, design, suffix=".toml")
+    require_replaceable(output, force)
     case, found = design_case(read_design(design))
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
     click.echo(f"wrote {output}")
     click.echo(design_report(found) if report else "\n".join(summary_lines(found)))
+    next_commands(("run", output, "-o", output.with_suffix(".nc")))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("source", metavar="INPUT")
 @output_option("File to write: case file (.toml) or REXS file (.rexs, .xml).")
-def convert(source: str, output: Path) -> None:
+@force_option
+def convert(source: str, output: Path, force: bool) -> None:
     """Convert INPUT to a case file or a REXS file.
 
     INPUT is the name of a shipped case, a case file (.toml), a REXS file (.rexs, .xml), or a session script of
     Transmission3D or HypoidFaceMilled (.ses, .txt). What the output cannot hold is listed.
     """
     from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
+    from ...cases.writing import require_replaceable
     from ...core.files import check_writable
 
     suffix, target = Path(source).suffix.lower(), output.suffix.lower()
     if target not in (".toml", ".rexs", ".xml"):
         raise InputError(f"{output}: suffix = {target!r}: must be .toml, .rexs or .xml")
     check_writable(output, source)
+    if target == ".toml":
+        require_replaceable(output, force)
     notes: list[str] = []
     if suffix in ("", ".toml"):
         case = read_case(source)
@@ -73,6 +82,5 @@ def convert(source: str, output: Path) -> None:
     else:
         notes = notes + write_rexs(case, output)
     for note in notes:
-        # Characters of a foreign file must not steer the terminal.
-        click.echo("".join(c if c.isprintable() else "?" for c in note))
+        click.echo(printable(note))
     click.echo(f"wrote {output}")

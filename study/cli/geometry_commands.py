@@ -7,10 +7,11 @@ from typing import Any
 
 import click
 
+from .command import Command
 from .options import deviation_option, flank_option, margins, nodes, output_option, teeth
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("case")
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
@@ -66,7 +67,7 @@ def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> 
     click.echo(f"wrote {output}: {written}")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("case")
 @flank_option
 @deviation_option(

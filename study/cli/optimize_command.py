@@ -8,15 +8,16 @@ from typing import Any
 
 import click
 
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import MISALIGNMENT, flank_option, misalignment, output_option, torques
+from .options import MISALIGNMENT, flank_option, force_option, misalignment, next_commands, output_option, torques
 
 
 def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
     return [misalignment(ctx, param, text) for text in texts]
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("case")
 @output_option("netCDF file to write.")
 @flank_option
@@ -70,7 +71,8 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
     metavar="FILE",
     help="Case file to write, with pinion settings fitted to the modified ease-off.",
 )
-def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) -> None:
+@force_option
+def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **options: Any) -> None:
     """Optimise the ease-off of CASE under load.
 
     The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
@@ -79,6 +81,7 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     from tqdm import tqdm
 
     from ...cases import read_case, write_case
+    from ...cases.writing import require_replaceable
     from ...core.files import check_writable
     from ..fitted_settings import fit_modification, recorded_modification
     from ..optimization import optimize as optimized
@@ -88,7 +91,8 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
 
     check_writable(output, case, suffix=".nc")
     if fitted_case is not None:
-        check_writable(fitted_case, case)
+        check_writable(fitted_case, case, suffix=".toml")
+        require_replaceable(fitted_case, force)
     checked = read_case(case)
     bar: Any
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
@@ -102,6 +106,8 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
             fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
         )
         click.echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
+    fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
+    next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
     failures = uncertified(tree)
     if failures:
         click.echo("\n".join(failures), err=True)

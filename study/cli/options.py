@@ -1,13 +1,16 @@
-"""Options that several commands share, and the reading of option texts: numbers, lists and KEY=NUMBER pairs."""
+"""Options that several commands share, and the values of options."""
 
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
@@ -36,6 +39,13 @@ def output_option(text: str) -> Callable[[Command], Command]:
     return click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help=text)
 
 
+def force_option(command: Command) -> Command:
+    """Option ``--force`` of a command that writes a case file."""
+    return click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")(
+        command
+    )
+
+
 def folder_option(default: str) -> Callable[[Command], Command]:
     """Option ``--output`` of a command that writes a folder."""
     return click.option(
@@ -62,20 +72,34 @@ def deviation_option(text: str, *, required: bool = False) -> Callable[[Command]
     )
 
 
+def printable(text: str) -> str:
+    r"""A text of a foreign file, which must not steer the terminal.
+
+    Examples
+    --------
+    >>> printable("PAINT \x1b[2J")
+    'PAINT ?[2J'
+    """
+    return "".join(character if character.isprintable() else "?" for character in text)
+
+
+def next_commands(*commands: Sequence[object]) -> None:
+    """Say which commands take what was written; each is given by its words after ``easeoff``."""
+    words = (shlex.join(["easeoff", *map(str, command)]) for command in commands)
+    click.echo(f"next: {', or '.join(words)}")
+
+
 def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:
     """Torques at the pinion [N m]."""
     if text is None:
         return None
-    try:
-        values = tuple(float(part) for part in text.split(","))
-    except ValueError as error:
-        raise click.BadParameter(f"{text!r}: must be numbers in N m separated by commas, such as 50,250,500") from error
+    values = number_list(text, "numbers in N m separated by commas, such as 50,250,500", from_zero=False)
     for value in values:
         if not 0.0 < value < 1e7:
             raise click.BadParameter(f"{value:g}: must be greater than 0 and below 1e7 N m")
         if values.count(value) > 1:
             raise click.BadParameter(f"{text!r}: {value:g} comes twice")
-    return values
+    return tuple(values)
 
 
 def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | None:
@@ -86,7 +110,7 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
 
     from ...geometry.pair.assembly import Misalignment
 
-    values = _keyed_numbers(text, MISALIGNMENT_KEYS, "E=0.15,P=-0.12")
+    values = keyed_numbers(text, MISALIGNMENT_KEYS, "E=0.15,P=-0.12")
     for key, value in values.items():
         if not abs(value) < 10.0:
             raise click.BadParameter(f"{key}={value:g}: must lie between -10 and 10 (mm, Sigma in degrees)")
@@ -98,7 +122,7 @@ def deviations(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, .
     """Files of deviations by member."""
     values: dict[str, str] = {}
     for text in texts:
-        member, equals, file = text.partition("=")
+        member, equals, file = (part.strip() for part in text.partition("="))
         if not equals or not file or member not in ("pinion", "gear"):
             raise click.BadParameter(f"{text!r}: must be pinion=FILE or gear=FILE")
         if member in values:
@@ -133,7 +157,7 @@ def teeth(_ctx: click.Context, _param: click.Parameter, text: str | None) -> int
 
 def margins(_ctx: click.Context, _param: click.Parameter, text: str | None) -> dict[str, float] | None:
     """Margins of a measuring grid [mm], by edge of the flank."""
-    return None if text is None else _keyed_numbers(text, EDGES, "toe=3,root=1.2")
+    return None if text is None else keyed_numbers(text, EDGES, "toe=3,root=1.2")
 
 
 def solvers(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[str] | None:
@@ -160,18 +184,17 @@ def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> li
     """Numbers separated by commas, or FROM:TO:COUNT, evenly spaced."""
     if text is None:
         return None
+    wanted = "numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
+    if ":" not in text:
+        return number_list(text, wanted, from_zero=param.name == "temperature")
     try:
-        if ":" not in text:
-            return [float(part) for part in text.split(",")]
         first, last, count = text.split(":")
-        steps = int(count) - 1
-        if not 1 <= steps < 10_000:
-            raise ValueError(f"{count} values")
-        return [float(first) + (float(last) - float(first)) * i / steps for i in range(steps + 1)]
+        start, span, steps = float(first), float(last) - float(first), int(count) - 1
     except ValueError as error:
-        raise click.BadParameter(
-            f"{text!r}: must be numbers separated by commas, such as 500,1500, or FROM:TO:COUNT, such as 250:3000:12"
-        ) from error
+        raise click.BadParameter(f"{text!r}: must be {wanted}") from error
+    if not 1 <= steps < 10_000:
+        raise click.BadParameter(f"{text!r}: COUNT = {count}: must lie between 2 and 10000")
+    return [start + span * i / steps for i in range(steps + 1)]
 
 
 def roughnesses(
@@ -181,21 +204,25 @@ def roughnesses(
     if text is None or "/" not in text:
         values = numbers(ctx, param, text)
         return None if values is None else list(values)
-    members = [_by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
+    for member in text.split("/"):
+        refuse_decimal_commas(member, from_zero=False)
+    members = [by_member(part, "a roughness in um", "0.8/0.5") for part in text.split(",")]
     return [found[0] if len(found) == 1 else (found[0], found[1]) for found in members]
 
 
 def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[float, float]:
     """Shares of the revolutions by torque [N m], from a torque alone or TORQUE=SHARE separated by commas."""
+    wanted = "a torque in N m, or TORQUE=SHARE,..., such as 100=0.7,300=0.3; a decimal has a point"
     shares: dict[float, float] = {}
-    for part in text.split(","):
+    parts = text.split(",")
+    for part in parts:
         torque, equals, share = part.partition("=")
+        if len(parts) > 1 and not equals:
+            raise click.BadParameter(f"{text!r}: {part.strip()!r} has no share: must be {wanted}")
         try:
             key, value = float(torque), float(share) if equals else 1.0
         except ValueError as error:
-            raise click.BadParameter(
-                f"{part!r}: must be a torque in N m, or TORQUE=SHARE,..., such as 100=0.7,300=0.3"
-            ) from error
+            raise click.BadParameter(f"{part!r}: must be {wanted}") from error
         if key in shares:
             raise click.BadParameter(f"{text!r}: {key:g} comes twice")
         shares[key] = value
@@ -204,37 +231,9 @@ def duty_cycle(_ctx: click.Context, _param: click.Parameter, text: str) -> dict[
 
 def coefficients(_ctx: click.Context, _param: click.Parameter, text: str) -> tuple[float, float]:
     """Wear coefficients of pinion and gear [mm^2/N]."""
-    found = _by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
+    found = by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
     if not any(found):
         raise click.BadParameter(
             f"{text!r}: nothing wears; must be greater than zero in mm^2/N, or PINION/GEAR, one of which may be 0"
         )
     return found[0], found[-1]
-
-
-def _by_member(text: str, quantity: str, example: str) -> list[float]:
-    """A number for both members, or one each, from PINION/GEAR."""
-    try:
-        found = [float(part) for part in text.split("/")]
-    except ValueError:
-        found = []
-    if len(found) not in (1, 2):
-        raise click.BadParameter(f"{text!r}: must be {quantity}, or PINION/GEAR, such as {example}")
-    return found
-
-
-def _keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:
-    """Numbers by key, from KEY=NUMBER separated by commas."""
-    values: dict[str, float] = {}
-    for part in text.split(","):
-        key, _, number = part.partition("=")
-        try:
-            value = float(number)
-        except ValueError as error:
-            raise click.BadParameter(f"{part!r}: must be KEY=NUMBER, such as {example}") from error
-        if key not in keys:
-            raise click.BadParameter(f"{key!r}: must be one of {', '.join(keys)}")
-        if key in values:
-            raise click.BadParameter(f"{text!r}: {key} comes twice")
-        values[key] = value
-    return values

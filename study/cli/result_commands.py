@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from .command import Command
+from .options import printable
 
-@click.command()
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 def show(result: Path) -> None:
     """Show the main numbers of RESULT, a file of 'easeoff run'."""
@@ -17,16 +24,32 @@ def show(result: Path) -> None:
     click.echo(result_summary(read_result(result)))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path))
 def plot(result: Path, folder: Path) -> None:
-    """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER."""
+    """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER.
+
+    Pictures of another result in FOLDER are replaced or removed.
+    """
     from ...core.files import check_folder
-    from ..plot import write_pictures
     from ..result import read_result
 
     tree = read_result(result)
     check_folder(folder, "pictures")
+    draw(tree, folder)
+
+
+def draw(tree: xr.DataTree, folder: Path) -> None:
+    """Write the pictures of a result, and say which were written and whose were replaced or removed."""
+    from ..plot import write_pictures
+    from ..plot.picture_files import pictures_of_results
+
+    before = pictures_of_results(folder)
     for picture in write_pictures(tree, folder):
         click.echo(f"wrote {picture}")
+    for title in sorted({title for title in before.values() if title != tree.attrs.get("title", "")}):
+        click.echo(f"replaced the pictures of {printable(title)!r}")
+    for picture in before:
+        if not picture.exists():
+            click.echo(f"removed {picture}, a picture of an earlier result")

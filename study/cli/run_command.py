@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .analysis_options import analysis_options, progress_bar, with_defaults
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import numbers, roughnesses
+from .options import next_commands, numbers, roughnesses
+from .result_commands import draw
 
 if TYPE_CHECKING:
     from ...cases.schema.friction_table import FrictionTable
     from ...friction import FrictionModel
 
 
-@click.command()
+@click.command(cls=Command)
 @analysis_options
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE", help="netCDF file to write."
@@ -98,7 +100,7 @@ def run(
     from ..analysis import analyze, operation_of
     from ..report.plausibility import plausibility
     from ..report.ranges import range_notes
-    from ..report.result_summary import uncertified
+    from ..report.result_summary import outcome, uncertified
     from ..result import write_result
 
     checked = read_case(case)
@@ -120,12 +122,10 @@ def run(
     with progress_bar(checked, options["torques"]) as step:
         tree = analyze(checked, **with_defaults(options), **friction, progress=step)
     write_result(tree, output)
-    click.echo(f"wrote {output}")
+    click.echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:
-        from ..plot import write_pictures
-
-        for picture in write_pictures(tree, plots):
-            click.echo(f"wrote {picture}")
+        draw(tree, plots)
+    next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     for note in (*plausibility(tree), *ranges):
         click.echo(note, err=True)

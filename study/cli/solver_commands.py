@@ -9,11 +9,12 @@ from typing import Any
 import click
 
 from .analysis_options import analysis_options, progress_bar, with_defaults
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import folder_option, output_option, problem_files, solvers
+from .options import folder_option, next_commands, output_option, problem_files, solvers
 
 
-@click.command()
+@click.command(cls=Command)
 @analysis_options
 @output_option("netCDF file to write.")
 def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, solver: str, **options: Any) -> None:
@@ -46,9 +47,10 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
         },
     )
     click.echo(f"wrote {output}: {len(solved)} contact problems")
+    next_commands(("compare", output))
 
 
-@click.command()
+@click.command(cls=Command)
 @folder_option("library")
 @click.option("--parts", metavar="A,B,...", show_default="all", help="Parts to make, of small, medium and large.")
 def library(output: Path, parts: str | None) -> None:
@@ -76,7 +78,7 @@ def library(output: Path, parts: str | None) -> None:
         sys.exit(EXIT_UNCERTIFIED)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
 @folder_option("comparison")
 @click.option(

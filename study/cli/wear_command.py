@@ -9,11 +9,12 @@ from typing import Any
 import click
 
 from .analysis_options import pair_options, with_defaults
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import coefficients, duty_cycle, output_option
+from .options import coefficients, duty_cycle, next_commands, output_option
 
 
-@click.command()
+@click.command(cls=Command)
 @pair_options
 @click.option(
     "--torque",
@@ -86,6 +87,8 @@ def wear(
         both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
         click.echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
     click.echo(f"wrote {output}")
+    worn_flanks = [word for member in ("pinion", "gear") for word in ("--deviation", f"{member}={output}")]
+    next_commands(("run", case, *worn_flanks, "-o", "RESULT.nc"))
     if not history.attrs["completed"]:
         click.echo(
             f"the wear ended early, after {100 * float(last['revolutions']) / revolutions:.3g} % of the revolutions; "

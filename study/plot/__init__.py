@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,9 @@ FRICTION_PICTURES = ("friction_maps", "efficiency")
 
 def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking: float | None = None) -> list[Path]:
     """Draw every picture of a result.
+
+    Pictures of another result in the folder are replaced, and those that this result does not have are removed: nothing
+    stays there that could be taken for a picture of this result. Other files are left alone.
 
     Parameters
     ----------
@@ -57,7 +61,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     from . import load_share_chart as load_sharing
     from . import pressure_chart as pressure
     from . import transmission_error_chart as transmission_error
-    from .page import save
+    from .picture_files import pictures_of_results, save_picture
     from .tooth_view import tooth_view
 
     if marking is not None:
@@ -76,4 +80,10 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     if "friction" in tree.children:
         names += FRICTION_PICTURES
         figures += [friction_maps.draw(tree, view), efficiency.draw(tree)]
-    return [save(figure, Path(folder) / f"{name}.png") for name, figure in zip(names, figures, strict=True)]
+    written = [
+        save_picture(figure, Path(folder) / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)
+    ]
+    for stale in pictures_of_results(folder).keys() - set(written):
+        with suppress(OSError):
+            stale.unlink()
+    return written

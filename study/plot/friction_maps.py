@@ -154,6 +154,8 @@ def draw_values(axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, 
         # The load ends within a segment: at the border values jump from one line of contact to the next.
         steepest = float(levels[1] - levels[0]) / (CONTOUR_DISTANCE / float(points_per_unit(axes)[0]))
         lined = without_steep(without_border(mesh), values[finite], steepest)
+        if not lined.get_masked_triangles().size:  # of a coarse analysis
+            return
         lines = axes.tricontour(lined, values[finite], levels=levels, colors=INK, linewidths=0.5, zorder=2)
         drop_short(lines, CONTOUR_LENGTH_MINIMUM * float(np.ptp(axes.get_xlim())))
         region = triangulated(mesh)

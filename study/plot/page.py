@@ -155,8 +155,17 @@ def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(colormaps[TORQUE_MAP](rank))
 
 
-def save(figure: Figure, path: Path) -> Path:
+def save(figure: Figure, path: Path, marks: Mapping[str, str] | None = None) -> Path:
     """Write a figure as a PNG file; returns its path.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    path
+        The file.
+    marks
+        Texts by keyword, such as ``Title``, stored in the file.
 
     Raises
     ------
@@ -165,5 +174,5 @@ def save(figure: Figure, path: Path) -> Path:
     """
     canvas: Any = figure.canvas  # its own method, unlike that of the figure, does not draw everything twice
     with whole_file(path) as temporary:
-        canvas.print_png(temporary)
+        canvas.print_png(temporary, metadata=marks)
     return path

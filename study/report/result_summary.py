@@ -20,6 +20,8 @@ from .ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
+#: Torques that the outcome names; of more it names the range.
+TORQUE_COUNT_LIMIT = 8
 
 
 def efficiencies(friction: xr.Dataset) -> str:
@@ -87,6 +89,27 @@ def uncertified(tree: xr.DataTree) -> list[str]:
         what = "mesh positions and conditions have no load distribution"
         lines += [f"friction fed back: {some} of {status.size} {what} {reasons}" for some, reasons in _failures(status)]
     return lines
+
+
+def outcome(tree: xr.DataTree) -> str:
+    """Outcome of an analysis in one line: certified mesh positions, torques and greatest pressure.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> outcome(easeoff.analyze("nasa-12x36", torques=[100.0])).partition(";")[0]
+    '32 of 32 mesh positions certified at 100 N m'
+    """
+    loaded = tree["loaded"].to_dataset()
+    status, torques = loaded["status"].values, loaded["torque"].values
+    at = ", ".join(f"{torque:g}" for torque in torques)
+    if torques.size > TORQUE_COUNT_LIMIT:
+        at = f"{torques.size} torques from {torques.min():g} to {torques.max():g}"
+    certified = f"{np.count_nonzero(status == Status.CERTIFIED)} of {status.size} mesh positions certified at {at} N m"
+    pressure = loaded["max_pressure"].values
+    if np.all(np.isnan(pressure)):
+        return certified
+    return f"{certified}; greatest pressure {np.nanmax(pressure):.0f} MPa"
 
 
 def _failures(status: Any) -> list[tuple[int, str]]:

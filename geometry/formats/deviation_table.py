@@ -1,0 +1,146 @@
+"""Deviations as a table of numbers without points: a row of the measuring grid a line, or a column.
+
+Comment lines before the table say what it holds; nothing is guessed:
+
+- ``# flank: concave`` or ``convex``
+- ``# rows: root to tip`` and ``# columns: toe to heel``, either the other way round, or rows and columns exchanged
+- ``# deviation_unit: um`` or ``mm``
+- ``# margin_toe_mm: 3.0`` and so on for heel, root and tip, where the margins are not those of ``cmm_points``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.checks import one_of, shown
+from ...core.errors import InputError
+from ..pair.gear_pair import Member
+from ..tooth.tooth_flanks import side
+from .measuring_points import EdgeMargins, cmm_points
+from .separated_text import Attributes, cells, comment, excerpt, parted, separator
+
+UPWARDS, LENGTHWISE = ("root to tip", "tip to root"), ("toe to heel", "heel to toe")
+WANTED = {
+    "flank": ("concave", "convex"),
+    "rows": (*UPWARDS, *LENGTHWISE),
+    "columns": (*LENGTHWISE, *UPWARDS),
+    "deviation_unit": ("um", "mm"),
+}
+EDGES = ("toe", "heel", "root", "tip")
+
+
+@dataclass(frozen=True, eq=False)
+class DeviationTable:
+    """Table of deviations.
+
+    Parameters
+    ----------
+    deviation
+        Deviations (row, column) [um]; rows from root to tip, columns from toe to heel.
+    flank
+        ``concave`` or ``convex``.
+    margins
+        Margins of the measuring grid.
+    source
+        Name of the file, for messages.
+    """
+
+    deviation: NDArray[np.float64]
+    flank: str
+    margins: EdgeMargins
+    source: str
+
+    def points(self, member: Member) -> xr.Dataset:
+        """Nominal points of the table on the loaded flank of a member.
+
+        Raises
+        ------
+        InputError
+            If the table is of the other flank.
+        """
+        if self.flank != side(member.loaded):
+            raise InputError(
+                f"{self.source}: flank = {self.flank!r}: must be {side(member.loaded)!r}, the flank in contact here"
+            )
+        rows, columns = self.deviation.shape
+        return cmm_points(member, rows, columns, self.margins)
+
+
+def is_table(content: str) -> bool:
+    r"""Whether the first line that is no comment holds numbers alone.
+
+    Examples
+    --------
+    >>> is_table("# rows: root to tip\\n1,5;-2;0"), is_table("flank,row,column")
+    (True, False)
+    """
+    lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
+    return bool(lines) and all(_is_number(cell) for cell in cells(lines[0], separator(lines[0])))
+
+
+def parsed_table(content: str, source: str) -> DeviationTable:
+    """The table of a text file.
+
+    Parameters
+    ----------
+    content
+        The text.
+    source
+        Name of the file, for messages.
+
+    Raises
+    ------
+    InputError
+        If a line cannot be used, with its number; or if the comments do not say what the table holds.
+    """
+    attributes, lines = parted(content, source)
+    first, head = lines[0]
+    mark = separator(head)
+    rows = [cells(line, mark) for _, line in lines]
+    for (number, line), row in zip(lines, rows, strict=True):
+        if len(row) != len(rows[0]):
+            expected = f"{len(row)} values, expected {len(rows[0])} as in line {first}"
+            raise InputError(f"{source}, line {number}: {excerpt(line)}: {expected}")
+        for cell in row:
+            if not _is_number(cell):
+                raise InputError(f"{source}, line {number}: {shown(cell)}: must be a finite number")
+    size = f"{len(rows)} rows x {len(rows[0])} columns"
+    missing = [f"'# {key}: {' | '.join(allowed)}'" for key, allowed in WANTED.items() if key not in attributes]
+    if missing:
+        raise InputError(
+            f"{source}, line {first}: {excerpt(head)}: a table of {size} of numbers without points; say in lines "
+            f"before it what they are, one of each: {', '.join(missing)}. Or give the points, as 'easeoff export' "
+            "writes them, with a column 'deviation'"
+        )
+    for key, allowed in WANTED.items():
+        one_of(f"{source}: {key}", attributes[key], allowed)
+    if mark == "," and not any("." in cell for row in rows for cell in row):
+        raise InputError(
+            f"{source}, line {first}: {excerpt(head)}: whole numbers, or decimal commas? Write decimal points, or "
+            "separate the columns by semicolons"
+        )
+    upwards, along = attributes["rows"], attributes["columns"]
+    if (upwards in UPWARDS) == (along in UPWARDS):
+        raise InputError(
+            f"{source}: rows = {upwards!r}, columns = {along!r}: must be one along the flank and one up it"
+        )
+    deviation = np.array(rows, dtype=float) * (1e3 if attributes["deviation_unit"] == "mm" else 1.0)
+    if upwards in LENGTHWISE:
+        deviation, upwards, along = deviation.T, along, upwards
+    deviation = deviation[:: 1 if upwards == UPWARDS[0] else -1, :: 1 if along == LENGTHWISE[0] else -1]
+    return DeviationTable(np.ascontiguousarray(deviation), attributes["flank"], _margins(attributes), source)
+
+
+def _margins(attributes: Attributes) -> EdgeMargins:
+    return EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return bool(np.isfinite(float(cell)))
+    except ValueError:
+        return False

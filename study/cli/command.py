@@ -1,0 +1,54 @@
+"""Class of all commands: it refuses options given twice, and values torn apart by blanks or decimal commas."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import click
+
+DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
+PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE)
+
+
+class Command(click.Command):
+    """Command whose options come at most once, unless they may be repeated.
+
+    Click would take the last value of an option given twice and say nothing.
+    """
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Check the words of the command line, then parse them as click does."""
+        values, rest, given = self.make_parser(ctx).parse_args(args=list(args))
+        if not any(param.is_eager for param in given):  # --help
+            for param in dict.fromkeys(given):
+                if isinstance(param, click.Option):
+                    _check_option(ctx, param, values[str(param.name)], given.count(param))
+            _check_rest(ctx, rest)
+        return super().parse_args(ctx, args)
+
+
+def _check_option(ctx: click.Context, option: click.Option, value: Any, count: int) -> None:
+    """Refuse an option given twice, a list that ends in a comma, and a number with a decimal comma."""
+    name = "/".join(max(names, key=len) for names in (option.opts, option.secondary_opts) if names)
+    listed = option.type is click.STRING and option.callback is not None
+    if count > 1 and not option.multiple:
+        ctx.fail(f"{name}: must come once, but comes {'twice' if count == 2 else f'{count} times'}")
+    for text in value if option.multiple else [value]:
+        if not isinstance(text, str):
+            continue
+        if listed and text.rstrip().endswith(","):
+            ctx.fail(f"{name} = {text!r}: ends in a comma; leave out the blanks after commas, or quote the whole value")
+        decimal = DECIMAL_COMMA.fullmatch(text.strip())
+        if decimal and not listed and option.type in (click.FLOAT, click.STRING):
+            ctx.fail(f"{name} = {text!r}: must be one number; decimals have a point: {'.'.join(decimal.groups())}")
+
+
+def _check_rest(ctx: click.Context, rest: list[str]) -> None:
+    """Say of a word too many that looks like a part of a list how lists are written."""
+    for word in rest:
+        if PART_OF_A_LIST.fullmatch(word):
+            ctx.fail(
+                f"{word!r}: belongs to no option; a blank ends a value: leave out the blanks around commas and equals "
+                "signs, or quote the whole value"
+            )

@@ -1,0 +1,140 @@
+"""Layout of a result: variables over their dimensions, and attributes, that whatever reads a result relies on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+GRID = ("lengthwise", "profile")
+PAIRS = ("pair", "mesh_position")
+LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
+CONDITIONS = ("torque", "speed", "temperature", "roughness")
+
+#: Variables of every result by group and dimensions.
+VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
+    "flanks": {("member", *GRID, "xyz"): ("position", "normal"), ("member", *GRID): ("inside",)},
+    "ease_off": {
+        GRID: (
+            *("ease_off", "ease_off_angle", "roll_angle", "lever_arm", "separation_curvature", "inside"),
+            *("pinion_lengthwise", "pinion_profile", "pinion_lengthwise_rate", "pinion_profile_rate"),
+        ),
+        (*GRID, "space"): ("action_position", "action_normal"),
+    },
+    "teeth": {("member", *GRID): ("shell_height", "shell_arc", "depth")},
+    "unloaded": {
+        PAIRS: ("transmission_error", "path_lengthwise", "path_profile"),
+        (*PAIRS, "end"): ("line_lengthwise", "line_profile"),
+        ("mesh_position",): ("transmission_error_envelope", "mesh_position"),
+    },
+    "loaded": {
+        LOADED: (
+            *("transmission_error", "status", "equilibrium", "negative_force", "negative_gap", "complementarity"),
+            "duality_gap",
+        ),
+        SEGMENTS: (
+            *("force", "pressure", "gap", "half_width", "length", "equivalent_radius", "tooth", "lengthwise"),
+            "profile",
+        ),
+        (*LOADED, "pair"): ("load_share",),
+        ("torque",): ("torque", "peak_to_peak", "mean_level", "max_pressure"),
+        ("mesh_position",): ("mesh_position",),
+        ("torque", "order"): ("harmonic",),
+    },
+}
+#: Further ones of the group ``friction``, if there is one.
+FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
+    (*SEGMENTS, *CONDITIONS[1:]): ("friction_coefficient",),
+    CONDITIONS: (
+        *("efficiency", "mean_power_loss", "mean_sliding_loss", "mean_rolling_loss", "mean_friction_coefficient"),
+    ),
+    ("speed",): ("speed",),
+    ("temperature",): ("temperature", "temperature_clamped"),
+    ("roughness",): ("roughness", "roughness_pinion", "roughness_gear"),
+}
+#: Attributes by group, with whether they are a text, a number or a vector (of any length, or of that many numbers).
+ATTRIBUTES: dict[str, dict[str, str | int]] = {
+    "": {
+        **dict.fromkeys(("title", "easeoff_version", "solver", "flank", "pinion_hand", "opposite_flanks"), "text"),
+        **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
+        **dict.fromkeys(
+            (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
+            "number",
+        ),
+    },
+    "ease_off": {
+        **dict.fromkeys(("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm"), 3),
+        **dict.fromkeys(("ratio", "first_contact_rad"), "number"),
+    },
+    "unloaded": {**dict.fromkeys(("peak_to_peak", "separation", "rms"), "number"), "harmonics": "vector"},
+    "friction": dict.fromkeys(("oil", "friction_coefficient", "film", "rolling_frame", "thermal_factor"), "text"),
+}
+OPTIONAL_ATTRIBUTES = {"": {"modification_um": "text"}, "loaded": {"searched_segments": "number"}}
+
+
+def faults(tree: xr.DataTree) -> list[str]:
+    """What a result lacks, or has in another form, one phrase each; empty if it is whole.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> faults(tree)
+    []
+    >>> del tree["loaded"]["force"]
+    >>> faults(tree)
+    ["loaded: no numbers 'force' over torque, mesh_position, segment"]
+    """
+    layout = dict(VARIABLES)
+    if "friction" in tree.children:
+        layout["friction"] = FRICTION
+    found = [f"no group {name}" for name in layout if name not in tree.children]
+    if found:
+        return found
+    sizes: dict[str, int] = {}
+    for name, variables in layout.items():
+        group = tree[name].to_dataset()
+        found += [f"{name}: {fault}" for fault in _variable_faults(group, variables)]
+        for dimension in {dimension for dimensions in variables for dimension in dimensions} & set(group.sizes):
+            size = sizes.setdefault(dimension, group.sizes[dimension])
+            if not size or size != group.sizes[dimension]:
+                found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
+    for name, attributes in ATTRIBUTES.items():
+        if not name or name in layout:
+            own = (tree[name] if name else tree).attrs
+            found += [
+                f"{name or 'root'}: no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
+                for key, kind in attributes.items()
+                if key not in own or not _is(kind, own[key])
+            ]
+    for name, attributes in OPTIONAL_ATTRIBUTES.items():
+        own = (tree[name] if name else tree).attrs
+        found += [
+            f"{name or 'root'}: no {kind} in the attribute {key!r}"
+            for key, kind in attributes.items()
+            if key in own and not _is(kind, own[key])
+        ]
+    return found
+
+
+def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
+    for dimensions, names in variables.items():
+        for name in names:
+            if (
+                name not in group.variables
+                or set(group[name].dims) != set(dimensions)
+                or group[name].dtype.kind not in "fiu"
+            ):
+                yield f"no numbers {name!r} over {', '.join(dimensions)}"
+
+
+def _is(kind: str | int, value: Any) -> bool:
+    """Whether an attribute is a text, a finite number or a vector."""
+    if kind == "text":
+        return isinstance(value, str)
+    numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fiu" or not np.all(np.isfinite(numbers)):
+        return False
+    return bool(numbers.size == 1) if kind == "number" else kind == "vector" or numbers.shape == (kind,)

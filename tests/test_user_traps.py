@@ -1,0 +1,176 @@
+"""What a new user types or leaves lying about: refused with a message that says what to write, never misread."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import easeoff
+from easeoff.cases import case_text, read_case, write_case
+from easeoff.study.cli import main
+from easeoff.study.cli.command import Command
+from easeoff.study.plot import FRICTION_PICTURES, PICTURES
+from easeoff.study.plot.picture_files import pictures_of_results
+
+SMALL = ["mesh_positions = 3", "segments_per_line = 9", "lengthwise_nodes = 9", "profile_nodes = 7"]
+RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]
+WEAR = ["wear", "nasa-12x36", "-o", "{tmp}/x.nc"]
+FRICTION = "\n[friction]\nspeed = 500.0\n"
+
+
+def call(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def small_case(folder: Path, name: str = "nasa-12x36", more: str = "") -> Path:
+    path = folder / f"{name}.toml"
+    path.write_text(case_text(name).replace("[contact]", "[contact]\n" + "\n".join(SMALL)) + more, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Results of two pairs, the first with friction."""
+    folder = tmp_path_factory.mktemp("results")
+    for name, more in (("nasa-12x36", FRICTION), ("fm-11x41", "")):
+        said = call("run", small_case(folder, name, more), "-o", folder / f"{name}.nc", "--torque", "50")
+        assert said.exit_code == 0, said.output
+    return folder / "nasa-12x36.nc", folder / "fm-11x41.nc"
+
+
+def test_every_command_refuses_what_comes_twice() -> None:
+    assert all(isinstance(command, Command) for command in main.commands.values())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([*RUN, "--misalignment", "E=0.1", "--misalignment", "P=0.1"], "--misalignment: must come once, but comes tw"),
+        ([*RUN, "--torque", "5", "--torque", "6", "--torque=7"], "--torque: must come once, but comes 3 times"),
+        ([*RUN, "--output", "{tmp}/y.nc"], "--output: must come once"),
+        ([*RUN, "--flank", "drive", "--flank", "coast"], "--flank: must come once"),
+        ([*RUN, "--edge-contact", "--lines-only"], "--edge-contact/--lines-only: must come once"),
+        (["export", "nasa-12x36", "-o", "{tmp}/x.csv", "--rows", "3", "--rows", "4"], "--rows: must come once"),
+        ([*RUN, "--misalignment", "E=0.1,", "P=-0.1"], "--misalignment = 'E=0.1,': ends in a comma; leave out"),
+        ([*RUN, "--misalignment", "E=0.1", "P=-0.1"], "'P=-0.1': belongs to no option; a blank ends a value"),
+        ([*RUN, "--torque", "50,", "150"], "--torque = '50,': ends in a comma"),
+        ([*RUN, "--torque", "50", ",150"], "',150': belongs to no option"),
+        ([*RUN, "--torque", "50", "150"], "'150': belongs to no option"),
+        ([*RUN, "--torque", "50,5"], "in a list must increase, as in 5,50; a decimal has a point: 50.5"),
+        ([*RUN, "--torque", "30,0"], "'30,0': a decimal has a point: 30.0"),
+        ([*RUN, "--torque", "0,5"], "'0,5': a decimal has a point: 0.5"),
+        ([*RUN, "--torque", "50,05"], "'50,05': a decimal has a point: 50.05"),
+        ([*RUN, "--torque", "9" * 5000 + ",5"], "a decimal has a point"),
+        ([*RUN, "--speed", "500,5"], "whole numbers in a list must increase"),
+        ([*RUN, "--speed", "500", "--temperature", "90,5"], "a decimal has a point: 90.5"),
+        ([*RUN, "--speed", "500", "--roughness", "0,8"], "'0,8': a decimal has a point: 0.8"),
+        ([*RUN, "--speed", "500", "--roughness", "0.8/0,5"], "'0,5': a decimal has a point: 0.5"),
+        ([*RUN, "--speed", "500", "--friction-model", "0,06"], "decimals have a point: 0.06"),
+        ([*RUN, "--speed", "5:6:1"], "COUNT = 1: must lie between 2 and 10000"),
+        ([*RUN, "--misalignment", "E=0,1"], "'1' has no key; a decimal has a point"),
+        ([*WEAR, "--torque", "50,5", "--revolutions", "9"], "'50' has no share"),
+        ([*WEAR, "--torque", "100=0,7,300=0,3", "--revolutions", "9"], "'7' has no share"),
+        ([*WEAR, "--torque", "50", "--revolutions", "9,5"], "--revolutions = '9,5': must be one number; decimals"),
+        ([*WEAR, "--torque", "5", "--revolutions", "9", "--coefficient", "1,5e-12"], "a decimal has a point"),
+    ],
+)  # fmt: skip
+def test_values_that_would_be_misread_are_refused(arguments: list[str], words: str, tmp_path: Path) -> None:
+    said = call(*(argument.format(tmp=tmp_path) for argument in arguments))
+    assert said.exit_code == 2, said.output
+    assert words in " ".join(said.output.split())
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--misalignment", "E=0.1, P=-0.1"],
+        ["--misalignment", " E = 0.1 , P = -0.1 "],
+        ["--torque", "50, 150"],
+        ["--torque", "150.0,50"],
+        ["--torque", "50", "--speed", "500", "--temperature", "40.0,30", "--roughness", "0.8 / 0.4, 0.2"],
+    ],
+)  # fmt: skip
+def test_blanks_after_commas_and_lists_with_a_point_are_read(options: list[str], tmp_path: Path) -> None:
+    said = call("run", small_case(tmp_path), "-o", tmp_path / "x.nc", *options)
+    assert said.exit_code == 0, said.output
+    tree = easeoff.read_result(tmp_path / "x.nc")
+    if "--misalignment" in options:
+        assert [tree.attrs[f"misalignment_{key}_mm"] for key in ("offset", "pinion_axial")] == [0.1, -0.1]
+    if "--speed" in options:
+        assert list(tree["friction"].to_dataset()["roughness_pinion"].values) == [0.8, 0.2]
+        assert list(tree["friction"].to_dataset()["temperature"].values) == [40.0, 30.0]
+
+
+def test_pictures_of_another_result_do_not_stay(results: tuple[Path, Path], tmp_path: Path) -> None:
+    nasa, fm = results
+    folder = tmp_path / "pictures"
+    said = call("plot", nasa, folder)
+    assert said.exit_code == 0, said.output
+    assert "replaced" not in said.output
+    assert {path.stem for path in pictures_of_results(folder)} == {*PICTURES, *FRICTION_PICTURES}
+    own = {"photo.png": b"no picture at all", "notes.txt": b"mine"}
+    for name, content in own.items():
+        (folder / name).write_bytes(content)
+    said = call("plot", fm, folder)
+    assert said.exit_code == 0, said.output
+    titles = {name: read_case(name).title for name in ("nasa-12x36", "fm-11x41")}
+    assert f"replaced the pictures of {titles['nasa-12x36']!r}" in said.output
+    for name in FRICTION_PICTURES:
+        assert f"removed {folder / name}.png, a picture of an earlier result" in said.output
+    assert set(pictures_of_results(folder).values()) == {titles["fm-11x41"]}
+    assert {path.name for path in folder.iterdir()} == {*own, *(f"{name}.png" for name in PICTURES)}
+    assert all((folder / name).read_bytes() == content for name, content in own.items())
+
+
+def test_an_edited_case_is_not_replaced_unless_asked(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    write = ("convert", "nasa-12x36", "-o", path)
+    assert call(*write).exit_code == 0
+    assert call(*write).exit_code == 0  # nobody edited it
+    path.write_text(path.read_text(encoding="utf-8").replace("300.0", "250.0"), encoding="utf-8")
+    edited = path.read_bytes()
+    for refused in (write, ("design", "fm-11x41", "-o", path)):
+        said = call(*refused)
+        assert said.exit_code == 2
+        assert f"{path} was edited after easeoff wrote it: give another name, or --force" in said.output
+        assert path.read_bytes() == edited
+    said = call("optimize", "nasa-12x36", "-o", tmp_path / "best.nc", "--fitted-case", path)
+    assert "was edited after easeoff wrote it" in said.output
+    assert [found.name for found in tmp_path.iterdir()] == ["mine.toml"]
+    assert call(*write, "--force").exit_code == 0
+    assert read_case(path).contact.torques == read_case("nasa-12x36").contact.torques
+
+
+@pytest.mark.parametrize("content", [b"", b"# by hand\n", b"\xff\xfe", b"checksum"])
+def test_a_file_by_hand_is_not_replaced(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "hand.toml"
+    path.write_bytes(content)
+    said = call("convert", "nasa-12x36", "-o", path)
+    assert said.exit_code == 2
+    assert "hand.toml was not written by easeoff: give another name, or --force" in said.output
+    assert path.read_bytes() == content
+
+
+def test_the_checksum_is_of_the_lines_above_it(tmp_path: Path) -> None:
+    write_case(read_case("nasa-12x36"), tmp_path / "x.toml", "my pair")
+    *above, last = (tmp_path / "x.toml").read_text(encoding="utf-8").splitlines(keepends=True)
+    assert last.split()[-1] == hashlib.sha256("".join(above).encode()).hexdigest()[:12]
+
+
+def test_what_is_written_names_the_next_command(results: tuple[Path, Path], tmp_path: Path) -> None:
+    case = small_case(tmp_path)
+    problems, wear = tmp_path / "problems.nc", tmp_path / "wear.nc"
+    said = call("problems", case, "-o", problems, "--torque", "50")
+    assert said.output.endswith(f"next: easeoff compare {problems}\n")
+    said = call("wear", case, "-o", wear, "--torque", "50", "--revolutions", "1")
+    assert f"easeoff run {case} --deviation pinion={wear} --deviation gear={wear} -o RESULT.nc" in said.output
+    said = call("run", case, "-o", tmp_path / "x.nc", "--torque", "5:6:3", "--plots", tmp_path / "p")
+    assert said.exit_code == 2  # no such form for torques
+    many = ",".join(str(torque) for torque in range(10, 20))
+    said = call("run", case, "-o", tmp_path / "x.nc", "--torque", many, "--plots", tmp_path / "p")
+    assert "30 of 30 mesh positions certified at 10 torques from 10 to 19 N m; greatest pressure" in said.output
+    assert said.output.splitlines()[-1] == f"next: easeoff show {tmp_path / 'x.nc'}"
