@@ -44,6 +44,8 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
         ("torque", "order"): ("harmonic",),
     },
 }
+#: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
+OF_EACH_GROUP = {"pair"}
 #: Further ones of the group ``friction``, if there is one.
 FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     (*SEGMENTS, *CONDITIONS[1:]): ("friction_coefficient",),
@@ -98,7 +100,8 @@ def faults(tree: xr.DataTree) -> list[str]:
         group = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in _variable_faults(group, variables)]
         for dimension in {dimension for dimensions in variables for dimension in dimensions} & set(group.sizes):
-            size = sizes.setdefault(dimension, group.sizes[dimension])
+            shared = {} if dimension in OF_EACH_GROUP else sizes
+            size = shared.setdefault(dimension, group.sizes[dimension])
             if not size or size != group.sizes[dimension]:
                 found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
     for name, attributes in ATTRIBUTES.items():
