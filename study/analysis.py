@@ -121,7 +121,11 @@ def contact_analysis(
         "/loaded": loaded,
     }
     if state.teeth is not None and case.compliance.model == "fe":
-        groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
+        sharp = [tooth.no_root for tooth in state.teeth if tooth.root is None]
+        if sharp:
+            groups["/"].attrs["root_stress_left_out"] = "; ".join(sharp)
+        else:
+            groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
     return Analysis(xr.DataTree.from_dict(groups), cases)
 
 
@@ -144,6 +148,7 @@ def analyze(
     friction_model: FrictionModel | None = None,
     friction_feedback: bool | None = None,
     progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
     """Analyse a case from machine settings to certified loaded contact.
@@ -185,14 +190,17 @@ def analyze(
         not if left out.
     progress
         Called after every solved torque and mesh position.
+    stage
+        Called with the name of what takes long before it begins: each elastic tooth, then the loaded contact.
     **options
         Passed to the solver.
 
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; with finite elements ``root_stress``, and
-        if a speed is given ``friction``; where it came from in the attributes.
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; with finite elements ``root_stress``,
+        unless a blade has no edge radius (the attribute ``root_stress_left_out`` says which); if a speed is given
+        ``friction``; where it came from in the attributes.
 
     Raises
     ------
@@ -236,7 +244,10 @@ def analyze(
         deviated=deviated,
         interpolation=interpolation,
         modification=modification,
+        stage=stage,
     )
+    if stage is not None:
+        stage("loaded contact")
     found = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=progress, **options)
     if operation is not None:
         from ..friction import friction
@@ -300,6 +311,7 @@ def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[s
         "case": case.text or case.model_dump_json(),
         "solver": solver,
         "flank": state.flank,
+        "compliance_model": case.compliance.model,
         "edge_contact": int(edge_contact),
         "pinion_teeth": pair.assembly.pinion_teeth,
         "gear_teeth": pair.assembly.gear_teeth,

@@ -33,6 +33,7 @@ from easeoff.contact.compliance.finite_elements.solid_shell import (
 )
 from easeoff.contact.compliance.trial_polynomials import legendre
 from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.study import CaseInMesh
 
 Array = NDArray[Any]
 REFERENCE = Path(__file__).parent / "data" / "finite_element_teeth.npz"
@@ -255,8 +256,8 @@ def test_a_solid_shell_too_large_for_a_full_matrix_is_refused() -> None:
 
 
 def test_root_stress_wants_finite_elements() -> None:
-    lattice = SMALL
-    tooth = members.FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, np.eye(9)), None)
-    tree = easeoff.analyze(read_case("fm-11x41").model_copy(update={"contact": QUICK}))
+    state = CaseInMesh.of(read_case("fm-11x41").model_copy(update={"contact": QUICK}))
+    assert state.teeth is not None
+    loaded, cases = state.cycle.loaded([200.0])
     with pytest.raises(InputError, match='model = "fe"'):
-        root_stress(None, (tooth, tooth), [], tree["loaded"].to_dataset())  # type: ignore[arg-type]
+        root_stress(state.cycle.fields, state.teeth, cases, loaded)

@@ -104,8 +104,8 @@ def run(
             "--friction-model, --clamp-temperature and --friction-feedback must go with --speed or a table [friction]"
         )
     friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
-    with progress_bar(checked, options["torques"]) as step:
-        tree = analyze(checked, **with_defaults(options), **friction, progress=step)
+    with progress_bar(checked, options["torques"]) as shown:
+        tree = analyze(checked, **with_defaults(options), **friction, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:

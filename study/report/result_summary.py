@@ -16,6 +16,8 @@ from .plausibility import plausibility
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
+#: Words for the model of the teeth.
+TEETH = {"shell": "shells, ", "solid_shell": "solid shells, ", "fe": "finite elements, "}
 
 
 def efficiencies(friction: xr.Dataset) -> str:
@@ -189,7 +191,11 @@ def result_summary(tree: xr.DataTree) -> str:
     attrs = tree.attrs
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
-    parts = [title, "=" * len(title), "", _head(tree), "", f"Loaded contact, solver {solver}", ""]
+    # Older results do not say the model.
+    teeth = TEETH.get(attrs.get("compliance_model"), "")
+    where = "lines and edges" if attrs.get("edge_contact") else "lines alone"
+    contact = f"Loaded contact on {where}, {teeth}solver {solver}"
+    parts = [title, "=" * len(title), "", _head(tree), "", contact, ""]
     parts.append(_loaded_table(tree["loaded"].to_dataset()))
     if "root_stress" in tree.children:
         stresses = _root_stresses(tree["root_stress"].to_dataset())
