@@ -467,7 +467,11 @@ def test_forces_are_those_of_the_contact_at_the_torque_that_is_left(analysis: An
     assert left < 500.0
     case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
     # The greatest torque decides which edges are looked at: the same segments as in the analysis.
-    again = easeoff.analyze(case, torques=[left, max(CONTACT.torques)])["loaded"].to_dataset().isel(torque=0, mesh_position=2)
+    again = (
+        easeoff.analyze(case, torques=[left, max(CONTACT.torques)])["loaded"]
+        .to_dataset()
+        .isel(torque=0, mesh_position=2)
+    )
     force = here["force"].transpose("segment").values
     np.testing.assert_allclose(force, again["force"].values, atol=1e-7 * np.nanmax(force))
 

@@ -184,7 +184,7 @@ class ComplianceTable(Table):
             value = getattr(self, key)
             if "model" not in self.model_fields_set or value != field.default:
                 known = f'model = "{self.model}"' + ("" if "model" in self.model_fields_set else ", the default,")
-                also = '' if wanted == "shell" else ' or "fe"'
+                also = "" if wanted == "shell" else ' or "fe"'
                 raise ValueError(
                     f'{key} = {written(value)}: must go with model = "{wanted}"{also}; {known} does not know it'
                 )

@@ -192,7 +192,7 @@ def result_summary(tree: xr.DataTree) -> str:
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     title = attrs["title"]
     # Older results do not say the model.
-    teeth = TEETH.get(attrs.get("compliance_model"), "")
+    teeth = TEETH.get(attrs.get("compliance_model", ""), "")
     where = "lines and edges" if attrs.get("edge_contact") else "lines alone"
     contact = f"Loaded contact on {where}, {teeth}solver {solver}"
     parts = [title, "=" * len(title), "", _head(tree), "", contact, ""]
