@@ -48,7 +48,10 @@ MEANINGS = {
         "",
     ),
     "torques": ("torques at the pinion, one or more", "N m"),
-    "model": ("see [finite elements](finite_elements.md); `shell` is the dissertation's, and `plate` to `root_factor` go with it", ""),
+    "model": (
+        "see [finite elements](finite_elements.md); `shell` is the dissertation's, and `plate` to `root_factor` go with it",
+        "",
+    ),
     "plate": (
         "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
         "dissertation's",
