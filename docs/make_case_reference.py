@@ -49,7 +49,7 @@ MEANINGS = {
     ),
     "torques": ("torques at the pinion, one or more", "N m"),
     "model": (
-        "see [finite elements](finite_elements.md); `shell` is the dissertation's, and `plate` to `root_factor` go with it",
+        "see [finite elements](finite_elements.md); `plate` to `root_factor` go with `shell`, the dissertation's",
         "",
     ),
     "plate": (

@@ -266,7 +266,7 @@ def test_root_stress_wants_finite_elements() -> None:
 
 
 @pytest.mark.parametrize(("model", "teeth"), [("solid_shell", "solid shell"), ("shell", None)])
-def test_every_stage_is_named_before_it_begins(model: str, teeth: str | None) -> None:
+def test_every_stage_is_named_before_it_begins(model: Any, teeth: str | None) -> None:
     case = read_case("fm-11x41").model_copy(update={"contact": QUICK, "compliance": ComplianceTable(model=model)})
     said: list[str] = []
     easeoff.analyze(case, torques=[100.0], stage=said.append, progress=lambda: said.append("step"))
