@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, Literal, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
@@ -24,6 +25,7 @@ from ..geometry.design.synthesis import EaseOffTarget
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
+from ..geometry.tooth.tooth_flanks import MemberName
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
@@ -201,8 +203,19 @@ def materials(case: Case) -> tuple[Material, Material]:
     return pinion, gear
 
 
-def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
+def finite_elements(
+    case: Case, pair: GearPair, stage: Callable[[str], None] | None = None
+) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
     """Teeth of pinion and gear by finite elements or as solid shells, or ``None`` if the case wants plain shells.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    pair
+        Its gear pair.
+    stage
+        Called with the name of each tooth before it is built.
 
     Raises
     ------
@@ -213,11 +226,15 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
     if table.model == "shell":
         return None
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
+    what = "finite elements" if table.model == "fe" else "solid shell"
+
+    def tooth(member: MemberName, material: Material, rim_depth: float | None) -> FiniteElementTooth:
+        if stage is not None:
+            stage(f"{what} of the {member}")
+        return make(pair, member, material, fineness=table.fineness, rim_depth=rim_depth)
+
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
-    return (
-        make(pair, "pinion", pinion, fineness=table.fineness, rim_depth=of_pinion),
-        make(pair, "gear", gear, fineness=table.fineness, rim_depth=of_gear),
-    )
+    return tooth("pinion", pinion, of_pinion), tooth("gear", gear, of_gear)
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.checks import array
-from .compliance.elastic_model import ElasticModel, elastic_teeth, tooth_fields
+from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
@@ -104,8 +104,7 @@ def loaded_contact(
     >>> [case.solution.status.name for case in cases]
     ['CERTIFIED', 'CERTIFIED']
     """
-    on_lines = LineSegments(splines, mesh, elastic_teeth(teeth, model), segments_per_line)
-    segments = CycleSegments(splines, on_lines, model)
+    segments = CycleSegments(splines, LineSegments(splines, mesh, ElasticTeeth(teeth, model), segments_per_line))
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
-from .compliance.elastic_model import ElasticModel, ElasticTooth, elastic_teeth, solid_shells
+from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
 from .lines.closest_approach import SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations
@@ -84,14 +84,13 @@ class MeshCycle:
         Raises
         ------
         GeometryError
-            If no tooth pair can touch at any rotation, or a tooth cannot be made a solid shell.
+            If no tooth pair can touch at any rotation.
         """
-        model = model or solid_shells(geometry.pair)
         pitch = geometry.pair.assembly.pinion_pitch
         fields = _fields(geometry)
         lines = lines_at(fields, pitch, mesh_rotations(pitch, mesh_positions))
-        on_lines = LineSegments(fields, lines, elastic_teeth(geometry.teeth, model), segments_per_line)
-        return cls(geometry, CycleSegments(fields, on_lines, model))
+        teeth = ElasticTeeth(geometry.teeth, model, geometry.pair)
+        return cls(geometry, CycleSegments(fields, LineSegments(fields, lines, teeth, segments_per_line)))
 
     @property
     def fields(self) -> FlankSplines:
@@ -105,8 +104,14 @@ class MeshCycle:
 
     @property
     def elastic(self) -> tuple[ElasticTooth, ElasticTooth]:
-        """Elastic teeth of pinion and gear."""
-        return self.segments.on_lines.elastic
+        """Elastic teeth of pinion and gear, built when they are first asked for.
+
+        Raises
+        ------
+        GeometryError
+            If a tooth cannot be made a solid shell.
+        """
+        return self.segments.on_lines.teeth.both
 
     @property
     def ratio(self) -> float:
@@ -165,6 +170,8 @@ class MeshCycle:
         ------
         InputError
             If a torque is not positive.
+        GeometryError
+            If a tooth cannot be made a solid shell.
         """
         return solve_cycle(self.segments, np.asarray(torques), self.ratio, edge_contact, solver, options, progress)
 

@@ -12,7 +12,6 @@ from dissertation_radius import whole_sliding, with_radius_along_line
 from dissertation_tables import table
 from numpy.typing import NDArray
 
-import easeoff
 from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
 from easeoff.study import Analysis, CaseInMesh, contact_analysis
 from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps

@@ -55,6 +55,7 @@ def optimize(
     programmes: int = 40,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
 ) -> xr.DataTree:
     """Find the modification of a case's ease-off that is best under load, and analyse the case with it.
 
@@ -90,6 +91,8 @@ def optimize(
         Name of the contact solver.
     progress
         Called after every programme.
+    stage
+        Called with the name of what takes long before it begins: each elastic tooth, then the convex programmes.
 
     Returns
     -------
@@ -124,7 +127,9 @@ def optimize(
     whole("programmes", programmes, 1)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
-    own = CaseInMesh.of(checked, flank=flank)
+    own = CaseInMesh.of(checked, flank=flank, stage=stage)
+    if stage is not None:
+        stage("convex programmes")
     loaded, _ = own.cycle.loaded(case_torques(checked, torques), edge_contact=False, solver=solver)
     torque = loaded["torque"].values
     states = [own, *(own.misaligned(other) for other in misalignments)]

@@ -47,6 +47,7 @@ def wear(
     interpolation: Method = "spline",
     solver: str = "auto",
     progress: Callable[[float], None] | None = None,
+    stage: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Wear of both flanks of a pair, at one torque or a duty cycle.
 
@@ -65,6 +66,8 @@ def wear(
         As in ``analyze``; deviations are those at the start.
     progress
         Called after every step with the pinion's revolutions.
+    stage
+        Called with the name of what takes long before it begins: each elastic tooth, then the wear.
 
     Returns
     -------
@@ -98,7 +101,10 @@ def wear(
     checked, shares = checked_case(case), duty_cycle(torque)
     pair = prepared_pair(checked, flank, misalignment)
     start = flank_deviations(pair, deviations or {}, interpolation)
-    run = _Run(CaseInMesh.of(checked, flank=flank, misalignment=misalignment), law, shares, solver, start)
+    designed = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
+    if stage is not None:
+        stage("wear")
+    run = _Run(designed, law, shares, solver, start)
     history, completed = [run.state()], True
     while run.stop is None:
         try:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, ContactTable, gear_pair, read_case
-from easeoff.contact import STEEL, ElasticModel
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.contact import STEEL, ElasticModel, root_stress
 from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
@@ -43,7 +44,7 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.lattice_spacing import graded
-from easeoff.study import result_summary
+from easeoff.study import CaseInMesh, plausibility, result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)
@@ -361,7 +362,8 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     tree = quick_analysis("fm-11x41")
     loaded = tree["loaded"].to_dataset()
     assert np.all(loaded["status"] == 0)
-    shell = easeoff.analyze(read_case("fm-11x41").model_copy(update={"contact": QUICK}))["loaded"].to_dataset()
+    shells = {"contact": QUICK, "compliance": ComplianceTable(model="shell")}
+    shell = easeoff.analyze(read_case("fm-11x41").model_copy(update=shells))["loaded"].to_dataset()
     assert loaded["mean_level"].item() == pytest.approx(shell["mean_level"].item(), rel=0.1)
     assert not np.allclose(loaded["mean_level"], shell["mean_level"], rtol=1e-6)
     stress = tree["root_stress"].to_dataset()
@@ -374,6 +376,22 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     shown = result_summary(tree).splitlines()
     expected = ["300", *(f"{value:.0f}" for value in stress["max_root_stress"].values[0])]
     assert shown[-1].split() == expected
+
+
+def test_a_blade_without_edge_radius_has_no_root_stress() -> None:
+    """The contact is analysed; the function refuses, and the result says why it has no such group."""
+    tree = quick_analysis("nasa-12x36")
+    assert np.all(tree["loaded/status"] == 0)
+    assert "root_stress" not in tree.children
+    for words in ("pinion's concave flank", "gear's convex flank", "tool_edge_radius = 0", "give the edge radius"):
+        assert words in tree.attrs["root_stress_left_out"]
+    (note,) = [note for note in plausibility(tree) if "root stress" in note]
+    assert note in result_summary(tree)
+    state = CaseInMesh.of(with_elements("nasa-12x36"))
+    assert state.teeth is not None
+    loaded, cases = state.cycle.loaded([100.0])
+    with pytest.raises(InputError, match=r"tool_edge_radius = 0 of the pinion's concave flank: must be above 0 mm"):
+        root_stress(state.cycle.fields, state.teeth, cases, loaded)
 
 
 def test_condensed_teeth_stand_in_for_the_shells() -> None:

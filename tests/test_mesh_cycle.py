@@ -155,7 +155,8 @@ def test_teeth_are_solid_shells_unless_another_model_is_given() -> None:
             assert isinstance(own, FlankCompliance)
             assert isinstance(other, FlankCompliance)
             np.testing.assert_array_equal(own.factor, other.factor)
-    worn = deviated_pair(of_case.geometry.pair, gear=deviation_from_formula(of_case.geometry.pair.gear.section, GEAR_ERRORS))
+    pair = of_case.geometry.pair
+    worn = deviated_pair(pair, gear=deviation_from_formula(pair.gear.section, GEAR_ERRORS))
     np.testing.assert_array_equal(solid_shells(worn).condensed[1].factor, of_case.elastic[1].factor)  # type: ignore[index, union-attr]
     assert all(isinstance(tooth, Shell) for tooth in MeshCycle.of(of_case.geometry, ElasticModel()).elastic)
 

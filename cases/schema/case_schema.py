@@ -176,18 +176,14 @@ class ComplianceTable(Table):
 
     @model_validator(mode="after")
     def _of_one_model(self) -> Self:
-        own, wanted = (BRICK_KEYS, "shell") if self.model != "shell" else (SHELL_KEYS, "solid_shell")
-        for key, field in type(self).model_fields.items():
-            if key == "model" or key in own or key not in self.model_fields_set:
-                continue
-            # With the model itself given, a key of another model at its default is that of a table written in full.
+        foreign, wanted = (BRICK_KEYS, '"solid_shell" or "fe"') if self.model == "shell" else (SHELL_KEYS, '"shell"')
+        chosen = "model" in self.model_fields_set
+        for key in sorted(foreign & self.model_fields_set):
             value = getattr(self, key)
-            if "model" not in self.model_fields_set or value != field.default:
-                known = f'model = "{self.model}"' + ("" if "model" in self.model_fields_set else ", the default,")
-                also = '' if wanted == "shell" else ' or "fe"'
-                raise ValueError(
-                    f'{key} = {written(value)}: must go with model = "{wanted}"{also}; {known} does not know it'
-                )
+            # With the model itself given, a key of another model at its default is that of a table written in full.
+            if not chosen or value != type(self).model_fields[key].default:
+                here = f'it is "{self.model}"' + ("" if chosen else ", the default")
+                raise ValueError(f"{key} = {written(value)}: must go with model = {wanted}; {here}")
         return self
 
 

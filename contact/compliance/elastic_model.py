@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -129,6 +130,46 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
 def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth, ElasticTooth]:
     """Pinion and gear as the model has them, else as shells."""
     return shells(teeth, model) if model.condensed is None else model.condensed
+
+
+@dataclass(frozen=True)
+class ElasticTeeth:
+    """Elastic teeth of a pair, built when they are first asked for: unloaded contact does without them.
+
+    Parameters
+    ----------
+    plates
+        The geometry's ``teeth``.
+    given
+        Elastic model; ``None`` for solid shells of steel.
+    pair
+        The gear pair; it may be ``None`` with a model.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> [type(tooth).__name__ for tooth in ElasticTeeth(geometry.teeth, None, geometry.pair).both]
+    ['FlankCompliance', 'FlankCompliance']
+    """
+
+    plates: xr.Dataset
+    given: ElasticModel | None
+    pair: GearPair | None = None
+
+    @cached_property
+    def model(self) -> ElasticModel:
+        """Elastic model of both."""
+        if self.given is not None:
+            return self.given
+        assert self.pair is not None
+        return solid_shells(self.pair)
+
+    @cached_property
+    def both(self) -> tuple[ElasticTooth, ElasticTooth]:
+        """Pinion and gear."""
+        return elastic_teeth(self.plates, self.model)
 
 
 def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from .command import Command
+from .analysis_options import show_stage
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, force_option, misalignment, next_commands, output_option, torques
 
@@ -96,7 +97,7 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
     checked = read_case(case)
     bar: Any
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
-        tree = optimized(checked, progress=bar.update, **options)
+        tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
     click.echo(optimization_report(tree))
     click.echo(f"\nwrote {output}")

@@ -119,8 +119,8 @@ def run(
             "table [friction]"
         )
     friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
-    with progress_bar(checked, options["torques"]) as step:
-        tree = analyze(checked, **with_defaults(options), **friction, progress=step)
+    with progress_bar(checked, options["torques"]) as shown:
+        tree = analyze(checked, **with_defaults(options), **friction, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     click.echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:

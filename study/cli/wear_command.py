@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .analysis_options import pair_options, with_defaults
+from .analysis_options import pair_options, show_stage, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import coefficients, duty_cycle, next_commands, output_option
@@ -58,8 +58,9 @@ def wear(
 ) -> None:
     """Wear the flanks of CASE step by step.
 
-    The file holds depth and contact of every step. The contact is that on lines alone, without tooth edges. The worn flanks are deviations: '--deviation pinion=FILE
-    --deviation gear=FILE' continues the wear, or analyses the worn pair in 'easeoff run'.
+    The file holds depth and contact of every step; the contact is that on lines alone, without tooth edges. The worn
+    flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
+    in 'easeoff run'.
     """
     from tqdm import tqdm
 
@@ -72,7 +73,12 @@ def wear(
     bar: Any
     with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
         history = worn(
-            case, law, torque=torque, progress=lambda done: bar.update(done - bar.n), **with_defaults(options)
+            case,
+            law,
+            torque=torque,
+            progress=lambda done: bar.update(done - bar.n),
+            stage=lambda name: show_stage(bar, name),
+            **with_defaults(options),
         )
     with whole_file(output) as temporary:
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")

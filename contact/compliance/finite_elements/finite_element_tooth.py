@@ -14,7 +14,7 @@ from scipy.sparse import hstack
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....geometry.pair.gear_pair import GearPair
-from ....geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
+from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (
     DEPTH_PER_HEIGHT,
     SHELL_HINT,
@@ -48,11 +48,14 @@ class FiniteElementTooth:
     flank
         Compliance of its loaded flank.
     root
-        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough.
+        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough, and for a sharp root.
+    no_root
+        Why there is no stress; empty if there is.
     """
 
     flank: FlankCompliance
     root: StressResponse | None
+    no_root: str = ""
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
@@ -116,7 +119,20 @@ def finite_element_tooth(
         {**of_flank, "stations": (None,), "stress": (None, None, 6, of_flank["factor"][1])},
         lambda: _condensed(tooth_lattice(pair, member, size, rim_depth), material, member),
     )
-    return FiniteElementTooth(_flank(found), StressResponse(found["stations"], found["stress"]))
+    reason = _sharp_root(pair, member)
+    root = None if reason else StressResponse(found["stations"], found["stress"])
+    return FiniteElementTooth(_flank(found), root, reason)
+
+
+def _sharp_root(pair: GearPair, member: MemberName) -> str:
+    """Why the root of the loaded side has no stress to compute; empty if it has a fillet."""
+    surface = named_member(pair, member).loaded
+    if surface.blade.edge_radius > 0.0:
+        return ""
+    return (
+        f"tool_edge_radius = 0 of the {member}'s {side(surface)} flank: must be above 0 mm for a root stress, as the "
+        "stress in a sharp root has no limit; give the edge radius of its blade"
+    )
 
 
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
@@ -163,7 +179,7 @@ def solid_shell_tooth(
         _flank_arrays(size),
         lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member),
     )
-    return FiniteElementTooth(_flank(found), None)
+    return FiniteElementTooth(_flank(found), None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
 
 def _tooth(pair: GearPair, member: MemberName) -> tuple[Any, ...]:
