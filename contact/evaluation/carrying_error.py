@@ -73,12 +73,12 @@ class CarryingError:
         time, values = self._cycle
         return np.interp(self.step(rotation) % self.passage.per_cycle, time, values)
 
-    def least_slope(self, rotation: Array) -> Array:
-        """Derivative of ``least`` by the pinion rotation; between both at a kink."""
+    @property
+    def steepest(self) -> float:
+        """Greatest size of the slope of ``least`` by the pinion rotation [1]."""
         time, values = self._cycle
-        step = self.pinion_pitch / self.passage.per_cycle / FINE_STEP_COUNT
-        around = np.concatenate([values[-2:-1], values, values[1:2]])
-        return np.interp(self.step(rotation) % self.passage.per_cycle, time, (around[2:] - around[:-2]) / (2.0 * step))
+        spacing = (time[1] - time[0]) * self.pinion_pitch / self.passage.per_cycle
+        return float(np.max(np.abs(np.diff(values)))) / spacing
 
     def step(self, rotation: Array) -> Array:
         """Steps of pinion rotations [rad]."""

@@ -153,6 +153,25 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
         axes.set_ylabel("height [mm]", fontsize=SMALL_SIZE, color=GREY, labelpad=2)
 
 
+def shared_aspect(views: tuple[ToothView, ...]) -> float:
+    """Height over width of a window in which each of the views finds room, to one scale."""
+    left, right, bottom, top = np.array([view.window for view in views]).T
+    return float(np.max(top - bottom) / np.max(right - left))
+
+
+def side_by_side(panels: NDArray[Any]) -> None:
+    """Bring flanks that stand side by side to one scale, their numbers clear of the names of their edges."""
+    wide, high = (
+        max(float(np.ptp(limits)) for limits in (getattr(axes, f"get_{which}lim")() for axes in panels.flat))
+        for which in "xy"
+    )
+    for axes in panels.flat:
+        for which, extent in (("x", wide), ("y", high)):
+            middle = float(np.mean(getattr(axes, f"get_{which}lim")()))
+            getattr(axes, f"set_{which}lim")(middle - 0.5 * extent, middle + 0.5 * extent)
+        axes.tick_params(axis="y", pad=15, length=0)
+
+
 def tick_step(extent: float) -> float:
     """Round step that divides an extent into about six parts.
 
