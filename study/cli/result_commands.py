@@ -20,7 +20,14 @@ def show(result: Path) -> None:
 @click.command()
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path))
-def plot(result: Path, folder: Path) -> None:
+@click.option(
+    "--marking",
+    type=float,
+    metavar="THICKNESS",
+    show_default="that of the result",
+    help="Thickness of the marking compound of the unloaded pattern in um.",
+)
+def plot(result: Path, folder: Path, marking: float | None) -> None:
     """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER."""
     from ...core.files import check_folder
     from ..plot import write_pictures
@@ -28,5 +35,5 @@ def plot(result: Path, folder: Path) -> None:
 
     tree = read_result(result)
     check_folder(folder, "pictures")
-    for picture in write_pictures(tree, folder):
+    for picture in write_pictures(tree, folder, marking=marking):
         click.echo(f"wrote {picture}")

@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     "--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help="Folder for pictures."
 )
 @click.option(
+    "--marking",
+    type=float,
+    metavar="THICKNESS",
+    show_default="contact.separation of the case",
+    help="Thickness of the marking compound of the unloaded pattern in um.",
+)
+@click.option(
     "--speed",
     callback=numbers,
     metavar="N1,N2,...",
@@ -69,6 +76,7 @@ def run(
     case: str,
     output: Path,
     plots: Path | None,
+    marking: float | None,
     speed: Any,
     oil: str | None,
     temperature: Any,
@@ -105,7 +113,7 @@ def run(
         )
     friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
     with progress_bar(checked, options["torques"]) as step:
-        tree = analyze(checked, **with_defaults(options), **friction, progress=step)
+        tree = analyze(checked, **with_defaults(options), **friction, marking=marking, progress=step)
     write_result(tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:
