@@ -128,14 +128,21 @@ def test_least_gap_is_the_smallest_between_the_flanks_over_all_rotations(name: s
     start = np.reshape(exact.pinion_parameters, (2, -1))[:, chosen]
     roll = cycle.fields("roll_angle", nodes).ravel()[chosen]
     first_contact = float(geometry.ease_off.attrs["first_contact_rad"])
+
+    def gap(column: int, rotation: float) -> float:
+        closing = first_contact + float(error.least(np.array(rotation)))
+        at = (slice(None), slice(column, column + 1))
+        turned = rotation + exact.motion.center
+        return float(flank_gap(exact.motion, position[at], normal[at], turned, closing, start[at]).gap[0])
+
     for column, rotation in enumerate(roll):
-        gaps = []
-        for beyond in np.linspace(-0.02, 0.02, 121):
-            closing = first_contact + float(error.least(np.array(rotation + beyond)))
-            at = (slice(None), slice(column, column + 1))
-            turned = rotation + beyond + exact.motion.center
-            gaps.append(float(flank_gap(exact.motion, position[at], normal[at], turned, closing, start[at]).gap[0]))
-        assert found[chosen[column]] == pytest.approx(1e3 * min(gaps), abs=0.06)
+        best, reach = float(rotation), 0.06
+        for _ in range(2):
+            tried = best + np.linspace(-reach, reach, 41)
+            gaps = [gap(column, one) for one in tried]
+            best, reach = float(tried[np.argmin(gaps)]), reach / 20.0
+        # Far from its roll angle a point's gap is known from an expansion of third order.
+        assert found[chosen[column]] == pytest.approx(1e3 * min(gaps), abs=0.06, rel=0.02)
 
 
 def test_print_is_the_union_of_the_contact_lines_within_the_thickness() -> None:
@@ -173,7 +180,8 @@ def test_a_thicker_compound_prints_more_up_to_the_common_flank() -> None:
     areas = [MarkingPrint.of(cycle.fields, error, s).region(plane).area for s in (0.01, 3.0, 6.0, 20.0, 900.0)]
     assert np.all(np.diff(areas) > 0.0)
     grid = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in (401, 201)), indexing="ij"))
-    jacobian = np.linalg.det(np.moveaxis([(plane(grid + d) - plane(grid)) / 1e-6 for d in STEPS], (0, 1), (-1, -2)))
+    columns = np.stack([(plane(grid + d) - plane(grid)) / 1e-6 for d in STEPS])
+    jacobian = np.linalg.det(np.moveaxis(columns, (0, 1), (-1, -2)))
     common = np.mean(jacobian * (boundary_distance(cycle.fields, grid) > 0.0))
     assert areas[-1] == pytest.approx(common, rel=0.01)
 
@@ -379,8 +387,10 @@ def test_light_load_is_an_analysis_at_one_percent_of_the_greatest_torque() -> No
     tree = tree_of("fm-11x41", edges=True)
     light, torques = tree["light_load"].to_dataset(), coarse("fm-11x41").contact.torques
     assert light["torque"].values.tolist() == [0.01 * max(torques)]
-    assert tree["loaded"]["torque"].values.tolist() == list(torques)
-    again = analyze(coarse("fm-11x41"), torques=light["torque"].values, edge_contact=True)["loaded"].to_dataset()
+    assert tree["loaded"].to_dataset()["torque"].values.tolist() == list(torques)
+    again = analyze(coarse("fm-11x41"), torques=light["torque"].values.tolist(), edge_contact=True)[
+        "loaded"
+    ].to_dataset()
     for name in ("transmission_error", "max_pressure", "contact_ratio", "pattern_length"):
         np.testing.assert_allclose(light[name], again[name], rtol=1e-9)
 
@@ -410,7 +420,8 @@ def test_key_numbers_are_those_of_the_tree_with_units() -> None:
         np.testing.assert_array_equal(numbers[name], loaded[name])
     np.testing.assert_array_equal(numbers["max_load_share"], loaded["load_share"].max(("mesh_position", "pair")))
     assert numbers["certified_positions"].values.tolist() == [8, 8, 8]
-    for name, variable in numbers.variables.items():
+    for key, variable in numbers.variables.items():
+        name = str(key)
         assert variable.dtype.kind in "fi", name
         assert "long_name" in variable.attrs, name
         assert {"units", "flag_meanings"} & variable.attrs.keys(), name
@@ -448,7 +459,7 @@ def test_show_fits_a_terminal(name: str) -> None:
 
 
 def test_many_torques_are_shown_below_each_other() -> None:
-    tree = analyze(coarse("nasa-12x36"), torques=np.arange(1.0, 13.0) * 20.0)
+    tree = analyze(coarse("nasa-12x36"), torques=(np.arange(1.0, 13.0) * 20.0).tolist())
     text = result_summary(tree)
     assert max(len(line) for line in text.splitlines()) <= 100
     assert text.count("torque at the pinion [N m]") == 3

@@ -71,14 +71,14 @@ class CarryingError:
     def least(self, rotation: Array) -> Array:
         """Transmission error [rad] of the pair that carries, at any pinion rotations (...) [rad]."""
         time, values = self._cycle
-        return np.interp(self.step(rotation) % self.passage.per_cycle, time, values)
+        return np.asarray(np.interp(self.step(rotation) % self.passage.per_cycle, time, values))
 
     @property
     def steepest(self) -> float:
         """Greatest size of the slope of ``least`` by the pinion rotation [1]."""
         time, values = self._cycle
         spacing = (time[1] - time[0]) * self.pinion_pitch / self.passage.per_cycle
-        return float(np.max(np.abs(np.diff(values)))) / spacing
+        return float(np.max(np.abs(np.diff(values))) / spacing)
 
     def step(self, rotation: Array) -> Array:
         """Steps of pinion rotations [rad]."""

@@ -49,10 +49,10 @@ def _greatest(splines: FlankSplines, sign: float) -> float:
         axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, shape, strict=True)]
         points = np.stack(np.meshgrid(*axes, indexing="ij"))
         roll = np.where(boundary_distance(splines, points) >= 0.0, sign * splines("roll_angle", points), -np.inf)
-        at = np.unravel_index(int(np.argmax(roll)), shape)
-        best = max(best, float(roll[at]))
+        row, column = np.unravel_index(int(np.argmax(roll)), shape)
+        best = max(best, float(roll[row, column]))
         reach = 2.0 * (high - low) / (np.array(shape) - 1)
-        low, high = (np.clip(points[(slice(None), *at)] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
+        low, high = (np.clip(points[:, row, column] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
         shape = ZOOM_GRID
     return best
 
