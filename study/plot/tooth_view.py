@@ -161,14 +161,15 @@ def shared_aspect(views: tuple[ToothView, ...]) -> float:
 
 def side_by_side(panels: NDArray[Any]) -> None:
     """Bring flanks that stand side by side to one scale, their numbers clear of the names of their edges."""
-    wide, high = (
-        max(float(np.ptp(limits)) for limits in (getattr(axes, f"get_{which}lim")() for axes in panels.flat))
-        for which in "xy"
-    )
-    for axes in panels.flat:
-        for which, extent in (("x", wide), ("y", high)):
-            middle = float(np.mean(getattr(axes, f"get_{which}lim")()))
-            getattr(axes, f"set_{which}lim")(middle - 0.5 * extent, middle + 0.5 * extent)
+    limits = np.array([[axes.get_xlim(), axes.get_ylim()] for axes in panels.flat])  # (axes, x and y, low and high)
+    extent = np.max(limits[..., 1] - limits[..., 0], axis=0)
+    step = tick_step(float(extent[0]))
+    for axes, own in zip(panels.flat, limits, strict=True):
+        low, high = own.mean(axis=1) - 0.5 * extent, own.mean(axis=1) + 0.5 * extent
+        axes.set_xticks(np.arange(0.0, own[0, 1], step))
+        axes.set_yticks(np.arange(0.0, own[1, 1], step))
+        axes.set_xlim(low[0], high[0])
+        axes.set_ylim(low[1], high[1])
         axes.tick_params(axis="y", pad=15, length=0)
 
 
