@@ -189,6 +189,16 @@ def test_a_thicker_compound_prints_more_up_to_the_common_flank() -> None:
 STEPS = np.array([[1e-6, 0.0], [0.0, 1e-6]]).reshape(2, 2, 1, 1)
 
 
+def test_without_unloaded_contact_the_numbers_are_nan() -> None:
+    cycle = cycle_of("fm-11x41")
+    nothing = cycle.unloaded()
+    nothing["transmission_error"] = nothing["transmission_error"] * np.nan
+    found = with_unloaded_numbers(cycle, nothing)
+    for name in ("contact_ratio", "pattern_length", "pattern_centre_profile"):
+        assert math.isnan(found[name].item())
+    assert np.all(np.isnan(found["least_gap"]))
+
+
 # --- the contact ratio
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -85,9 +86,12 @@ class CarryingError:
         return np.asarray((rotation - self.start) / self.pinion_pitch * self.passage.per_cycle)
 
     @cached_property
-    def _single(self) -> PchipInterpolator:
+    def _single(self) -> Callable[[Array], Array]:
+        if not self.is_known:
+            return lambda steps: np.full(np.shape(steps), np.nan)
         known = np.isfinite(self.passage.values)
-        return PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
+        single = PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
+        return lambda steps: np.asarray(single(steps))
 
     @cached_property
     def _cycle(self) -> tuple[Array, Array]:
@@ -96,4 +100,5 @@ class CarryingError:
         time = np.arange(count * FINE_STEP_COUNT + 1) / FINE_STEP_COUNT
         ahead = np.arange(self.passage.steps[0] // count - 1, self.passage.steps[-1] // count + 2) * count
         errors = self._single(time + ahead[:, None])
-        return time, np.where(np.isfinite(errors), errors, np.inf).min(axis=0)
+        least = np.where(np.isfinite(errors), errors, np.inf).min(axis=0)
+        return time, np.where(np.isfinite(least), least, np.nan)

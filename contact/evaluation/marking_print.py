@@ -50,7 +50,8 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below:
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
     >>> error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
-    >>> bool(least_gap(cycle.fields, error, np.array([0.5, 0.5])) < 6.0)
+    >>> middle, corner = least_gap(cycle.fields, error, np.array([[0.65, 0.02], [0.3, 0.98]]))
+    >>> bool(middle < 6.0 < corner)
     True
     """
     flat = np.reshape(points, (2, -1))
