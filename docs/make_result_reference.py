@@ -1,4 +1,6 @@
-"""Write the tables of variables in ``results.md`` from an actual analysis, a coarse one of a shipped case.
+"""Write what is computed in ``results.md``: a summary of ``easeoff show``, and the tables of variables.
+
+The summary is that of a shipped case, the tables are from a coarse analysis of one.
 
 ``python docs/make_result_reference.py`` updates the page; with ``--print`` it only prints the tables.
 """
@@ -16,6 +18,7 @@ import easeoff
 from easeoff.cases import ContactTable, gear_pair
 from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.geometry import GlobalErrors, deviation_from_formula
+from easeoff.study import result_summary
 
 PAGE = Path(__file__).with_name("results.md")
 COARSE = ContactTable(torques=(100.0,), mesh_positions=3, segments_per_line=3, lengthwise_nodes=7, profile_nodes=7)
@@ -59,10 +62,18 @@ def described(variables: Mapping[Hashable, xr.DataArray]) -> str:
     return "\n".join(rows)
 
 
+def summary() -> str:
+    """What ``easeoff show`` prints of the page's first example, but for the rounding that is its residual."""
+    lines = result_summary(easeoff.analyze("nasa-12x36", torques=[50.0, 150.0])).splitlines()
+    return "\n".join(["```text", *(line for line in lines if not line.startswith("worst residual")), "```"])
+
+
 def updated(page: str, tree: xr.DataTree) -> str:
-    """The page with its generated part, between two comments, made anew."""
-    begin, end = "<!-- begin generated: variables -->", "<!-- end generated: variables -->"
-    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n\n{result_tables(tree)}\n\n{end}", page, flags=re.DOTALL)
+    """The page with its generated parts, each between two comments, made anew."""
+    for name, made in (("summary", summary()), ("variables", result_tables(tree))):
+        begin, end = f"<!-- begin generated: {name} -->", f"<!-- end generated: {name} -->"
+        page = re.sub(f"{begin}.*{end}", f"{begin}\n\n{made}\n\n{end}".replace("\\", r"\\"), page, flags=re.DOTALL)
+    return page
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -71,23 +72,26 @@ class CarryingError:
     def least(self, rotation: Array) -> Array:
         """Transmission error [rad] of the pair that carries, at any pinion rotations (...) [rad]."""
         time, values = self._cycle
-        return np.interp(self.step(rotation) % self.passage.per_cycle, time, values)
+        return np.asarray(np.interp(self.step(rotation) % self.passage.per_cycle, time, values))
 
-    def least_slope(self, rotation: Array) -> Array:
-        """Derivative of ``least`` by the pinion rotation; between both at a kink."""
+    @property
+    def steepest(self) -> float:
+        """Greatest size of the slope of ``least`` by the pinion rotation [1]."""
         time, values = self._cycle
-        step = self.pinion_pitch / self.passage.per_cycle / FINE_STEP_COUNT
-        around = np.concatenate([values[-2:-1], values, values[1:2]])
-        return np.interp(self.step(rotation) % self.passage.per_cycle, time, (around[2:] - around[:-2]) / (2.0 * step))
+        spacing = (time[1] - time[0]) * self.pinion_pitch / self.passage.per_cycle
+        return float(np.max(np.abs(np.diff(values))) / spacing)
 
     def step(self, rotation: Array) -> Array:
         """Steps of pinion rotations [rad]."""
         return np.asarray((rotation - self.start) / self.pinion_pitch * self.passage.per_cycle)
 
     @cached_property
-    def _single(self) -> PchipInterpolator:
+    def _single(self) -> Callable[[Array], Array]:
+        if not self.is_known:
+            return lambda steps: np.full(np.shape(steps), np.nan)
         known = np.isfinite(self.passage.values)
-        return PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
+        single = PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
+        return lambda steps: np.asarray(single(steps))
 
     @cached_property
     def _cycle(self) -> tuple[Array, Array]:
@@ -96,4 +100,5 @@ class CarryingError:
         time = np.arange(count * FINE_STEP_COUNT + 1) / FINE_STEP_COUNT
         ahead = np.arange(self.passage.steps[0] // count - 1, self.passage.steps[-1] // count + 2) * count
         errors = self._single(time + ahead[:, None])
-        return time, np.where(np.isfinite(errors), errors, np.inf).min(axis=0)
+        least = np.where(np.isfinite(errors), errors, np.inf).min(axis=0)
+        return time, np.where(np.isfinite(least), least, np.nan)

@@ -29,6 +29,8 @@ ZOOM_ROUND_COUNT, ZOOM_GRID = 5, (41, 41)  # each round looks at a window of fou
 def roll_limits(splines: FlankSplines) -> tuple[float, float]:
     """Least and greatest roll angle on the common flank [rad]: a tooth pair has contact lines in between.
 
+    NaN if the common flank is too small to be found.
+
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
@@ -49,18 +51,20 @@ def _greatest(splines: FlankSplines, sign: float) -> float:
         axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, shape, strict=True)]
         points = np.stack(np.meshgrid(*axes, indexing="ij"))
         roll = np.where(boundary_distance(splines, points) >= 0.0, sign * splines("roll_angle", points), -np.inf)
-        at = np.unravel_index(int(np.argmax(roll)), shape)
-        best = max(best, float(roll[at]))
+        row, column = np.unravel_index(int(np.argmax(roll)), shape)
+        best = max(best, float(roll[row, column]))
         reach = 2.0 * (high - low) / (np.array(shape) - 1)
-        low, high = (np.clip(points[(slice(None), *at)] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
+        low, high = (np.clip(points[:, row, column] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
         shape = ZOOM_GRID
-    return best
+    return best if np.isfinite(best) else float("nan")
 
 
 def unloaded_contact_ratio(
     splines: FlankSplines, unloaded: xr.Dataset, error: CarryingError, limits: tuple[float, float], separation: float
 ) -> float:
     """Contact ratio without load: where a pair is no further apart than a separation, measured along the normal.
+
+    NaN if the pair's transmission error is not known.
 
     Parameters
     ----------
@@ -86,8 +90,10 @@ def unloaded_contact_ratio(
     >>> error = CarryingError.of(unloaded, cycle.pinion_pitch)
     >>> limits = roll_limits(cycle.fields)
     >>> [round(unloaded_contact_ratio(cycle.fields, unloaded, error, limits, s), 1) for s in (1e-6, 1e6)]
-    [1.0, 2.1]
+    [1.0, 2.6]
     """
+    if not error.is_known:
+        return float("nan")
     places = np.stack([unloaded[n].transpose("pair", "mesh_position").values for n in PATH], axis=-1)
     passage = tooth_passage(unloaded["pair"].values, places)
     known = np.all(np.isfinite(passage.values), axis=1)

@@ -109,4 +109,4 @@ def grid_triangles(shape: tuple[int, ...]) -> NDArray[np.int64]:
 def _areas(corners: Array) -> Array:
     """Areas (m) of triangles (2, m, 3)."""
     first, second = corners[..., 1] - corners[..., 0], corners[..., 2] - corners[..., 0]
-    return np.abs(0.5 * (first[0] * second[1] - first[1] * second[0]))
+    return np.asarray(np.abs(0.5 * (first[0] * second[1] - first[1] * second[0])))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..lines.closest_approach import SEPARATION_FIELDS, gap_beside
+from ..lines.closest_approach import SEPARATION_FIELDS, gap_beside, still_opens
 from ..lines.contact_lines import boundary_distance, curvature_and_skew
 from ..lines.flank_splines import FlankSplines
 from .carrying_error import CarryingError
@@ -17,10 +18,13 @@ from .projection_plane import ProjectionPlane
 
 Array = NDArray[Any]
 PRINT_GRID = (241, 121)  # points along the face and the profile
+SHIFT_LIMIT = 0.125  # of the pitch, between a point's roll angle and the rotation at which its gap is least
+SHIFT_ROUND_COUNT, SHIFT_SAMPLE_COUNT = 2, 17  # of the search for that rotation
+GAIN_MINIMUM = 0.001  # [um]; where the search could close less of the gap it is left out
 BORDER_SLOPE = 20.0  # of the excess, by the distance from the boundary of the common flank
 
 
-def least_gap(splines: FlankSplines, error: CarryingError, points: Array) -> Array:
+def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below: float = np.inf) -> Array:
     """Least gap (...) [um] at points of the gear flank over the mesh, the carrying pair in contact.
 
     A point whose pinion rotation is ``d`` beyond its roll angle has the gap ``a - e + c d^2 / 2 + s d^3 / 6`` with its
@@ -35,6 +39,8 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array) -> Arr
         Transmission error of the unloaded pair.
     points
         Lengthwise and profile fractions (2, ...) on the gear.
+    below
+        Gaps above it need not be the least [um].
 
     Examples
     --------
@@ -44,21 +50,42 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array) -> Arr
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
     >>> error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
-    >>> bool(least_gap(cycle.fields, error, np.array([0.5, 0.5])) < 6.0)
+    >>> middle, corner = least_gap(cycle.fields, error, np.array([[0.65, 0.02], [0.3, 0.98]]))
+    >>> bool(middle < 6.0 < corner)
     True
     """
-    value = splines.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], points)
+    flat = np.reshape(points, (2, -1))
+    value = splines.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], flat)
     curvature, skew = curvature_and_skew(*(value[name] for name in SEPARATION_FIELDS))
-    roll = value["roll_angle"]
-
-    def gap(beyond: Array) -> Array:
-        return gap_beside(value["ease_off_angle"], curvature, skew, beyond) - error.least(roll + beyond)
-
+    roll, ease_off, arm = (value[name] for name in ("roll_angle", "ease_off_angle", "lever_arm"))
+    gap = ease_off - error.least(roll)
+    # The gap is least where the error falls as fast as the flanks open: c d is at most the error's greatest slope.
+    limit = SHIFT_LIMIT * error.pinion_pitch
     with np.errstate(divide="ignore", invalid="ignore"):
-        beside = np.where(curvature > 0.0, error.least_slope(roll) / curvature, 0.0)
-    limit = error.pinion_pitch / error.passage.per_cycle
-    both = np.minimum(gap(np.zeros_like(roll)), gap(np.clip(beside, -limit, limit)))
-    return np.asarray(1e3 * both * value["lever_arm"])
+        reach = np.where(curvature > 0.0, np.minimum(error.steepest / curvature, limit), limit)
+    gain = 1e3 * arm * error.steepest * reach
+    searched = np.flatnonzero((gain > GAIN_MINIMUM) & (1e3 * arm * gap - gain < below))
+
+    def beside(beyond: Array) -> Array:
+        opens = still_opens(curvature[searched], skew[searched], beyond) | (beyond == 0.0)
+        opening = gap_beside(ease_off[searched], curvature[searched], skew[searched], beyond)
+        return np.where(opens, opening - error.least(roll[searched] + beyond), np.inf)
+
+    gap[searched] = _least(beside, reach[searched])
+    return np.asarray((1e3 * arm * gap).reshape(np.shape(points)[1:]))
+
+
+def _least(function: Callable[[Array], Array], reach: Array) -> Array:
+    """Least values (n) of a function of arguments (k, n) no further from zero than the reach (n)."""
+    sample = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT)[:, None]
+    best, least = np.zeros_like(reach), np.full(reach.shape, np.inf)
+    for _ in range(SHIFT_ROUND_COUNT):
+        tried = best + sample * reach
+        found = function(tried)
+        chosen = np.argmin(found, axis=0)[None]
+        best, least = (np.take_along_axis(values, chosen, axis=0)[0] for values in (tried, found))
+        reach = 2.0 * reach / (SHIFT_SAMPLE_COUNT - 1)
+    return least
 
 
 @dataclass(frozen=True)
@@ -97,7 +124,7 @@ class MarkingPrint:
         """Print of a compound of a thickness [um], on a grid of a shape; other arguments as of ``least_gap``."""
         points = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
         beyond = -BORDER_SLOPE * boundary_distance(splines, points)
-        return cls(points, np.maximum(least_gap(splines, error, points) / thickness - 1.0, beyond))
+        return cls(points, np.maximum(least_gap(splines, error, points, 2.0 * thickness) / thickness - 1.0, beyond))
 
     def region(self, plane: ProjectionPlane) -> FlankRegion:
         """The printed part of the flank."""

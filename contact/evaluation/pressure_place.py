@@ -55,7 +55,6 @@ class PressurePlace:
 
     Examples
     --------
-    >>> import easeoff
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.contact import MeshCycle
     >>> from easeoff.geometry import pair_geometry
@@ -63,7 +62,7 @@ class PressurePlace:
     >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
     >>> loaded, _ = cycle.loaded([100.0])
     >>> PressurePlace.of(loaded.isel(torque=0), cycle.fields).line_end.name
-    'INSIDE'
+    'PINION_TIP'
     """
 
     mesh_position: float
@@ -125,8 +124,8 @@ def nearest_border(splines: FlankSplines, point: Array) -> LineEnd:
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> fields = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).fields
-    >>> nearest_border(fields, np.array([0.5, 0.98])).name
-    'GEAR_TIP'
+    >>> nearest_border(fields, np.array([0.99, 0.5])).name
+    'GEAR_HEEL'
     """
     point = np.clip(point, 0.0, 1.0)
     names = ["pinion_lengthwise", "pinion_profile", "blade_distance"]

@@ -29,8 +29,8 @@ class ProjectionPlane:
     Examples
     --------
     >>> plane = ProjectionPlane(np.array([[0.0, 30.0, 0.0, 0.0], [0.0, 0.0, 8.0, 2.0]]))
-    >>> plane(np.array([1.0, 1.0])).tolist(), plane.face_width
-    ([30.0, 10.0], 30.0)
+    >>> plane(np.array([1.0, 1.0])).tolist()
+    [30.0, 10.0]
     """
 
     coefficients: Array
@@ -63,8 +63,3 @@ class ProjectionPlane:
         """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...)."""
         t, h = points
         return np.asarray(np.tensordot(self.coefficients, np.stack([np.ones_like(t), t, h, t * h]), axes=1))
-
-    @property
-    def face_width(self) -> float:
-        """Length of the flank at half height [mm]."""
-        return float(np.hypot(*(self.coefficients[:, 1] + 0.5 * self.coefficients[:, 3])))

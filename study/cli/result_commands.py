@@ -27,7 +27,14 @@ def show(result: Path) -> None:
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path))
-def plot(result: Path, folder: Path) -> None:
+@click.option(
+    "--marking",
+    type=float,
+    metavar="THICKNESS",
+    show_default="that of the result",
+    help="Thickness of the marking compound of the unloaded pattern in um.",
+)
+def plot(result: Path, folder: Path, marking: float | None) -> None:
     """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER.
 
     Pictures of another result in FOLDER are replaced or removed.
@@ -37,16 +44,16 @@ def plot(result: Path, folder: Path) -> None:
 
     tree = read_result(result)
     check_folder(folder, "pictures")
-    draw(tree, folder)
+    draw(tree, folder, marking=marking)
 
 
-def draw(tree: xr.DataTree, folder: Path) -> None:
+def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:
     """Write the pictures of a result, and say which were written and whose were replaced or removed."""
     from ..plot import write_pictures
     from ..plot.picture_files import pictures_of_results
 
     before = pictures_of_results(folder)
-    for picture in write_pictures(tree, folder):
+    for picture in write_pictures(tree, folder, marking=marking):
         click.echo(f"wrote {picture}")
     for title in sorted({title for title in before.values() if title != tree.attrs.get("title", "")}):
         click.echo(f"replaced the pictures of {printable(title)!r}")

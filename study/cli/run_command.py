@@ -29,6 +29,13 @@ if TYPE_CHECKING:
     "--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help="Folder for pictures."
 )
 @click.option(
+    "--marking",
+    type=float,
+    metavar="THICKNESS",
+    show_default="contact.separation of the case",
+    help="Thickness of the marking compound of the unloaded pattern in um.",
+)
+@click.option(
     "--speed",
     callback=numbers,
     metavar="N1,N2,...",
@@ -81,6 +88,7 @@ def run(
     case: str,
     output: Path,
     plots: Path | None,
+    marking: float | None,
     speed: Any,
     oil: str | None,
     temperature: Any,
@@ -120,7 +128,8 @@ def run(
         )
     friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
     with progress_bar(checked, options["torques"]) as shown:
-        tree = analyze(checked, **with_defaults(options), **friction, progress=shown.step, stage=shown.stage)
+        given = {**with_defaults(options), **friction, "marking": marking}
+        tree = analyze(checked, **given, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     click.echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:

@@ -31,8 +31,8 @@ from .page import (
     page,
     torque_name,
 )
-from .pressure_chart import draw_surface, pressure_levels, side_by_side
-from .tooth_view import ToothView, draw_flank
+from .pressure_chart import draw_surface, pressure_levels
+from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
 
 Array = NDArray[Any]
 FLANK_NAMES = {"gear": "gear flank", "pinion": "pinion flank"}
@@ -59,13 +59,15 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...], marking: float | None 
     thickness = separation if marking is None else marking
     light = tree["light_load"].to_dataset().isel(torque=0) if "light_load" in tree.children else None
     rows = 2 if light is None else 3
-    height = rows * ((WIDTH - 0.9) / 2 * max(view.aspect for view in views) + 0.28) + 0.35 + LEGEND_HEIGHT
-    figure = page(tree, "Contact pattern", height, f"contact lines drawn where the gap is within {separation:g} µm")
+    height = rows * ((WIDTH - 0.9) / 2 * shared_aspect(views) + 0.28) + 0.35 + LEGEND_HEIGHT
+    figure = page(tree, "Contact pattern", height, f"contact lines where the gap is within {separation:g} µm")
     panels = figure.subplots(rows, 2, squeeze=False)
-    side_by_side(panels)
     pattern = contact_pattern(unloaded, views[0].fields)
-    printed = marking_print(tree, views[0], thickness)
-    region = None if printed is None else printed.region(views[0].plane)
+    error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
+    printed, region = None, None
+    if error.is_known:
+        printed = MarkingPrint.of(views[0].fields, error, thickness, DRAWN_GRID)
+        region = MarkingPrint.of(views[0].fields, error, thickness).region(views[0].plane)
     surface = None if light is None else pressure_map(light)
     for column, view in enumerate(views):
         name, left = FLANK_NAMES[view.member], column == 0
@@ -84,14 +86,9 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...], marking: float | None 
             _title(
                 panels[2, column], f"light load, {torque_name(float(light['torque']))}", _light(light) if left else ""
             )
+    side_by_side(panels)
     legend_at_foot(figure, _entries(), LEGEND_HEIGHT)
     return figure
-
-
-def marking_print(tree: xr.DataTree, view: ToothView, thickness: float) -> MarkingPrint | None:
-    """Print of a marking compound of a thickness [um]; ``None`` if the result has no unloaded contact."""
-    error = CarryingError.of(tree["unloaded"].to_dataset(), 2.0 * math.pi / tree.attrs["pinion_teeth"])
-    return MarkingPrint.of(view.fields, error, thickness, DRAWN_GRID) if error.is_known else None
 
 
 def draw_print(axes: Axes, view: ToothView, printed: MarkingPrint, region: FlankRegion) -> None:

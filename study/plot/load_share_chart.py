@@ -81,9 +81,10 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
     axes.yaxis.set_major_locator(MultipleLocator(0.25))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
     axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
-    pairs = mean_pairs_in_contact(at_torque)
+    # Older results lack the contact ratio.
+    pairs = float(at_torque["contact_ratio"]) if "contact_ratio" in at_torque else mean_pairs_in_contact(at_torque)
     missing = "some mesh positions missing" if np.any(np.isfinite(course.values)) else "no certified solution"
-    text = f"{pairs:.2f} pairs under load on average" if np.isfinite(pairs) else missing
+    text = f"contact ratio {pairs:.2f}" if np.isfinite(pairs) else missing
     axes.set_title(text, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
 
 

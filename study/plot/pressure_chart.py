@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
 from ...contact.solvers import Status
 from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, WIDTH, evenly_chosen, page, plain_bar, torque_name
-from .tooth_view import ToothView, draw_flank
+from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
 
 PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
 LEVEL_COUNT = 24
@@ -30,7 +30,7 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...]) -> Figure:
     note = "+ peak, dashed: boundary of the common flank"
     note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
     # What the axis labels and the colour bar leave of the page's width.
-    height = chosen.size * ((WIDTH - 1.6) / 2 * max(view.aspect for view in views) + 0.27) + 0.35
+    height = chosen.size * ((WIDTH - 1.6) / 2 * shared_aspect(views) + 0.27) + 0.35
     figure = page(tree, "Contact pressure over the mesh cycle, gear and pinion flank", height, note)
     panels = figure.subplots(chosen.size, 2, squeeze=False)
     peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
@@ -48,13 +48,6 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...]) -> Figure:
         bar = figure.colorbar(shading, ax=list(panels.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
         plain_bar(bar, "greatest contact pressure [MPa]")
     return figure
-
-
-def side_by_side(panels: NDArray[Any]) -> None:
-    """Align flanks that stand side by side, and keep their height's numbers clear of the names of their edges."""
-    for axes in panels.flat:
-        axes.set_anchor("N")
-        axes.tick_params(axis="y", pad=15, length=0)
 
 
 def pressure_levels(peak: float) -> NDArray[Any]:

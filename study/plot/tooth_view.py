@@ -153,6 +153,26 @@ def draw_flank(axes: Axes, view: ToothView, *, boundary: bool = True, labels: tu
         axes.set_ylabel("height [mm]", fontsize=SMALL_SIZE, color=GREY, labelpad=2)
 
 
+def shared_aspect(views: tuple[ToothView, ...]) -> float:
+    """Height over width of a window in which each of the views finds room, to one scale."""
+    left, right, bottom, top = np.array([view.window for view in views]).T
+    return float(np.max(top - bottom) / np.max(right - left))
+
+
+def side_by_side(panels: NDArray[Any]) -> None:
+    """Bring flanks that stand side by side to one scale, their numbers clear of the names of their edges."""
+    limits = np.array([[axes.get_xlim(), axes.get_ylim()] for axes in panels.flat])  # (axes, x and y, low and high)
+    extent = np.max(limits[..., 1] - limits[..., 0], axis=0)
+    step = tick_step(float(extent[0]))
+    for axes, own in zip(panels.flat, limits, strict=True):
+        low, high = own.mean(axis=1) - 0.5 * extent, own.mean(axis=1) + 0.5 * extent
+        axes.set_xticks(np.arange(0.0, own[0, 1], step))
+        axes.set_yticks(np.arange(0.0, own[1, 1], step))
+        axes.set_xlim(low[0], high[0])
+        axes.set_ylim(low[1], high[1])
+        axes.tick_params(axis="y", pad=15, length=0)
+
+
 def tick_step(extent: float) -> float:
     """Round step that divides an extent into about six parts.
 
