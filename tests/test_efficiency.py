@@ -124,10 +124,10 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
         assert found["formula_flags"] == easeoff.friction.formula_flags(conditions)
 
 
-@pytest.mark.parametrize("direction", ["across", "along"])
+@pytest.mark.parametrize("direction", ["across", "line", "trace"])
 def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, dissertation: Any, direction: str) -> None:
     """The line load that film and traction take from the pressure is force over length, whatever the radius."""
-    contacts = loaded_contacts(dissertation.with_radius_along_line(tree) if direction == "along" else tree)
+    contacts = loaded_contacts(dissertation.with_radius_along(tree, direction) if direction != "across" else tree)
     conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
     np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
 
@@ -239,7 +239,7 @@ def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree, 
     cosine = np.sum(along * gear["principal_direction"].values, axis=-1) / np.linalg.norm(along, axis=-1)
     first, second = np.moveaxis(1e3 * gear["principal_curvature"].values, -1, 0)
     of_gear = np.abs(first * cosine**2 + second * (1.0 - cosine**2))[nodes["lengthwise"], nodes["profile"]]
-    np.testing.assert_allclose(dissertation.radii_along_line(tree, points), 1.0 / (of_pinion + of_gear), rtol=2e-3)
+    np.testing.assert_allclose(dissertation.radii_along(tree, points, "line"), 1.0 / (of_pinion + of_gear), rtol=2e-3)
     # Nearly conjugate flanks: one is about as hollow as the other is round.
     np.testing.assert_allclose(of_pinion, of_gear, rtol=0.15)
 
@@ -261,14 +261,14 @@ def test_radius_along_the_line_of_known_surfaces(dissertation: Any) -> None:
     ease_off = xr.Dataset(action | {"roll_angle": (("lengthwise", "profile"), 0.1 * v)}, coords=coords)
     gear = xr.Dataset(flank(120.0, "xyz"), coords=coords).expand_dims(member=["gear"])
     tree = xr.DataTree.from_dict({"ease_off": ease_off, "flanks": gear})
-    found = dissertation.radii_along_line(tree, np.array([[0.3], [0.6]]))
+    found = dissertation.radii_along(tree, np.array([[0.3], [0.6]]), "line")
     assert found == pytest.approx(80e-3 * 120e-3 / 200e-3, rel=1e-6)
 
 
 def test_radius_along_the_line_changes_film_and_coefficient_alone(
     tree: xr.DataTree, result: xr.Dataset, dissertation: Any
 ) -> None:
-    along = dissertation.with_radius_along_line(tree)
+    along = dissertation.with_radius_along(tree, "line")
     other = friction(along, OPERATION)
     xr.testing.assert_identical(other["sliding_velocity"], result["sliding_velocity"])
     # With film and pressure by Pan and Hamrock: h ~ R (U^0.694 W^-0.128) at the same force.
@@ -383,7 +383,7 @@ def test_claims_on_efficiency(designs: dict[str, xr.Dataset]) -> None:
 @pytest.fixture(scope="module")
 def as_printed(dissertation: Any) -> dict[str, xr.Dataset]:
     """With the radius that the dissertation seems to have, at 1500 / min, 500 N m, 90 degC, 0.8 um."""
-    trees = {letter: dissertation.with_radius_along_line(analysed(f"fh-design-{letter}").tree) for letter in "ab"}
+    trees = {letter: dissertation.with_radius_along(analysed(f"fh-design-{letter}").tree, "line") for letter in "ab"}
     return {
         letter: friction(tree, Operation(1500.0, 90.0, 0.8))
         .assign(equivalent_radius=tree["loaded"]["equivalent_radius"])

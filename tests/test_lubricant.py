@@ -182,7 +182,7 @@ def test_slope_of_the_viscosity_is_exact_where_the_oil_follows_the_law() -> None
 
 # --- from a data sheet
 
-SHEET = {"viscosity_40": 220.0, "viscosity_100": 19.0, "density": 895.0, "base_oil": "mineral"}
+SHEET: dict[str, Any] = {"viscosity_40": 220.0, "viscosity_100": 19.0, "density": 895.0, "base_oil": "mineral"}
 
 
 def test_a_data_sheet_is_met_at_its_own_temperatures() -> None:
