@@ -146,7 +146,7 @@ def claims_on_maps(direction: Direction = "across") -> list[tuple[str, str, bool
     for name, text in said.items():
         values_of = [found[name].values for found in (a, b)]
         if name == "equivalent_radius":  # of the whole flank: figure 5.8 knows no torque
-            values_of = [result(letter, direction)["loaded"][name].values for letter in DESIGNS]
+            values_of = [result(letter, direction)["loaded"].to_dataset()[name].values for letter in DESIGNS]
         medians = [float(inner(values)[2]) for values in values_of]
         digits = 1 if name == "equivalent_radius" else 4 if name == "friction_coefficient" else 2
         values = f"median {medians[0]:.{digits}f} and {medians[1]:.{digits}f}"

@@ -244,6 +244,25 @@ def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree, 
     np.testing.assert_allclose(of_pinion, of_gear, rtol=0.15)
 
 
+def test_radius_along_the_tooth_trace_is_that_of_both_flanks_shapes(tree: xr.DataTree, dissertation: Any) -> None:
+    """The trace is the line of constant height on the gear; the pinion's curvature there from its shape operator."""
+    ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
+    nodes = {"lengthwise": slice(6, -6), "profile": slice(4, -4)}
+    points = np.stack(np.meshgrid(*(ease_off[n].values[within] for n, within in nodes.items()), indexing="ij"))
+    axes, fields = axes_of(ease_off), action_splines(ease_off)
+    # The trace in space: what is left of the way of the points of action once the gear is turned back.
+    moved, turned = (fields.evaluate([name], points, (1, 0))[name] for name in ("position", "roll_angle"))
+    _, of_gear = axes.velocities(fields.evaluate(["position"], points)["position"])
+    trace = moved - turned * of_gear
+    trace = trace / np.sqrt(dot(trace, trace))
+    of_pinion = np.abs(dot(shape_operators(axes, fields, points)[0](trace), trace))
+    tangent = np.gradient(gear["position"].values, axis=0)
+    cosine = np.sum(tangent * gear["principal_direction"].values, axis=-1) / np.linalg.norm(tangent, axis=-1)
+    first, second = np.moveaxis(1e3 * gear["principal_curvature"].values, -1, 0)
+    bend = np.abs(first * cosine**2 + second * (1.0 - cosine**2))[nodes["lengthwise"], nodes["profile"]]
+    np.testing.assert_allclose(dissertation.radii_along(tree, points, "trace"), 1.0 / (of_pinion + bend), rtol=2e-3)
+
+
 def test_radius_along_the_line_of_known_surfaces(dissertation: Any) -> None:
     """Lines that are circles of one radius on the pinion and of another on the gear, in planes of their own."""
     u, v = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 8), indexing="ij")
