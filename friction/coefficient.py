@@ -193,7 +193,10 @@ def model_name(model: str | float | CoefficientModel) -> str:
     """Name of a model of the friction coefficient: its own, that of the function, or the number."""
     if isinstance(model, str):
         return model
-    return getattr(model, "__name__", "own") if callable(model) else f"{model:g}"
+    if not callable(model):
+        return f"{model:g}"
+    function = getattr(model, "func", model)  # of functools.partial
+    return str(getattr(function, "__name__", type(function).__name__))
 
 
 def contact_conditions(

@@ -68,7 +68,7 @@ class OilState:
     --------
     >>> state = lubricant("75w90").at([60.0, 120.0], out_of_range="clamp")
     >>> state.viscosity.round(4), state.clamped
-    (array([0.0352, 0.0106]), array([False,  True]))
+    (array([0.0341, 0.0106]), array([False,  True]))
     """
 
     viscosity: Array

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -228,6 +229,18 @@ def test_the_refusal_counts_and_shows_the_first_contact() -> None:
     here = {"equivalent_radius": 0.02, "rolling_velocity": 2.0, "slide_to_roll": 0.3, "roughness": 0.4e-6}
     with pytest.raises(InputError, match=r"gives -0.05 at 2 of 3 contacts .* first at 600 MPa, radius 20 mm"):
         friction_coefficient(negative, hertz_pressure=[0.4e9, 0.6e9, 0.8e9], **here)
+
+
+def test_partial_functions_and_objects_are_named_too() -> None:
+    class Slippery:
+        def __call__(self, c: ContactConditions) -> Any:
+            return -1.0
+
+    here: dict[str, Any] = {"hertz_pressure": 1e9, "equivalent_radius": 0.02, "rolling_velocity": 2.0}
+    here |= {"slide_to_roll": 0.3, "roughness": 0.4e-6}
+    for model, name in ((Slippery(), "Slippery"), (partial(negative), "negative")):
+        with pytest.raises(InputError, match=f"coefficient = {name}: gives -"):
+            friction_coefficient(model, **here)
 
 
 def test_models_that_give_whole_numbers_or_one_number_are_taken(tree: xr.DataTree) -> None:
