@@ -39,6 +39,7 @@ CONTACT = ContactTable(
     segments_per_line=15,
     lengthwise_nodes=21,
     profile_nodes=15,
+    edge_contact=False,
 )
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
 
@@ -48,7 +49,10 @@ def replace_torques(torques: tuple[float, ...]) -> ContactTable:
 
 
 def small_case(name: str) -> Case:
-    return easeoff.read_case(name).model_copy(update={"contact": CONTACT})
+    """A coarse case with the dissertation's model: shells for teeth, and contact on the contact lines alone."""
+    case = easeoff.read_case(name)
+    shell = case.compliance.model_copy(update={"model": "shell"})
+    return case.model_copy(update={"contact": CONTACT, "compliance": shell})
 
 
 def analysed(name: str, torques: Sequence[float] | None = None, **options: Any) -> Analysis:
@@ -321,7 +325,7 @@ def test_a_stored_result_gives_the_same(tree: xr.DataTree, result: xr.Dataset, t
 
 
 def test_analyze_adds_the_group(result: xr.Dataset) -> None:
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
+    case = small_case("fh-design-a")
     found = easeoff.analyze(case, speed=1500.0, temperature=90.0, roughness=[0.2, 0.8])["friction"].to_dataset()
     expected = result["efficiency"].sel(speed=[1500.0], temperature=[90.0]).isel(roughness=[0, 2])
     xr.testing.assert_allclose(found["efficiency"], expected)
@@ -478,7 +482,7 @@ def test_forces_are_those_of_the_contact_at_the_torque_that_is_left(analysis: An
     here = fed_back.sel(speed=1500.0, temperature=90.0, roughness=0.8, torque=500.0).isel(mesh_position=2)
     left = 1e-3 * float((here["force"] * loaded["lever_arm"].sel(torque=500.0).isel(mesh_position=2)).sum()) * 12 / 41
     assert left < 500.0
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
+    case = small_case("fh-design-a")
     again = easeoff.analyze(case, torques=[left])["loaded"].to_dataset().isel(torque=0, mesh_position=2)
     force = here["force"].transpose("segment").values
     np.testing.assert_allclose(force, again["force"].values, atol=1e-7 * np.nanmax(force))
@@ -504,7 +508,7 @@ def test_feedback_ends_whatever_friction_takes(analysis: Analysis, coefficient: 
 
 
 def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: Analysis) -> None:
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
+    case = small_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
     whole = contact_analysis(CaseInMesh.of(case))
     found = friction_feedback(whole.tree, whole.cases, Operation(3000.0, 30.0, 0.8))
     assert np.all(found["status"] == Status.NOT_CONVERGED)
@@ -708,6 +712,7 @@ def test_command_line(tmp_path: Path) -> None:
     [
         (["--oil", "75w90"], "without a speed"),
         (["--friction-feedback"], "go with --speed"),
+        (["--film-heating", "none"], "go with --speed"),
         (["--speed", "fast"], "FROM:TO:COUNT"),
         (["--speed", "1:2:3:4"], "FROM:TO:COUNT"),
         (["--speed", "-5"], "speed = -5"),

@@ -47,8 +47,9 @@ CONTACT = ContactTable(
 
 @pytest.fixture(scope="module")
 def tree() -> xr.DataTree:
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
-    return easeoff.analyze(case, edge_contact=False)
+    case = easeoff.read_case("fh-design-a")
+    shell = case.compliance.model_copy(update={"model": "shell"})
+    return easeoff.analyze(case.model_copy(update={"contact": CONTACT, "compliance": shell}), edge_contact=False)
 
 
 def with_friction(tree: xr.DataTree, found: xr.Dataset) -> xr.DataTree:
@@ -151,6 +152,16 @@ def test_a_clamped_temperature_is_told(tree: xr.DataTree) -> None:
 
 def test_every_flag_has_words() -> None:
     assert set(INPUTS) == set(FLAGS)
+
+
+def test_notes_go_with_the_feedback_too() -> None:
+    case = easeoff.read_case("nasa-12x36").model_copy(update={"contact": CONTACT})
+    tree = easeoff.analyze(
+        case, torques=100.0, speed=[30.0, 1500.0], roughness=[0.8, 3.0], friction_feedback=True, edge_contact=False
+    )
+    found = tree["friction"].to_dataset()
+    assert found["extrapolated_share"].sizes == {"torque": 1, "speed": 2, "temperature": 1, "roughness": 2}
+    assert "100 % of the power loss at 100 N m, 30 / min" in range_notes(found)[0]
 
 
 def test_an_older_result_has_no_notes(tree: xr.DataTree) -> None:

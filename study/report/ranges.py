@@ -74,7 +74,7 @@ def _formula(friction: xr.Dataset, named: bool) -> list[str]:
             friction["formula_flag"].values, friction["flagged_share"].isel(place).values, strict=True
         ):
             parts[INPUTS[int(flag)]] = parts.get(INPUTS[int(flag)], 0.0) + float(share)
-        largest = sorted(parts, key=lambda name: -parts[name])
+        largest = sorted(parts, key=lambda name: -round(parts[name], 4))  # alike but for rounding stay in order
         told = [name for name in largest if parts[name] >= TOLD_SHARE]
         inputs = [name for name in told if name != "coefficient"] or told or largest[:1]
         found.append(
