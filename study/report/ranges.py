@@ -9,6 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...friction.formula_range import TOLD_THINNING
+
 #: Input that a flag of ``/friction/formula_flags`` is about.
 INPUTS = {
     1: "slide-to-roll ratio",
@@ -31,7 +33,6 @@ CONDITIONS = ("torque", "speed", "temperature", "roughness")
 #: Least part of the power loss that is told: a pitch line, where nothing slides, has one or two per cent.
 TOLD_SHARE = 0.05
 TOLD_TRANSITION = 0.1  # the same where two expressions of a formula meet
-TOLD_THINNING = 0.1  # least thinning of the film by heat that is told
 
 
 def range_notes(friction: xr.Dataset, at: Mapping[str, int] | None = None) -> list[str]:
