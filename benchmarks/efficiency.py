@@ -25,7 +25,7 @@ from tabulate import tabulate
 
 TORQUES = np.linspace(100.0, 1000.0, 10)
 OPERATION = Operation(np.linspace(150.0, 3000.0, 20), [30.0, 50.0, 75.0, 100.0], [0.1, 0.35, 0.6, 0.85, 1.0])
-MODELS = ("kolivand", "kolivand_blended", "xu_kahraman", "benedict_kelly", "constant")
+MODELS = ("kolivand_blended", "kolivand", "mixed_lubrication", "xu_kahraman", "benedict_kelly", "constant")
 
 
 def main() -> None:

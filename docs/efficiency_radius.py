@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
-from dissertation_method import by_its_method
 from dissertation_tables import table
-from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, result, with_direction
-
-from easeoff.study import CaseInMesh, contact_analysis
+from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, analysed_as_there, result, with_direction
 
 
 def everywhere() -> str:
-    """Table: equivalent radius across and along the contact line, over the flank and where there is load."""
+    """Table: equivalent radius by each reading, over the flank and where there is load."""
     rows: list[tuple[object, ...]] = []
     printed = dict(zip(DESIGNS, PRINTED["equivalent radius [mm]"], strict=True))
     for letter in DESIGNS:
-        for direction in DIRECTIONS:
+        for direction, words in DIRECTIONS.items():
             found = result(letter, direction)["loaded"].to_dataset().sel(torque=AT["torque"])
             radius, force = found["equivalent_radius"], found["force"]
             middle = radius.where(np.abs(found["profile"] - 0.5) < 0.1)
             ends = (middle.where(found["lengthwise"] < 0.1), middle.where(found["lengthwise"] > 0.9))
             rows.append(
                 (
-                    f"{letter.upper()}, {direction} the line",
+                    f"{letter.upper()}, {words}",
                     f"{float(radius.min()):.0f} to {float(radius.max()):.0f}",
                     f"{float(radius.where(force > 0).min()):.0f} to {float(radius.where(force > 0).max()):.0f}",
                     " to ".join(f"{float(end.mean()):.0f}" for end in ends),
@@ -37,8 +34,8 @@ def chapter_four() -> str:
     """Table: greatest pressure of the pairs of chapter 4 at 200 N m."""
     rows: list[tuple[object, ...]] = []
     for name, printed in (("fh-12x41-45", "to 800"), ("fm-11x41", "to 1200, with a loaded edge")):
-        tree = contact_analysis(CaseInMesh.of(by_its_method(name)), 200.0).tree
+        tree = analysed_as_there(name, 200.0).tree
         loaded = (with_direction(tree, direction)["loaded"].to_dataset() for direction in DIRECTIONS)
         pressures = (float(found["max_pressure"].sel(torque=200.0)) for found in loaded)
         rows.append((f"`{name}`", *(f"{pressure:.0f}" for pressure in pressures), printed))
-    return table(rows, ["greatest pressure [MPa]", "across", "along the line", "dissertation"])
+    return table(rows, ["greatest pressure [MPa]", *DIRECTIONS.values(), "dissertation"])

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from dissertation_method import by_its_method
-from dissertation_radius import whole_sliding, with_radius_along_line
+from dissertation_radius import whole_sliding, with_radius_along
 from dissertation_tables import table
 from numpy.typing import NDArray
 
@@ -18,16 +20,19 @@ from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 
 Array = NDArray[Any]
-# The equivalent radius across the contact line, or along it as the dissertation seems to have it.
-Direction = Literal["across", "along"]
-DIRECTIONS: tuple[Direction, ...] = ("across", "along")
+# The equivalent radius across the contact line, as the text says, or along it or the tooth trace, as figure 5.8 has it.
+Direction = Literal["across", "line", "trace"]
+DIRECTIONS: dict[Direction, str] = {
+    "across": "across the line", "line": "along the line", "trace": "along the tooth trace"
+}  # fmt: skip
+THEIRS = FrictionModel("kolivand")  # the formula as it is printed, with its steps
 
 DESIGNS = {"a": "fh-design-a", "b": "fh-design-b"}
 TORQUES = (100.0, 500.0, 1000.0)
 SPEEDS = np.linspace(100.0, 3000.0, 30)
 ROUGHNESSES = np.linspace(0.1, 1.3, 13)
 AT = {"torque": 500.0, "speed": 1500.0, "temperature": 90.0, "roughness": 0.8}
-HEADS = ("", ", radius along the line", ", dissertation")
+HEADS = (*(f", {words}" for words in DIRECTIONS.values()), ", dissertation")
 # Contours and axes of the figures (Kolivand 2009, figures 5.4 to 5.10), for A and for B.
 PRINTED = {
     "greatest pressure [MPa]": ("to 1000", "to 1000"),
@@ -45,7 +50,12 @@ MAPS = ("rolling_velocity", "sliding_velocity", "slide_to_roll", "equivalent_rad
 @cache
 def analysed(letter: str) -> Analysis:
     """A design at three torques, by the method of the dissertation."""
-    return contact_analysis(CaseInMesh.of(by_its_method(DESIGNS[letter])), TORQUES)
+    return analysed_as_there(DESIGNS[letter], TORQUES)
+
+
+def analysed_as_there(name: str, torques: float | Sequence[float]) -> Analysis:
+    """A case by the method of the dissertation."""
+    return contact_analysis(CaseInMesh.of(by_its_method(name)), torques)
 
 
 @cache
@@ -56,20 +66,20 @@ def result(letter: str, direction: Direction = "across") -> xr.DataTree:
 
 def with_direction(tree: xr.DataTree, direction: Direction) -> xr.DataTree:
     """A result with the radius of the direction."""
-    return with_radius_along_line(tree) if direction == "along" else tree
+    return tree if direction == "across" else with_radius_along(tree, direction)
 
 
 @cache
 def over_speed(letter: str, direction: Direction = "across") -> xr.Dataset:
     """Figure 5.11: torques and speeds at 90 degC and 0.8 um."""
-    return friction(result(letter, direction), Operation(SPEEDS, 90.0, 0.8), segment_fields=False)
+    return friction(result(letter, direction), Operation(SPEEDS, 90.0, 0.8), THEIRS, segment_fields=False)
 
 
 @cache
 def over_roughness(letter: str, direction: Direction = "across") -> xr.Dataset:
     """Figure 5.12: roughnesses and temperatures at 500 N m and 1500 / min."""
     operation = Operation(1500.0, [50.0, 75.0, 100.0], ROUGHNESSES)
-    found = friction(result(letter, direction), operation, segment_fields=False)
+    found = friction(result(letter, direction), operation, THEIRS, segment_fields=False)
     return found.sel(torque=500.0, speed=1500.0)
 
 
@@ -79,7 +89,7 @@ def maps(letter: str, direction: Direction = "across") -> tuple[ToothView, dict[
     tree = result(letter, direction)
     view, loaded = tooth_view(tree), tree["loaded"].to_dataset().sel(torque=AT["torque"])
     operation = Operation(AT["speed"], AT["temperature"], AT["roughness"])
-    here = friction(tree, operation).sel(AT)
+    here = friction(tree, operation, THEIRS).sel(AT)
     found = velocity_maps(tree, view, AT["speed"])
     found["equivalent_radius"] = loaded_map(loaded, loaded["equivalent_radius"])
     for name in ("lambda_ratio", "friction_coefficient"):
@@ -132,7 +142,10 @@ def claims_on_maps(direction: Direction = "across") -> list[tuple[str, str, bool
     ours = f"greatest pressure of B {percent(less)} against A"
     rows = [("A and B have similar pressures", ours, abs(less) < 20.0)]
     for name, text in said.items():
-        medians = [float(inner(found[name].values)[2]) for found in (a, b)]
+        values_of = [found[name].values for found in (a, b)]
+        if name == "equivalent_radius":  # of the whole flank: figure 5.8 knows no torque
+            values_of = [result(letter, direction)["loaded"].to_dataset()[name].values for letter in DESIGNS]
+        medians = [float(inner(values)[2]) for values in values_of]
         digits = 1 if name == "equivalent_radius" else 4 if name == "friction_coefficient" else 2
         values = f"median {medians[0]:.{digits}f} and {medians[1]:.{digits}f}"
         more = percent(100.0 * (medians[1] / medians[0] - 1.0))
@@ -212,18 +225,26 @@ def claims_on_efficiency(direction: Direction = "across") -> list[tuple[str, str
     return rows
 
 
+READINGS: dict[str, Direction] = {
+    "radius along the contact line": "line", "radius along the tooth trace": "trace"
+}  # fmt: skip
+
+
 def options() -> str:
     """Efficiency at the conditions of figures 5.9 and 5.10 by other models and with options."""
     operation = Operation(AT["speed"], AT["temperature"], AT["roughness"])
     choices: dict[str, FrictionModel | None] = {
-        "as above: formula of the dissertation, Pan and Hamrock, fixed frame": FrictionModel(),
-        "formula, smooth between its regimes": FrictionModel("kolivand_blended"),
-        "film of Dowson and Higginson": FrictionModel(film="dowson_higginson"),
-        "rolling velocity relative to the contact line": FrictionModel(rolling_frame="contact_line"),
+        "as above: formula of the dissertation, Pan and Hamrock, fixed frame": THEIRS,
+        "formula, smooth between its regimes (the default)": FrictionModel(),
+        "film of Dowson and Higginson": replace(THEIRS, film="dowson_higginson"),
+        "film thinned by heat of the inlet, Gupta and others": replace(THEIRS, film_heating="gupta_cheng"),
+        "rolling velocity relative to the contact line": replace(THEIRS, rolling_frame="contact_line"),
         "slide-to-roll from the whole sliding": FrictionModel(whole_sliding),
-        "radius along the contact line": FrictionModel(),
-        "rolling traction without heating": FrictionModel(thermal_factor="none"),
+        "radius along the contact line": THEIRS,
+        "radius along the tooth trace": THEIRS,
+        "rolling traction without heating": replace(THEIRS, thermal_factor="none"),
         "torque of friction fed back to the forces": None,
+        "coefficient of our own study of mixed films": FrictionModel("mixed_lubrication"),
         "coefficient of Xu and others, full film": FrictionModel("xu_kahraman"),
         "coefficient of Benedict and Kelly": FrictionModel("benedict_kelly"),
         "constant coefficient, 0.05": FrictionModel("constant"),
@@ -232,11 +253,11 @@ def options() -> str:
     for name, model in choices.items():
         cells: list[object] = [name]
         for letter in DESIGNS:
-            tree = result(letter, "along" if name == "radius along the contact line" else "across")
+            tree = result(letter, READINGS.get(name, "across"))
             found = (
                 friction(tree, operation, model)
                 if model
-                else friction_feedback(tree, analysed(letter).cases, operation)
+                else friction_feedback(tree, analysed(letter).cases, operation, THEIRS)
             )
             here = found.sel(AT)
             cells += [f"{float(here['mean_friction_coefficient']):.4f}", f"{100 * float(here['efficiency']):.2f}"]
@@ -244,21 +265,56 @@ def options() -> str:
     return table(rows, ["", "A: mean coefficient", "A: efficiency [%]", "B: mean coefficient", "B: efficiency [%]"])
 
 
-def both_ways(ours: list[tuple[str, str, bool]], theirs: list[tuple[str, str, bool]]) -> str:
-    """Statements of the dissertation, what comes of them with our radius and with the dissertation's."""
-    heads = ["the dissertation says", "ours", "agrees", "radius along the line", "agrees"]
-    cells: list[tuple[object, ...]] = [
-        (said, one, "yes" if agrees else "no", "the same" if other == one else other, "yes" if so else "no")
-        for (said, one, agrees), (_, other, so) in zip(ours, theirs, strict=True)
+Claims = list[tuple[str, str, bool]]
+
+
+def by_reading(claims: Callable[[Direction], Claims]) -> str:
+    """Statements of the dissertation, and what comes of them with each reading of the equivalent radius."""
+    heads = [
+        "the dissertation says",
+        *(head for words in DIRECTIONS.values() for head in (f"radius {words}", "agrees")),
     ]
+    found = {direction: claims(direction) for direction in DIRECTIONS}
+    cells: list[tuple[object, ...]] = []
+    for rows in zip(*found.values(), strict=True):
+        said, first, _ = rows[0]
+        cell: list[object] = [said]
+        for number, (_, one, agrees) in enumerate(rows):
+            cell += ["the same" if number and one == first else one, "yes" if agrees else "no"]
+        cells.append(tuple(cell))
     return table(cells, heads)
+
+
+def statements_lost() -> str:
+    """Which of the statements each reading of the equivalent radius does not give."""
+    rows: list[tuple[object, ...]] = []
+    for direction, words in DIRECTIONS.items():
+        claims = [*claims_on_maps(direction), *claims_on_efficiency(direction)]
+        lost = [said for said, _, agrees in claims if not agrees]
+        rows.append((words, f"{len(lost)} of {len(claims)}", "; ".join(lost)))
+    return table(rows, ["equivalent radius", "statements lost", "which"])
+
+
+def place_of_greatest_pressure() -> str:
+    """Table: where the greatest pressure is, and the greatest below the outermost twentieth of the height."""
+    rows: list[tuple[object, ...]] = []
+    for letter in DESIGNS:
+        loaded = result(letter)["loaded"].to_dataset().sel(torque=AT["torque"])
+        pressure, height = loaded["pressure"].values, loaded["profile"].values
+        at = np.unravel_index(np.nanargmax(pressure), pressure.shape)
+        below = float(np.nanmax(np.where(height < 0.95, pressure, np.nan)))
+        rows.append((letter.upper(), f"{pressure[at]:.0f}", f"{height[at]:.3f}", f"{below:.0f}"))
+    heads = ["", "greatest pressure [MPa]", "at profile", "greatest at profiles below 0.95 [MPa]"]
+    return table(rows, heads)
 
 
 def parts() -> dict[str, str]:
     """What the template of the page leaves open."""
     return {
         "ranges": ranges(),
-        "claims_on_maps": both_ways(*(claims_on_maps(direction) for direction in DIRECTIONS)),
-        "claims_on_efficiency": both_ways(*(claims_on_efficiency(direction) for direction in DIRECTIONS)),
+        "claims_on_maps": by_reading(claims_on_maps),
+        "claims_on_efficiency": by_reading(claims_on_efficiency),
+        "statements_lost": statements_lost(),
+        "place_of_greatest_pressure": place_of_greatest_pressure(),
         "options": options(),
     }

@@ -10,7 +10,6 @@ from dissertation_figures import save_small, title
 from efficiency_radius import chapter_four, everywhere
 from efficiency_tables import (
     DESIGNS,
-    DIRECTIONS,
     MAPS,
     TORQUES,
     Direction,
@@ -44,7 +43,7 @@ LEVELS = {
 
 LINES: dict[Direction, dict[str, Any]] = {
     "across": {"linewidth": 1.6},
-    "along": {"linewidth": 1.1, "linestyle": (0, (4, 2))},
+    "line": {"linewidth": 1.1, "linestyle": (0, (4, 2))},
 }
 
 
@@ -96,7 +95,7 @@ def over_speeds() -> Figure:
     figure = sheet(5.0)
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     for column, letter in zip(panels.T, DESIGNS, strict=True):
-        for direction in DIRECTIONS:
+        for direction in LINES:
             found = over_speed(letter, direction).squeeze(("temperature", "roughness"))
             for torque, colour in zip(TORQUES, torque_colours(np.array(TORQUES)), strict=True):
                 here = found.sel(torque=torque)
@@ -124,7 +123,7 @@ def over_roughnesses() -> Figure:
     figure = sheet(2.8)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, letter in zip(panels, DESIGNS, strict=True):
-        for direction in DIRECTIONS:
+        for direction in LINES:
             found = over_roughness(letter, direction)
             for temperature, colour in zip(found["temperature"].values, torque_colours(np.arange(3.0)), strict=True):
                 here = 100.0 * found["efficiency"].sel(temperature=temperature)
@@ -144,7 +143,7 @@ def main() -> None:
     save_small(pressures(), IMAGES / "figure_5_4.png")
     save_small(flank_maps(MAPS[:4]), IMAGES / "figure_5_5.png")
     save_small(flank_maps(MAPS[4:]), IMAGES / "figure_5_9.png")
-    save_small(flank_maps(MAPS[3:], "along"), IMAGES / "figure_5_8_along.png")
+    save_small(flank_maps(MAPS[3:], "line"), IMAGES / "figure_5_8_along.png")
     save_small(over_speeds(), IMAGES / "figure_5_11.png")
     save_small(over_roughnesses(), IMAGES / "figure_5_12.png")
     template = (HERE / "efficiency.md.in").read_text(encoding="utf-8")

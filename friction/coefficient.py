@@ -124,7 +124,7 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
     >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                              slide_to_roll=0.45, roughness=0.8e-6)
     >>> print(f"{coefficient_model('benedict_kelly')(contact):.4f}")
-    0.0610
+    0.0611
     """
     if callable(model):
         return model
@@ -193,7 +193,10 @@ def model_name(model: str | float | CoefficientModel) -> str:
     """Name of a model of the friction coefficient: its own, that of the function, or the number."""
     if isinstance(model, str):
         return model
-    return getattr(model, "__name__", "own") if callable(model) else f"{model:g}"
+    if not callable(model):
+        return f"{model:g}"
+    function = getattr(model, "func", model)  # of functools.partial
+    return str(getattr(function, "__name__", type(function).__name__))
 
 
 def contact_conditions(
@@ -304,6 +307,6 @@ def friction_coefficient(model: str | float | CoefficientModel = DEFAULT_COEFFIC
     >>> mu = friction_coefficient(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                           slide_to_roll=0.45, roughness=0.8e-6, temperature=90.0)
     >>> print(f"{mu:.5f}")
-    0.05099
+    0.05119
     """
     return checked_coefficient(model, contact_conditions(**conditions))

@@ -58,7 +58,7 @@ class ContactConditions:
     >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
     ...                              slide_to_roll=0.45, roughness=0.8e-6)
     >>> print(f"{1e6 * contact.film_thickness:.3f} um, lambda ratio {contact.lambda_ratio:.3f}")
-    0.217 um, lambda ratio 0.192
+    0.214 um, lambda ratio 0.189
     """
 
     hertz_pressure: Array

@@ -48,8 +48,8 @@ def data_sheet_lubricant(
 ) -> Lubricant:
     """Lubricant from the numbers of a data sheet.
 
-    The pressure-viscosity coefficient is an estimate on the low side: of gear oils those measured are 9 to 21 % higher,
-    of plain mineral oils up to 60 %. The film goes with its power of 0.57.
+    The pressure-viscosity coefficient is an estimate on the low side: those measured are 9 to 21 % higher for gear
+    oils, up to 65 % for plain mineral oils. The film goes with its power of 0.57.
 
     Parameters
     ----------

@@ -93,12 +93,14 @@ class LossShares:
         at = torque[starts]
 
         def put(target: Array, values: Array, reduce: np.ufunc = np.add) -> None:
-            found = np.moveaxis(reduce.reduceat(np.broadcast_to(values, loss.shape), starts, axis=-1), -1, 0)
+            found = np.moveaxis(reduce.reduceat(values, starts, axis=-1), -1, 0)
             target[at] = reduce(target[at], found)
 
         put(self.whole, loss)
-        put(self.thinning, thinning, np.maximum)
-        put(self.thinned, loss * (thinning > TOLD_THINNING))
+        put(self.thinning, np.broadcast_to(thinning, (*thinning.shape[:-1], loss.shape[-1])), np.maximum)
+        thin = thinning > TOLD_THINNING
+        if np.any(thin):
+            put(self.thinned, loss * thin)
         if np.any(between):
             put(self.between, loss * between)
         present = 0 if flags is None else int(np.bitwise_or.reduce(flags, axis=None))

@@ -146,7 +146,7 @@ def formula_coefficient(conditions: ContactConditions, *, blend: bool = False) -
         Operating conditions of the contacts.
     blend
         Pass smoothly from one regime to the next, for lambda within 0.9 to 1.1 and 2.7 to 3.3; the expressions jump
-        there, by JUMPS.
+        there, by 12 and 9 % in the median over the study's ranges, and up to twofold.
 
     References
     ----------

@@ -41,6 +41,7 @@ WARM_VISCOSITY_LIMIT = 1.0  # [Pa s] at the warmest temperature of a table
 #: more or less change the viscosity there by 0.6 % at most.
 ASSUMED_DENSITY = 850.0
 WALTHER_VISCOSITY = 0.7  # [mm^2/s] added to the kinematic viscosity
+WALTHER_MINIMUM = 0.5  # [mm^2/s] below which Walther's law is not used; its double logarithm ends at 0.3
 KELVIN = 273.15  # of 0 degC
 KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
 
@@ -68,7 +69,7 @@ class OilState:
     --------
     >>> state = lubricant("75w90").at([60.0, 120.0], out_of_range="clamp")
     >>> state.viscosity.round(4), state.clamped
-    (array([0.0352, 0.0106]), array([False,  True]))
+    (array([0.0341, 0.0106]), array([False,  True]))
     """
 
     viscosity: Array
@@ -153,8 +154,8 @@ class Lubricant:
             [degC].
         interpolation
             Of the viscosity between the table's temperatures. ``walther``: ASTM D341. ``log_linear``: its logarithm is
-            linear, which is too thick between distant temperatures. The pressure-viscosity coefficient and the density
-            are linear in either case.
+            linear, which is too thick between distant temperatures; so it is in any case if the table goes below 0.5
+            mm^2/s, where ASTM D341 ends. The pressure-viscosity coefficient and the density are linear.
         out_of_range
             What to do outside of the table: ``error``, or ``clamp`` to its end and say so in the result.
 
@@ -174,7 +175,8 @@ class Lubricant:
                 f"lubricant {self.name}; or clamp it to the end with out_of_range='clamp' (--clamp-temperature)"
             )
         here = np.clip(asked, low, high)
-        viscosity, slope = self._walther(here) if interpolation == "walther" else self._log_linear(here)
+        by_law = interpolation == "walther" and bool(np.all(self._kinematic > WALTHER_MINIMUM))
+        viscosity, slope = self._walther(here) if by_law else self._log_linear(here)
         density = None if self.density is None else np.interp(here, self.temperature, self.density)
         return OilState(
             viscosity=np.asarray(viscosity),
@@ -190,6 +192,12 @@ class Lubricant:
         """Ends of the table [degC]."""
         return float(self.temperature[0]), float(self.temperature[-1])
 
+    @property
+    def _kinematic(self) -> Array:
+        """Kinematic viscosity at the table's temperatures [mm^2/s]."""
+        density = ASSUMED_DENSITY if self.density is None else self.density
+        return np.asarray(1e6 * self.dynamic_viscosity / density)
+
     def _log_linear(self, here: Array) -> tuple[Array, Array]:
         """Viscosity [Pa s] whose logarithm is linear between the table's temperatures, and its fall [1/K]."""
         logarithms = np.log(self.dynamic_viscosity)
@@ -201,7 +209,7 @@ class Lubricant:
         """Viscosity [Pa s] by ASTM D341, and the fall of its logarithm [1/K]."""
         density = np.full_like(self.temperature, ASSUMED_DENSITY) if self.density is None else self.density
         kelvin, nodes = np.log(here + KELVIN), np.log(self.temperature + KELVIN)
-        double_logs = np.log(np.log(1e6 * self.dynamic_viscosity / density + WALTHER_VISCOSITY))
+        double_logs = np.log(np.log(self._kinematic + WALTHER_VISCOSITY))
         grown = np.exp(np.exp(np.interp(kelvin, nodes, double_logs)))  # v + 0.7
         viscosity = 1e-6 * np.interp(here, self.temperature, density) * (grown - WALTHER_VISCOSITY)
         # The slope of the law is that of an interval in its middle, and changes linearly from one middle to the next.

@@ -222,8 +222,9 @@ def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.Mon
     radius = script("efficiency_radius", monkeypatch)
     for before, made in (
         ("## Figures 5.4 to 5.10: the flank", tables.ranges()),
-        ("without their signs, is about half of either:", radius.everywhere()),
-        ("has the printed size with this radius, too:", radius.chapter_four()),
+        ("(constant height on the gear's flank):", radius.everywhere()),
+        ("has the printed size with these radii, too:", radius.chapter_four()),
+        ("it is lower, and still above the printed contours:", tables.place_of_greatest_pressure()),
     ):
         printed, fresh = rows(page, before), rows(f"here\n\n{made}", "here")
         for one, other in zip(printed, fresh, strict=True):
@@ -232,9 +233,15 @@ def test_claims_of_chapter_five_are_those_of_the_program(monkeypatch: pytest.Mon
                 found, numbers = ([float(n) for n in re.findall(r"[\d.]+", text)] for text in (cell, expected))
                 assert found == pytest.approx(numbers, rel=0.05, abs=0.011), one[0]
     for claims in (tables.claims_on_maps, tables.claims_on_efficiency):
-        for (said, _, agrees), (_, _, so) in zip(claims("across"), claims("along"), strict=True):
+        for readings in zip(*(claims(direction) for direction in tables.DIRECTIONS), strict=True):
+            said = readings[0][0]
             row = next(line for line in page.splitlines() if line.startswith(f"| {said} "))
-            assert [row.split("|")[i].strip() == "yes" for i in (3, 5)] == [agrees, so], said
+            assert [row.split("|")[i].strip() == "yes" for i in (3, 5, 7)] == [so for _, _, so in readings], said
+    assert f"\n{tables.statements_lost()}\n" in page
+    lost = {
+        row[0]: row[1] for row in rows(page, "No reading gives all of the seventeen statements of the tables above:")
+    }
+    assert lost == dict.fromkeys(tables.DIRECTIONS.values(), "3 of 17")
 
 
 def test_example_case_is_a_case() -> None:
@@ -344,3 +351,21 @@ def test_senses_of_rotation_are_those_of_the_conventions_page() -> None:
 def test_index_lists_every_command() -> None:
     listed = {row[0].strip("`").split()[1] for row in rows(text("index"), "The commands, each with `--help`:")}
     assert listed == set(main.commands)
+
+
+def test_lubricant_of_the_page_is_one(tmp_path: Path) -> None:
+    """With the keys of the table below it; the example of a run prints the note that stands under it."""
+    from easeoff.friction import lubricant
+    from easeoff.friction.lubricant import KEYS
+
+    page = text("friction")
+    ((_, example),) = blocks(page, "toml")
+    (tmp_path / "my_oil.toml").write_text(example, encoding="utf-8")
+    oil = lubricant(tmp_path / "my_oil.toml")
+    assert oil.at(70.0).viscosity == pytest.approx(0.0443)
+    listed = {row[0].strip("`") for row in rows(page, "thermal_conductivity = 0.14\n```")}
+    assert listed == KEYS == set(tomllib.loads(example))
+    command = next(line for line in page.splitlines() if "-o crawl.nc" in line)
+    told = " ".join(next(code for _, code in blocks(page, "text")).split())
+    made = CliRunner().invoke(main, shlex.split(command.replace("crawl.nc", str(tmp_path / "crawl.nc")))[1:])
+    assert told == made.stderr.strip()

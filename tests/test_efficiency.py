@@ -40,6 +40,7 @@ CONTACT = ContactTable(
     segments_per_line=15,
     lengthwise_nodes=21,
     profile_nodes=15,
+    edge_contact=False,
 )
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
 
@@ -49,7 +50,8 @@ def replace_torques(torques: tuple[float, ...]) -> ContactTable:
 
 
 def small_case(name: str) -> Case:
-    return easeoff.read_case(name).model_copy(update={"contact": CONTACT})
+    """A coarse case with the dissertation's model: shells for teeth, and contact on the contact lines alone."""
+    return by_the_dissertation(name, **CONTACT.model_dump())
 
 
 def analysed(name: str, torques: Sequence[float] | None = None, **options: Any) -> Analysis:
@@ -125,10 +127,10 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
         assert found["formula_flags"] == easeoff.friction.formula_flags(conditions)
 
 
-@pytest.mark.parametrize("direction", ["across", "along"])
+@pytest.mark.parametrize("direction", ["across", "line", "trace"])
 def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, dissertation: Any, direction: str) -> None:
     """The line load that film and traction take from the pressure is force over length, whatever the radius."""
-    contacts = loaded_contacts(dissertation.with_radius_along_line(tree) if direction == "along" else tree)
+    contacts = loaded_contacts(dissertation.with_radius_along(tree, direction) if direction != "across" else tree)
     conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
     np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
 
@@ -240,9 +242,28 @@ def test_radius_along_the_line_is_that_of_both_flanks_shapes(tree: xr.DataTree, 
     cosine = np.sum(along * gear["principal_direction"].values, axis=-1) / np.linalg.norm(along, axis=-1)
     first, second = np.moveaxis(1e3 * gear["principal_curvature"].values, -1, 0)
     of_gear = np.abs(first * cosine**2 + second * (1.0 - cosine**2))[nodes["lengthwise"], nodes["profile"]]
-    np.testing.assert_allclose(dissertation.radii_along_line(tree, points), 1.0 / (of_pinion + of_gear), rtol=2e-3)
+    np.testing.assert_allclose(dissertation.radii_along(tree, points, "line"), 1.0 / (of_pinion + of_gear), rtol=2e-3)
     # Nearly conjugate flanks: one is about as hollow as the other is round.
     np.testing.assert_allclose(of_pinion, of_gear, rtol=0.15)
+
+
+def test_radius_along_the_tooth_trace_is_that_of_both_flanks_shapes(tree: xr.DataTree, dissertation: Any) -> None:
+    """The trace is the line of constant height on the gear; the pinion's curvature there from its shape operator."""
+    ease_off, gear = tree["ease_off"].to_dataset(), tree["flanks"].to_dataset().sel(member="gear")
+    nodes = {"lengthwise": slice(6, -6), "profile": slice(4, -4)}
+    points = np.stack(np.meshgrid(*(ease_off[n].values[within] for n, within in nodes.items()), indexing="ij"))
+    axes, fields = axes_of(ease_off), action_splines(ease_off)
+    # The trace in space: what is left of the way of the points of action once the gear is turned back.
+    moved, turned = (fields.evaluate([name], points, (1, 0))[name] for name in ("position", "roll_angle"))
+    _, of_gear = axes.velocities(fields.evaluate(["position"], points)["position"])
+    trace = moved - turned * of_gear
+    trace = trace / np.sqrt(dot(trace, trace))
+    of_pinion = np.abs(dot(shape_operators(axes, fields, points)[0](trace), trace))
+    tangent = np.gradient(gear["position"].values, axis=0)
+    cosine = np.sum(tangent * gear["principal_direction"].values, axis=-1) / np.linalg.norm(tangent, axis=-1)
+    first, second = np.moveaxis(1e3 * gear["principal_curvature"].values, -1, 0)
+    bend = np.abs(first * cosine**2 + second * (1.0 - cosine**2))[nodes["lengthwise"], nodes["profile"]]
+    np.testing.assert_allclose(dissertation.radii_along(tree, points, "trace"), 1.0 / (of_pinion + bend), rtol=2e-3)
 
 
 def test_radius_along_the_line_of_known_surfaces(dissertation: Any) -> None:
@@ -262,14 +283,14 @@ def test_radius_along_the_line_of_known_surfaces(dissertation: Any) -> None:
     ease_off = xr.Dataset(action | {"roll_angle": (("lengthwise", "profile"), 0.1 * v)}, coords=coords)
     gear = xr.Dataset(flank(120.0, "xyz"), coords=coords).expand_dims(member=["gear"])
     tree = xr.DataTree.from_dict({"ease_off": ease_off, "flanks": gear})
-    found = dissertation.radii_along_line(tree, np.array([[0.3], [0.6]]))
+    found = dissertation.radii_along(tree, np.array([[0.3], [0.6]]), "line")
     assert found == pytest.approx(80e-3 * 120e-3 / 200e-3, rel=1e-6)
 
 
 def test_radius_along_the_line_changes_film_and_coefficient_alone(
     tree: xr.DataTree, result: xr.Dataset, dissertation: Any
 ) -> None:
-    along = dissertation.with_radius_along_line(tree)
+    along = dissertation.with_radius_along(tree, "line")
     other = friction(along, OPERATION)
     xr.testing.assert_identical(other["sliding_velocity"], result["sliding_velocity"])
     # With film and pressure by Pan and Hamrock: h ~ R (U^0.694 W^-0.128) at the same force.
@@ -303,7 +324,7 @@ def test_a_stored_result_gives_the_same(tree: xr.DataTree, result: xr.Dataset, t
 
 
 def test_analyze_adds_the_group(result: xr.Dataset) -> None:
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
+    case = small_case("fh-design-a")
     found = easeoff.analyze(case, speed=1500.0, temperature=90.0, roughness=[0.2, 0.8])["friction"].to_dataset()
     expected = result["efficiency"].sel(speed=[1500.0], temperature=[90.0]).isel(roughness=[0, 2])
     xr.testing.assert_allclose(found["efficiency"], expected)
@@ -383,13 +404,8 @@ def test_claims_on_efficiency(designs: dict[str, xr.Dataset]) -> None:
 
 @pytest.fixture(scope="module")
 def as_printed(dissertation: Any) -> dict[str, xr.Dataset]:
-    """By the method of the dissertation, with the radius it seems to have, at 1500 / min, 500 N m, 90 degC, 0.8 um."""
-    coarse = CONTACT.model_dump() | {"edge_contact": False}
-    cases = {letter: by_the_dissertation(f"fh-design-{letter}", **coarse) for letter in "ab"}
-    trees = {
-        letter: dissertation.with_radius_along_line(contact_analysis(CaseInMesh.of(case)).tree)
-        for letter, case in cases.items()
-    }
+    """With the radius that the dissertation seems to have, at 1500 / min, 500 N m, 90 degC, 0.8 um."""
+    trees = {letter: dissertation.with_radius_along(analysed(f"fh-design-{letter}").tree, "line") for letter in "ab"}
     return {
         letter: friction(tree, Operation(1500.0, 90.0, 0.8))
         .assign(equivalent_radius=tree["loaded"]["equivalent_radius"])
@@ -465,10 +481,8 @@ def test_forces_are_those_of_the_contact_at_the_torque_that_is_left(analysis: An
     here = fed_back.sel(speed=1500.0, temperature=90.0, roughness=0.8, torque=500.0).isel(mesh_position=2)
     left = 1e-3 * float((here["force"] * loaded["lever_arm"].sel(torque=500.0).isel(mesh_position=2)).sum()) * 12 / 41
     assert left < 500.0
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
-    # The greatest torque decides which edges are looked at: the same segments as in the analysis.
-    again = easeoff.analyze(case, torques=[left, max(CONTACT.torques)])["loaded"].to_dataset()
-    again = again.isel(torque=0, mesh_position=2)
+    case = small_case("fh-design-a")
+    again = easeoff.analyze(case, torques=[left])["loaded"].to_dataset().isel(torque=0, mesh_position=2)
     force = here["force"].transpose("segment").values
     np.testing.assert_allclose(force, again["force"].values, atol=1e-7 * np.nanmax(force))
 
@@ -493,7 +507,7 @@ def test_feedback_ends_whatever_friction_takes(analysis: Analysis, coefficient: 
 
 
 def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: Analysis) -> None:
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
+    case = small_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
     whole = contact_analysis(CaseInMesh.of(case))
     found = friction_feedback(whole.tree, whole.cases, Operation(3000.0, 30.0, 0.8))
     assert np.all(found["status"] == Status.NOT_CONVERGED)
@@ -697,6 +711,7 @@ def test_command_line(tmp_path: Path) -> None:
     [
         (["--oil", "75w90"], "without a speed"),
         (["--friction-feedback"], "go with --speed"),
+        (["--film-heating", "none"], "go with --speed"),
         (["--speed", "fast"], "FROM:TO:COUNT"),
         (["--speed", "1:2:3:4"], "FROM:TO:COUNT"),
         (["--speed", "-5"], "speed = -5"),

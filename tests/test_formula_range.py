@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import ContactTable
+from easeoff.cases import ContactTable, FrictionTable
 from easeoff.friction import (
     COEFFICIENTS,
     FLAGS,
@@ -46,8 +47,9 @@ CONTACT = ContactTable(
 
 @pytest.fixture(scope="module")
 def tree() -> xr.DataTree:
-    case = easeoff.read_case("fh-design-a").model_copy(update={"contact": CONTACT})
-    return easeoff.analyze(case, edge_contact=False)
+    case = easeoff.read_case("fh-design-a")
+    shell = case.compliance.model_copy(update={"model": "shell"})
+    return easeoff.analyze(case.model_copy(update={"contact": CONTACT, "compliance": shell}), edge_contact=False)
 
 
 def with_friction(tree: xr.DataTree, found: xr.Dataset) -> xr.DataTree:
@@ -152,6 +154,16 @@ def test_every_flag_has_words() -> None:
     assert set(INPUTS) == set(FLAGS)
 
 
+def test_notes_go_with_the_feedback_too() -> None:
+    case = easeoff.read_case("nasa-12x36").model_copy(update={"contact": CONTACT})
+    tree = easeoff.analyze(
+        case, torques=100.0, speed=[30.0, 1500.0], roughness=[0.8, 3.0], friction_feedback=True, edge_contact=False
+    )
+    found = tree["friction"].to_dataset()
+    assert found["extrapolated_share"].sizes == {"torque": 1, "speed": 2, "temperature": 1, "roughness": 2}
+    assert "100 % of the power loss at 100 N m, 30 / min" in range_notes(found)[0]
+
+
 def test_an_older_result_has_no_notes(tree: xr.DataTree) -> None:
     found = friction(tree, Operation(30.0))
     assert range_notes(found.drop_vars(["film_thinning", "extrapolated_share", "flagged_share"])) == []
@@ -230,26 +242,28 @@ def test_the_refusal_counts_and_shows_the_first_contact() -> None:
         friction_coefficient(negative, hertz_pressure=[0.4e9, 0.6e9, 0.8e9], **here)
 
 
+def test_partial_functions_and_objects_are_named_too() -> None:
+    class Slippery:
+        def __call__(self, c: ContactConditions) -> Any:
+            return -1.0
+
+    here: dict[str, Any] = {"hertz_pressure": 1e9, "equivalent_radius": 0.02, "rolling_velocity": 2.0}
+    here |= {"slide_to_roll": 0.3, "roughness": 0.4e-6}
+    for model, name in ((Slippery(), "Slippery"), (partial(negative), "negative")):
+        with pytest.raises(InputError, match=f"coefficient = {name}: gives -"):
+            friction_coefficient(model, **here)
+
+
 def test_models_that_give_whole_numbers_or_one_number_are_taken(tree: xr.DataTree) -> None:
-    for own in (lambda c: 0, lambda c: 0.05, lambda c: [0.05], lambda c: np.full(c.shape, 0.05)):
-        expected = friction(
-            tree,
-            Operation(1500.0),
-            float(
-                np.max(
-                    own(
-                        contact_conditions(
-                            hertz_pressure=1e9,
-                            equivalent_radius=0.02,
-                            rolling_velocity=2.0,
-                            slide_to_roll=0.3,
-                            roughness=0.4e-6,
-                        )
-                    )
-                )
-            ),
-        )
-        np.testing.assert_allclose(friction(tree, Operation(1500.0), own)["efficiency"], expected["efficiency"])
+    models: list[tuple[float, Callable[[ContactConditions], Any]]] = [
+        (0.0, lambda c: 0),
+        (0.05, lambda c: 0.05),
+        (0.05, lambda c: [0.05]),
+        (0.05, lambda c: np.full(c.shape, 0.05)),
+    ]
+    for value, own in models:
+        expected = friction(tree, Operation(1500.0), value)["efficiency"]
+        np.testing.assert_allclose(friction(tree, Operation(1500.0), own)["efficiency"], expected)
 
 
 # --- heat of the film
@@ -289,9 +303,8 @@ def test_film_heating_from_case_and_command_line(tmp_path: Path) -> None:
     wrong = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "b.nc"), *options, "oven"])
     assert wrong.exit_code == 2
     assert "film_heating = 'oven'" in wrong.output
-    case = easeoff.read_case("nasa-12x36")
-    table = easeoff.cases.FrictionTable(speed=1000.0, film_heating="gupta_cheng")
-    assert case.model_copy(update={"friction": table}).friction.model().film_heating == "gupta_cheng"
+    table = FrictionTable(speed=(1000.0,), film_heating="gupta_cheng")
+    assert table.model().film_heating == "gupta_cheng"
 
 
 # --- named models

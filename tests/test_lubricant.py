@@ -180,9 +180,18 @@ def test_slope_of_the_viscosity_is_exact_where_the_oil_follows_the_law() -> None
     np.testing.assert_allclose(oil.at([47.0, 91.0]).temperature_viscosity, np.log(low / high) / (2.0 * step), rtol=1e-6)
 
 
+def test_a_liquid_too_thin_for_the_law_has_a_straight_line() -> None:
+    """Like water: 0.29 mm2/s at 100 degC, where log log (v + 0.7) has no value."""
+    ends = np.array([40.0, 100.0])
+    oil = Lubricant("x", "x", "x", ends, np.array([6.5e-4, 2.8e-4]), np.full(2, 1e-9), np.array([992.0, 958.0]))
+    state = oil.at([40.0, 70.0, 100.0])
+    np.testing.assert_allclose(state.viscosity, [6.5e-4, np.sqrt(6.5e-4 * 2.8e-4), 2.8e-4])
+    assert np.all(np.isfinite(state.temperature_viscosity))
+
+
 # --- from a data sheet
 
-SHEET = {"viscosity_40": 220.0, "viscosity_100": 19.0, "density": 895.0, "base_oil": "mineral"}
+SHEET: dict[str, Any] = {"viscosity_40": 220.0, "viscosity_100": 19.0, "density": 895.0, "base_oil": "mineral"}
 
 
 def test_a_data_sheet_is_met_at_its_own_temperatures() -> None:

@@ -9,6 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...friction.formula_range import TOLD_THINNING
+
 #: Input that a flag of ``/friction/formula_flags`` is about.
 INPUTS = {
     1: "slide-to-roll ratio",
@@ -31,7 +33,6 @@ CONDITIONS = ("torque", "speed", "temperature", "roughness")
 #: Least part of the power loss that is told: a pitch line, where nothing slides, has one or two per cent.
 TOLD_SHARE = 0.05
 TOLD_TRANSITION = 0.1  # the same where two expressions of a formula meet
-TOLD_THINNING = 0.1  # least thinning of the film by heat that is told
 
 
 def range_notes(friction: xr.Dataset, at: Mapping[str, int] | None = None) -> list[str]:
@@ -74,7 +75,7 @@ def _formula(friction: xr.Dataset, named: bool) -> list[str]:
             friction["formula_flag"].values, friction["flagged_share"].isel(place).values, strict=True
         ):
             parts[INPUTS[int(flag)]] = parts.get(INPUTS[int(flag)], 0.0) + float(share)
-        largest = sorted(parts, key=lambda name: -parts[name])
+        largest = sorted(parts, key=lambda name: -round(parts[name], 4))  # alike but for rounding stay in order
         told = [name for name in largest if parts[name] >= TOLD_SHARE]
         inputs = [name for name in told if name != "coefficient"] or told or largest[:1]
         found.append(

@@ -49,7 +49,8 @@ def oil_75w90(temperature: float) -> Oil:
     """
     checks.number("temperature", temperature, "degC")
     return Oil.of(
-        lubricant("75w90").at(temperature),
+        # As the stored studies have it, in which levels between the temperatures of the table count.
+        lubricant("75w90").at(temperature, interpolation="log_linear"),
         eyring_stress=EYRING_STRESS,
         law="two_slope",
         inlet_temperature=temperature,
