@@ -6,6 +6,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from ..core.suggestion import suggestion
+
 LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
@@ -75,9 +77,10 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
         return "is missing; it must be given"
     if kind == "extra_forbidden":
         table = item["loc"][:-1]
-        known = ", ".join(_known_keys(model, table))
-        whole = f"a {model.__name__.lower()} file"
-        return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else whole}; known are: {known}"
+        known = _known_keys(model, table)
+        near = suggestion(str(item["loc"][-1]), known)
+        place = f"[{'.'.join(map(str, table))}]" if table else f"a {model.__name__.lower()} file"
+        return f"is not a key of {place}; known are: {', '.join(known)}{near}"
     if kind == "value_error":
         return str(context["error"])
     if kind in LIMIT_MESSAGES:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,8 @@ from numpy.typing import NDArray
 
 from ..core.checks import array, number, one_of, shown
 from ..core.errors import InputError
+from ..core.suggestion import suggestion
+from ..core.toml_text import toml_tables
 
 Array = NDArray[Any]
 Interpolation = Literal["log_linear", "walther"]
@@ -238,15 +239,15 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
         start = "the working folder" if folder is None else "the folder of the case"
         raise InputError(
             f"oil = {text!r}: neither one of {', '.join(available_lubricants())} nor the path of a TOML file: there is "
-            f"no {path.absolute()}; a relative path starts from {start}"
+            f"no {path.absolute()}; a relative path starts from {start}{suggestion(text, available_lubricants())}"
         )
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(f"oil = {text!r}: {path} cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from error
-    return _from_table(path, data)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is not a TOML file: {error}") from error
+    return _from_table(path, toml_tables(content, str(path)))
 
 
 def _from_table(path: Path, data: Mapping[str, Any]) -> Lubricant:
