@@ -123,6 +123,12 @@ class Lubricant:
             raise InputError(
                 f"temperature of lubricant {self.name} = {shown(self.temperature.tolist())}: must increase"
             )
+        rising = np.flatnonzero(np.diff(self.dynamic_viscosity) > 0.0)
+        if rising.size:
+            both = [shown(self.dynamic_viscosity[rising[0] + k]) for k in (0, 1)]
+            raise InputError(
+                f"dynamic_viscosity of lubricant {self.name} = {both[0]}, {both[1]}: must fall as the temperature rises"
+            )
         least = np.min(self.dynamic_viscosity)
         if least > WARM_VISCOSITY_LIMIT:
             raise InputError(
@@ -262,7 +268,7 @@ def _from_table(path: Path, data: Mapping[str, Any]) -> Lubricant:
             for key in ("temperature", "dynamic_viscosity", "pressure_viscosity", "density")
         }
         conductivity = float(data.get("thermal_conductivity", THERMAL_CONDUCTIVITY))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{path}: temperature and properties must be lists of numbers: {error}") from error
     temperature, viscosity, pressure = (
         np.asarray(arrays[k]) for k in ("temperature", "dynamic_viscosity", "pressure_viscosity")

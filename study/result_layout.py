@@ -132,7 +132,7 @@ def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[s
                 or group[name].dtype.kind not in "fiu"
             ):
                 yield f"no numbers {name!r} over {', '.join(dimensions)}"
-            elif bool((np.abs(group[name]) > MAGNITUDE_LIMIT).any()):
+            elif np.any(np.isfinite(values := group[name].values) & (np.abs(values) > MAGNITUDE_LIMIT)):
                 yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
 
 

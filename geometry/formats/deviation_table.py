@@ -108,13 +108,16 @@ def parsed_table(content: str, source: str) -> DeviationTable:
         for cell in row:
             if not _is_number(cell):
                 raise InputError(f"{source}, line {number}: {shown(cell)}: must be a finite number")
-    size = f"{len(rows)} rows x {len(rows[0])} columns"
-    missing = [f"'# {key}: {' | '.join(allowed)}'" for key, allowed in WANTED.items() if key not in attributes]
+    missing = [
+        f"'# {key}: {first_choice}' (or {', '.join(others)})"
+        for key, (first_choice, *others) in WANTED.items()
+        if key not in attributes
+    ]
     if missing:
         raise InputError(
-            f"{source}, line {first}: {excerpt(head)}: a table of {size} of numbers without points; say in lines "
-            f"before it what they are, one of each: {', '.join(missing)}. Or give the points, as 'easeoff export' "
-            "writes them, with a column 'deviation'"
+            f"{source}, line {first}: {excerpt(head)}: numbers in {len(rows)} rows and {len(rows[0])} columns, without "
+            f"points. If they are deviations at the points of 'easeoff export', say in lines before them what they "
+            f"are: {'; '.join(missing)}. Or give the points, too, with a column 'deviation'"
         )
     for key, allowed in WANTED.items():
         one_of(f"{source}: {key}", attributes[key], allowed)
