@@ -18,10 +18,13 @@ from easeoff.geometry.formats import (
     cmm_points,
     flank_deviation,
     measured_grid,
+    read_cmm_points,
     read_measured_grid,
     write_measured_grid,
 )
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member, side
 from easeoff.study import flank_deviations
+from easeoff.study.geometry_export import export_points
 
 VALUES = np.round(np.random.default_rng(5).uniform(-9.0, 9.0, (5, 9)), 2)
 WAYS = {"flank": "convex", "rows": "root to tip", "columns": "toe to heel", "deviation_unit": "um"}
@@ -129,3 +132,17 @@ def test_decimal_commas_among_commas_are_refused_with_a_way_out(tmp_path: Path) 
     path.write_text(f"{head}deviation\n{body.replace('.', ',')}", encoding="utf-8")
     with pytest.raises(InputError, match=r"line \d+: 'convex,1,1.*values, expected 10 .*columns by semicolons"):
         read_measured_grid(path)
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_a_table_stands_at_the_points_of_an_export(name: str, member: MemberName, tmp_path: Path) -> None:
+    case = easeoff.read_case(name)
+    own = named_member(gear_pair(case), member)
+    export_points(case, tmp_path / "points.csv", member)
+    exported = read_cmm_points(tmp_path / "points.csv").sel(flank=side(own.loaded))["position"].values
+    (tmp_path / "table.csv").write_text(table(VALUES, flank=side(own.loaded)), encoding="utf-8")
+    found = read_measured_grid(tmp_path / "table.csv", own)["position"].values[0]
+    np.testing.assert_allclose(found[..., 2], exported[..., 2], rtol=0, atol=1e-9)
+    radius, expected = (np.hypot(points[..., 0], points[..., 1]) for points in (found, exported))
+    np.testing.assert_allclose(radius, expected, rtol=0, atol=1e-9)

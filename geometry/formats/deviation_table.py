@@ -55,7 +55,7 @@ class DeviationTable:
     source: str
 
     def points(self, member: Member) -> xr.Dataset:
-        """Nominal points of the table on the loaded flank of a member.
+        """Nominal points of the table on the loaded flank of a member, where ``easeoff export`` has them.
 
         Raises
         ------
@@ -67,7 +67,12 @@ class DeviationTable:
                 f"{self.source}: flank = {self.flank!r}: must be {side(member.loaded)!r}, the flank in contact here"
             )
         rows, columns = self.deviation.shape
-        return cmm_points(member, rows, columns, self.margins)
+        margins = self.margins
+        if member.opposite is not None:
+            # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
+            both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
+            margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
+        return cmm_points(member, rows, columns, margins)
 
 
 def is_table(content: str) -> bool:
