@@ -62,22 +62,26 @@ class FileKind(Generic[Model]):
 
     def shipped(self) -> dict[str, str]:
         """Names and titles of the shipped files."""
-        return {name: self.read(name).title for name in self._names()}
+        return {name: self.read(name).title for name in self.names()}
 
-    def _names(self) -> list[str]:
+    def names(self) -> list[str]:
+        """Names of the shipped files."""
         return sorted(f.name[:-5] for f in self.folder.iterdir() if f.name.endswith(".toml"))
 
     def find(self, name_or_path: str | Path) -> tuple[str, Path | None]:
         """Text of a shipped file (by name) or of a user's file (by path), and the folder of the latter."""
         kind, name = self.name, str(name_or_path)
-        if name in self._names():
+        if name in self.names():
             return self.folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
         path: Path = Path(name_or_path)
         if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
             if os.path.isdir(path):
                 raise InputError(f"{kind} {name!r} is a folder: give the name of a file")
-            near = suggestion(name, [*self._names(), *_beside(path)])
-            known = ", ".join(self._names())
+            for other in (CASE, DESIGN):
+                if name in other.names():
+                    raise InputError(f"{name} is {self.other.format(name)}")
+            near = suggestion(name, [*self.names(), *_beside(path)])
+            known = ", ".join(self.names())
             raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}{near}")
         if path.suffix.lower() in FOREIGN_SUFFIXES:
             raise InputError(
@@ -95,6 +99,8 @@ class FileKind(Generic[Model]):
 
     def parse(self, text: str, origin: str, folder: Path | None) -> Model:
         """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``."""
+        if not text.strip():
+            raise InputError(f"{origin} is empty")
         data = toml_tables(text, origin)
         versions = [f"easeoff_{kind.name}" for kind in (CASE, DESIGN) if f"easeoff_{kind.name}" in data]
         if versions and f"easeoff_{self.name}" not in versions:

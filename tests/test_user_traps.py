@@ -203,6 +203,32 @@ def test_mistakes_in_a_case_file_show_what_to_write(old: str, new: str, words: s
 
 
 @pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nasa-12x36"], "Missing option '-o' / '--output'. netCDF file to write."),
+        (["show", "nasa-12x36"], "nasa-12x36 is a case, not a result: make one with 'easeoff run nasa-12x36 -o FILE'"),
+        (["plot", "mine.toml", "p"], "mine.toml is a case, not a result"),
+        (["design", "nasa-12x36", "-o", "x.toml"], "nasa-12x36 is a case already: analyse it with 'easeoff run"),
+        (["show", "{tmp}/empty.nc"], "empty.nc is empty"),
+        (["run", "{tmp}/empty.toml", "-o", "x.nc"], "empty.toml is empty"),
+    ],
+)
+def test_a_file_of_another_kind_or_none_is_named(arguments: list[str], words: str, tmp_path: Path) -> None:
+    for name in ("empty.nc", "empty.toml"):
+        (tmp_path / name).touch()
+    said = call(*(argument.format(tmp=tmp_path) for argument in arguments))
+    assert said.exit_code == 2
+    assert words in " ".join(said.output.split())
+
+
+def test_a_number_out_of_range_is_told_with_its_unit(tmp_path: Path) -> None:
+    steel = "\n[pinion.material]\nelastic_modulus = 210\n"
+    (tmp_path / "mine.toml").write_text(case_text("nasa-12x36") + steel, encoding="utf-8")
+    said = call("run", tmp_path / "mine.toml", "-o", tmp_path / "x.nc")
+    assert "pinion.material.elastic_modulus = 210: must be greater than 500 [MPa]" in said.output
+
+
+@pytest.mark.parametrize(
     ("name", "words"),
     [
         ("FM-11X41", "did you mean 'fm-11x41'?"),
