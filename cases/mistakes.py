@@ -6,6 +6,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from ..core.suggestion import suggestion
+
 LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
@@ -75,14 +77,15 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
         return "is missing; it must be given"
     if kind == "extra_forbidden":
         table = item["loc"][:-1]
-        known = ", ".join(_known_keys(model, table))
-        whole = f"a {model.__name__.lower()} file"
-        return f"is not a key of {'[' + '.'.join(map(str, table)) + ']' if table else whole}; known are: {known}"
+        known = _known_keys(model, table)
+        near = suggestion(str(item["loc"][-1]), known)
+        place = f"[{'.'.join(map(str, table))}]" if table else f"a {model.__name__.lower()} file"
+        return f"is not a key of {place}; known are: {', '.join(known)}{near}"
     if kind == "value_error":
         return str(context["error"])
     if kind in LIMIT_MESSAGES:
         words, name = LIMIT_MESSAGES[kind]
-        return f"must be {words} {context[name]:g}"
+        return f"must be {words} {context[name]:g}{_unit(model, item['loc'])}"
     if kind in COUNT_MESSAGES:
         words, name = COUNT_MESSAGES[kind]
         unit = "character" if kind.startswith("string") else "value"
@@ -94,15 +97,23 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
 
 def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
     """Keys of the table ``table`` of a case or design."""
+    return sorted(_node(model, table).get("properties", {}))
+
+
+def _unit(model: type[BaseModel], key: tuple[Any, ...]) -> str:
+    """Unit of a key, in brackets; empty of a number without one."""
+    unit = _node(model, tuple(part for part in key if isinstance(part, str))).get("unit", "1")
+    return "" if unit == "1" else f" [{unit}]"
+
+
+def _node(model: type[BaseModel], path: tuple[Any, ...]) -> dict[str, Any]:
+    """Schema of the table or key ``path`` of a case or design; empty if there is none."""
     schema = model.model_json_schema()
-    definitions = schema["$defs"]
     node = schema
-    for part in table:
-        node = node["properties"].get(part, {})
+    for part in path:
+        node = node.get("properties", {}).get(part, {})
         for option in [node, *node.get("anyOf", []), *node.get("allOf", [])]:
             if "$ref" in option:
-                node = definitions[option["$ref"].rsplit("/", 1)[1]]
+                node = schema["$defs"][option["$ref"].rsplit("/", 1)[1]]
                 break
-        if "properties" not in node:
-            return []
-    return sorted(node["properties"])
+    return node

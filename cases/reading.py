@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -14,12 +13,30 @@ from typing import Any, Generic, TypeVar
 from pydantic import ValidationError
 
 from ..core.errors import EaseoffError, InputError
+from ..core.suggestion import suggestion
+from ..core.toml_text import toml_tables
 from .conversion import designed_blanks
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
 
 Model = TypeVar("Model", Case, Design)
+
+
+#: Files that are no cases, and what to do with them.
+FOREIGN_SUFFIXES = {
+    **dict.fromkeys((".rexs", ".xml"), "a REXS file: make a case of it with 'easeoff convert'"),
+    ".ses": "a session script: make a case of it with 'easeoff convert'",
+    ".nc": "a netCDF file, such as a result: 'easeoff show' shows one",
+}
+
+
+def _beside(path: Path) -> list[str]:
+    """Paths of the TOML files in the folder of a path, as one would give them."""
+    try:
+        return [str(path.parent / entry) for entry in os.listdir(path.parent) if entry.endswith(".toml")]
+    except (OSError, ValueError):
+        return []
 
 
 @dataclass(frozen=True)
@@ -45,22 +62,33 @@ class FileKind(Generic[Model]):
 
     def shipped(self) -> dict[str, str]:
         """Names and titles of the shipped files."""
-        return {name: self.read(name).title for name in self._names()}
+        return {name: self.read(name).title for name in self.names()}
 
-    def _names(self) -> list[str]:
+    def names(self) -> list[str]:
+        """Names of the shipped files."""
         return sorted(f.name[:-5] for f in self.folder.iterdir() if f.name.endswith(".toml"))
 
     def find(self, name_or_path: str | Path) -> tuple[str, Path | None]:
         """Text of a shipped file (by name) or of a user's file (by path), and the folder of the latter."""
         kind, name = self.name, str(name_or_path)
-        if name in self._names():
+        if name in self.names():
             return self.folder.joinpath(f"{name}.toml").read_text(encoding="utf-8"), None
-        path = Path(name_or_path)
+        path: Path = Path(name_or_path)
         if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
-            known = ", ".join(self._names())
-            raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}")
+            if os.path.isdir(path):
+                raise InputError(f"{kind} {name!r} is a folder: give the name of a file")
+            for other in (CASE, DESIGN):
+                if name in other.names():
+                    raise InputError(f"{name} is {self.other.format(name)}")
+            near = suggestion(name, [*self.names(), *_beside(path)])
+            known = ", ".join(self.names())
+            raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}{near}")
+        if path.suffix.lower() in FOREIGN_SUFFIXES:
+            raise InputError(
+                f"{kind} {name!r} is {FOREIGN_SUFFIXES[path.suffix.lower()]}; a {kind} is a text file, in TOML"
+            )
         try:
-            return path.read_text(encoding="utf-8"), path.absolute().parent
+            return path.read_text(encoding="utf-8-sig"), path.absolute().parent
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"{kind} {name!r} cannot be read: a {kind} is a text file, in TOML ({error})") from error
 
@@ -71,10 +99,9 @@ class FileKind(Generic[Model]):
 
     def parse(self, text: str, origin: str, folder: Path | None) -> Model:
         """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``."""
-        try:
-            data = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{origin} is not a TOML file: {error}") from error
+        if not text.strip():
+            raise InputError(f"{origin} is empty")
+        data = toml_tables(text, origin)
         versions = [f"easeoff_{kind.name}" for kind in (CASE, DESIGN) if f"easeoff_{kind.name}" in data]
         if versions and f"easeoff_{self.name}" not in versions:
             raise InputError(f"{origin} is {self.other.format(origin)}")

@@ -292,7 +292,14 @@ def shown(value: Any) -> str:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
+    """Whether a value is a real number that a float can hold."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    try:
+        float(value)
+    except OverflowError:
+        return False
+    return True
 
 
 def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
@@ -302,7 +309,7 @@ def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
         if given.dtype.kind not in "fiuO":
             return None
         return np.array(given, np.float64, order="C") if copied else np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
 
 

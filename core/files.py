@@ -134,7 +134,10 @@ def netcdf_reading(path: str | os.PathLike[str]) -> Iterator[None]:
     try:
         yield
     except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(f"{path} is not a netCDF file: {error}") from error
+        if not os.path.getsize(path):
+            raise InputError(f"{path} is empty") from error
+        why = (error.strerror if isinstance(error, OSError) else None) or error
+        raise InputError(f"{path} is not a netCDF file, or it is damaged: {why}") from error
 
 
 def _check_access(folder: Path, target: Path) -> None:

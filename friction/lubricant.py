@@ -11,7 +11,6 @@ met at each.
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,8 @@ from numpy.typing import NDArray
 
 from ..core.checks import array, number, one_of, shown
 from ..core.errors import InputError
+from ..core.suggestion import suggestion
+from ..core.toml_text import toml_tables
 
 Array = NDArray[Any]
 Interpolation = Literal["walther", "log_linear"]
@@ -135,6 +136,12 @@ class Lubricant:
         if not np.all(np.diff(self.temperature) > 0.0):
             raise InputError(
                 f"temperature of lubricant {self.name} = {shown(self.temperature.tolist())}: must increase"
+            )
+        rising = np.flatnonzero(np.diff(self.dynamic_viscosity) > 0.0)
+        if rising.size:
+            both = [shown(self.dynamic_viscosity[rising[0] + k]) for k in (0, 1)]
+            raise InputError(
+                f"dynamic_viscosity of lubricant {self.name} = {both[0]}, {both[1]}: must fall as the temperature rises"
             )
         least = np.min(self.dynamic_viscosity)
         if least > WARM_VISCOSITY_LIMIT:
@@ -271,15 +278,15 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
         start = "the working folder" if folder is None else "the folder of the case"
         raise InputError(
             f"oil = {text!r}: neither one of {', '.join(available_lubricants())} nor the path of a TOML file: there is "
-            f"no {path.absolute()}; a relative path starts from {start}"
+            f"no {path.absolute()}; a relative path starts from {start}{suggestion(text, available_lubricants())}"
         )
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(f"oil = {text!r}: {path} cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from error
-    return _from_table(path, data)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is not a TOML file: {error}") from error
+    return _from_table(path, toml_tables(content, str(path)))
 
 
 def _from_table(path: Path, data: Mapping[str, Any]) -> Lubricant:
@@ -294,7 +301,7 @@ def _from_table(path: Path, data: Mapping[str, Any]) -> Lubricant:
             for key in ("temperature", "dynamic_viscosity", "pressure_viscosity", "density")
         }
         conductivity = float(data.get("thermal_conductivity", THERMAL_CONDUCTIVITY))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{path}: temperature and properties must be lists of numbers: {error}") from error
     temperature, viscosity, pressure = (
         np.asarray(arrays[k]) for k in ("temperature", "dynamic_viscosity", "pressure_viscosity")

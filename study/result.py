@@ -7,6 +7,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from ..cases.reading import CASE
 from ..core.errors import InputError
 from ..core.files import netcdf_reading, whole_file
 from .result_layout import VARIABLES, faults
@@ -81,6 +82,8 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     'urad'
     """
     source = Path(path)
+    if source.suffix == ".toml" or (str(path) in CASE.names() and not os.path.exists(path)):
+        raise InputError(f"{source} is a case, not a result: make one with 'easeoff run {source} -o FILE'")
     with netcdf_reading(source), xr.open_datatree(source, engine="netcdf4") as opened:
         tree = opened.load()
     found = faults(tree)

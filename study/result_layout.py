@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+MAGNITUDE_LIMIT = 1e30
 GRID = ("lengthwise", "profile")
 PAIRS = ("pair", "mesh_position")
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
@@ -73,7 +74,10 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "unloaded": {**dict.fromkeys(("peak_to_peak", "separation", "rms"), "number"), "harmonics": "vector"},
     "friction": dict.fromkeys(("oil", "friction_coefficient", "film", "rolling_frame", "thermal_factor"), "text"),
 }
-OPTIONAL_ATTRIBUTES = {"": {"modification_um": "text"}, "loaded": {"searched_segments": "number"}}
+OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
+    "": {"modification_um": "text"},
+    "loaded": {"searched_segments": "number"},
+}
 
 
 def faults(tree: xr.DataTree) -> list[str]:
@@ -131,6 +135,8 @@ def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[s
                 or group[name].dtype.kind not in "fiu"
             ):
                 yield f"no numbers {name!r} over {', '.join(dimensions)}"
+            elif np.any(np.isfinite(values := group[name].values) & (np.abs(values) > MAGNITUDE_LIMIT)):
+                yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
 
 
 def _is(kind: str | int, value: Any) -> bool:

@@ -104,7 +104,7 @@ hobbing = st.builds(
     st.integers(1, 100),
 )
 flank = st.fixed_dictionaries({"machine": st.one_of(generated, formate), "cutter": st.one_of(milling, hobbing)})
-steel = some(elastic_modulus=number(100.0, 1e6), poisson_ratio=number(0.0, 0.5))
+steel = some(elastic_modulus=number(500.0, 1e6), poisson_ratio=number(0.0, 0.5))
 
 
 @st.composite

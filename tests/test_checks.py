@@ -51,6 +51,8 @@ def test_infinity_is_a_value_where_it_is_allowed() -> None:
             lambda: checks.array("x", [1.0, -2.0], above=0.0, most=9.0),
             "^x = -2: must be a number above 0 and at most 9$",
         ),
+        (lambda: checks.number("x", 10**400), r"^x = 10+\.\.\.0+: must be a finite number$"),
+        (lambda: checks.distinct("x", [10**400]), r"^x = \[10+\.\.\.0+\]: must be finite numbers, 1 or more$"),
         (lambda: checks.array("x", [1.0, math.nan]), "^x = nan: must be a finite number$"),
         (lambda: checks.distinct("x", [[1.0, 2.0]]), "must be a number, or numbers in a row$"),
         (lambda: checks.distinct("x", "fast", "1/min"), r"^x = 'fast': must be finite numbers \[1/min\], 1 or more$"),

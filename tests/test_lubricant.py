@@ -337,6 +337,7 @@ def test_an_oil_of_ones_own(tmp_path: Path) -> None:
         (GOOD.replace("[0.1, 0.01]", '["a", "b"]'), "lists of numbers"),
         (GOOD.replace("[20, 80]", "20"), "temperature of lubricant bad .*, 2 or more in a row"),
         (GOOD + "thermal_conductivity = 0\n", "thermal_conductivity of lubricant bad = 0: must be"),
+        (GOOD.replace("[0.1, 0.01]", "[0.01, 0.1]"), "dynamic_viscosity of lubricant bad = 0.01, 0.1: must fall as"),
         (GOOD.replace("[0.1, 0.01]", "[100, 10]"), "dynamic_viscosity of lubricant bad = 10: must be up to 1 .*mPa s"),
         (
             GOOD.replace("[20, 12]", "[20e-9, 12e-9]"),

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from netCDF4 import Dataset
 
 import easeoff
 from easeoff.cases import case_text, read_case, write_case
+from easeoff.friction import lubricant
 from easeoff.study.cli import main
 from easeoff.study.cli.command import Command
 from easeoff.study.plot import FRICTION_PICTURES, PICTURES
@@ -174,3 +178,112 @@ def test_what_is_written_names_the_next_command(results: tuple[Path, Path], tmp_
     said = call("run", case, "-o", tmp_path / "x.nc", "--torque", many, "--plots", tmp_path / "p")
     assert "30 of 30 mesh positions certified at 10 torques from 10 to 19 N m; greatest pressure" in said.output
     assert said.output.splitlines()[-1] == f"next: easeoff show {tmp_path / 'x.nc'}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("ratio_of_roll = 3.", "ratio_of_roll = 3,", "a decimal has a point: 3.2"),
+        ("[50.0, 150.0, 300.0]", "[50,5]", "'torques = [50,5]': a list of two values, 50 and 5; if that is meant"),
+        ("cradle_angle", "cradel_angle", "did you mean 'cradle_angle'?"),
+        ("[contact]", "[contcat]", "did you mean 'contact'?"),
+        ("\n[pinion]", f"\nx = {'[' * 5000}", "is not a TOML file"),
+        ("[pair]", f"[pair]\nshaft_angle = {'9' * 5000}", "is not a TOML file"),
+    ],
+)
+def test_mistakes_in_a_case_file_show_what_to_write(old: str, new: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    text = case_text("nasa-12x36")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    said = call("run", path, "-o", tmp_path / "x.nc")
+    assert said.exit_code == 2
+    assert words in said.output
+    assert not (tmp_path / "x.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nasa-12x36"], "Missing option '-o' / '--output'. netCDF file to write."),
+        (["show", "nasa-12x36"], "nasa-12x36 is a case, not a result: make one with 'easeoff run nasa-12x36 -o FILE'"),
+        (["plot", "mine.toml", "p"], "mine.toml is a case, not a result"),
+        (["design", "nasa-12x36", "-o", "x.toml"], "nasa-12x36 is a case already: analyse it with 'easeoff run"),
+        (["show", "{tmp}/empty.nc"], "empty.nc is empty"),
+        (["run", "{tmp}/empty.toml", "-o", "x.nc"], "empty.toml is empty"),
+    ],
+)
+def test_a_file_of_another_kind_or_none_is_named(arguments: list[str], words: str, tmp_path: Path) -> None:
+    for name in ("empty.nc", "empty.toml"):
+        (tmp_path / name).touch()
+    said = call(*(argument.format(tmp=tmp_path) for argument in arguments))
+    assert said.exit_code == 2
+    assert words in " ".join(said.output.split())
+
+
+def test_a_number_out_of_range_is_told_with_its_unit(tmp_path: Path) -> None:
+    steel = "\n[pinion.material]\nelastic_modulus = 210\n"
+    (tmp_path / "mine.toml").write_text(case_text("nasa-12x36") + steel, encoding="utf-8")
+    said = call("run", tmp_path / "mine.toml", "-o", tmp_path / "x.nc")
+    assert "pinion.material.elastic_modulus = 210: must be greater than 500 [MPa]" in said.output
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("FM-11X41", "did you mean 'fm-11x41'?"),
+        ("{tmp}/mine.tml", "did you mean '{tmp}/mine.toml'?"),
+        ("{tmp}/mine", "did you mean '{tmp}/mine.toml'?"),
+        ("{tmp}", "is a folder: give the name of a file"),
+        ("{tmp}/pair.rexs", "is a REXS file: make a case of it with 'easeoff convert'"),
+        ("{tmp}/pair.nc", "is a netCDF file, such as a result: 'easeoff show' shows one"),
+    ],
+)
+def test_names_of_cases_that_are_none_are_told_what_is_near(name: str, words: str, tmp_path: Path) -> None:
+    for file in ("mine.toml", "pair.rexs", "pair.nc"):
+        (tmp_path / file).touch()
+    said = call("run", name.format(tmp=tmp_path), "-o", tmp_path / "x.nc")
+    assert said.exit_code == 2
+    assert words.format(tmp=tmp_path) in said.output
+
+
+def test_a_case_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(case_text("nasa-12x36"), encoding="utf-8-sig")
+    assert read_case(tmp_path / "mine.toml").text == case_text("nasa-12x36")
+
+
+def test_an_oil_with_a_number_no_float_holds_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "oil.toml").write_text(
+        f'title = "x"\nsource = "y"\ntemperature = [40, {10**400}]\ndynamic_viscosity = [0.1, 0.01]\n'
+        "pressure_viscosity = [20, 15]\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(easeoff.InputError, match="must be lists of numbers"):
+        lubricant(tmp_path / "oil.toml")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda file: file["loaded"].renameVariable("force", "load"), "loaded: no numbers 'force' over torque"),
+        (lambda file: file["flanks"].renameDimension("lengthwise", "x"), "flanks: no numbers 'position' over member"),
+        (lambda file: file["friction"].renameDimension("speed", "x"), "friction: no numbers 'friction_coefficient'"),
+        (lambda file: file["loaded"].setncattr("searched_segments", "many"), "no number in the attribute 'searched_"),
+        (lambda file: file.delncattr("pinion_teeth"), "root: no number in the attribute 'pinion_teeth'"),
+        (lambda file: file["ease_off"].setncattr("gear_axis", [1.0, 0.0]), "no vector in the attribute 'gear_axis'"),
+        (lambda file: file["flanks/position"].__setitem__(..., 1e300), "'position' holds numbers beyond 1e+30"),
+        (lambda file: file.renameGroup("teeth", "tooth"), "no group teeth"),
+    ],
+)
+def test_a_result_that_was_changed_is_refused_with_what_it_lacks(
+    change: Callable[[Dataset], None], words: str, results: tuple[Path, Path], tmp_path: Path
+) -> None:
+    path = Path(shutil.copy(results[0], tmp_path / "x.nc"))
+    with Dataset(path, "a") as file:
+        change(file)
+    for arguments in (("show", path), ("plot", path, tmp_path / "pictures")):
+        said = call(*arguments)
+        assert said.exit_code == 2
+        assert "x.nc is damaged, changed by hand or made by another version of easeoff: " in said.output
+        assert words in said.output
+    assert [file.name for file in tmp_path.iterdir()] == ["x.nc"]

@@ -67,7 +67,7 @@ class Blank(Table):
 class Steel(Table):
     """Elastic constants of a member."""
 
-    elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=100, lt=1e6)
+    elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
     poisson_ratio: Number = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
 
 

@@ -244,4 +244,10 @@ def _opened(path: str | os.PathLike[str]) -> Any:
             require_arrays(dataset)
         except InputError as error:
             raise InputError(f"{path} holds no contact problems: {error}") from error
-        yield dataset
+        try:
+            yield dataset
+        except RuntimeError as error:
+            # The netCDF library raises this of a variable whose bytes are damaged.
+            if not str(error).startswith("NetCDF"):
+                raise
+            raise InputError(f"{path} is damaged: {error}") from error

@@ -55,7 +55,7 @@ class DeviationTable:
     source: str
 
     def points(self, member: Member) -> xr.Dataset:
-        """Nominal points of the table on the loaded flank of a member.
+        """Nominal points of the table on the loaded flank of a member, where ``easeoff export`` has them.
 
         Raises
         ------
@@ -67,7 +67,12 @@ class DeviationTable:
                 f"{self.source}: flank = {self.flank!r}: must be {side(member.loaded)!r}, the flank in contact here"
             )
         rows, columns = self.deviation.shape
-        return cmm_points(member, rows, columns, self.margins)
+        margins = self.margins
+        if member.opposite is not None:
+            # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
+            both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
+            margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
+        return cmm_points(member, rows, columns, margins)
 
 
 def is_table(content: str) -> bool:
@@ -108,13 +113,16 @@ def parsed_table(content: str, source: str) -> DeviationTable:
         for cell in row:
             if not _is_number(cell):
                 raise InputError(f"{source}, line {number}: {shown(cell)}: must be a finite number")
-    size = f"{len(rows)} rows x {len(rows[0])} columns"
-    missing = [f"'# {key}: {' | '.join(allowed)}'" for key, allowed in WANTED.items() if key not in attributes]
+    missing = [
+        f"'# {key}: {first_choice}' (or {', '.join(others)})"
+        for key, (first_choice, *others) in WANTED.items()
+        if key not in attributes
+    ]
     if missing:
         raise InputError(
-            f"{source}, line {first}: {excerpt(head)}: a table of {size} of numbers without points; say in lines "
-            f"before it what they are, one of each: {', '.join(missing)}. Or give the points, as 'easeoff export' "
-            "writes them, with a column 'deviation'"
+            f"{source}, line {first}: {excerpt(head)}: numbers in {len(rows)} rows and {len(rows[0])} columns, without "
+            f"points. If they are deviations at the points of 'easeoff export', say in lines before them what they "
+            f"are: {'; '.join(missing)}. Or give the points, too, with a column 'deviation'"
         )
     for key, allowed in WANTED.items():
         one_of(f"{source}: {key}", attributes[key], allowed)

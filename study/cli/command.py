@@ -25,7 +25,12 @@ class Command(click.Command):
                 if isinstance(param, click.Option):
                     _check_option(ctx, param, values[str(param.name)], given.count(param))
             _check_rest(ctx, rest)
-        return super().parse_args(ctx, args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.MissingParameter as error:
+            if isinstance(error.param, click.Option) and error.param.help:
+                raise click.MissingParameter(error.param.help, error.ctx, error.param) from error
+            raise
 
 
 def _check_option(ctx: click.Context, option: click.Option, value: Any, count: int) -> None:

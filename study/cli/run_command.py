@@ -134,13 +134,14 @@ def run(
     click.echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:
         draw(tree, plots)
-    next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     for note in (*plausibility(tree), *ranges):
         click.echo(note, err=True)
     failures = uncertified(tree)
     if failures:
         click.echo("\n".join(failures), err=True)
+    next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
+    if failures:
         sys.exit(EXIT_UNCERTIFIED)
 
 

@@ -1,0 +1,148 @@
+"""Tables of deviations and files of spreadsheets: read as the same grid in any writing, or refused with the line."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+
+import easeoff
+from easeoff import InputError
+from easeoff.cases import gear_pair
+from easeoff.geometry import GearPair
+from easeoff.geometry.formats import (
+    cmm_points,
+    flank_deviation,
+    measured_grid,
+    read_cmm_points,
+    read_measured_grid,
+    write_measured_grid,
+)
+from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member, side
+from easeoff.study import flank_deviations
+from easeoff.study.geometry_export import export_points
+
+VALUES = np.round(np.random.default_rng(5).uniform(-9.0, 9.0, (5, 9)), 2)
+WAYS = {"flank": "convex", "rows": "root to tip", "columns": "toe to heel", "deviation_unit": "um"}
+
+
+@cache
+def pair() -> GearPair:
+    return gear_pair(easeoff.read_case("fm-11x41"), "drive")
+
+
+@cache
+def grid() -> xr.Dataset:
+    return measured_grid(cmm_points(pair().gear, 5, 9), VALUES)
+
+
+def table(values: NDArray[np.float64], mark: str = ";", point: str = ",", **ways: str) -> str:
+    head = "".join(f"# {key}: {value}\n" for key, value in (WAYS | ways).items() if value)
+    return head + "\n".join(mark.join(f"{v:.2f}".replace(".", point) for v in row) for row in values) + "\n"
+
+
+@pytest.mark.parametrize(("mark", "point"), [(";", ","), (";", "."), ("\t", ","), (",", "."), (", ", "."), ("  ", ",")])
+def test_a_table_is_read_with_any_separator(mark: str, point: str, tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    path.write_text(table(VALUES, mark, point), encoding="utf-8")
+    assert read_measured_grid(path, pair().gear).equals(grid())
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "written"),
+    [
+        ("root to tip", "toe to heel", VALUES),
+        ("tip to root", "toe to heel", VALUES[::-1]),
+        ("root to tip", "heel to toe", VALUES[:, ::-1]),
+        ("toe to heel", "root to tip", VALUES.T),
+        ("heel to toe", "tip to root", VALUES[::-1, ::-1].T),
+    ],
+)
+def test_the_comments_say_how_a_table_lies(
+    rows: str, columns: str, written: NDArray[np.float64], tmp_path: Path
+) -> None:
+    path = tmp_path / "gear.csv"
+    path.write_text(table(written, rows=rows, columns=columns), encoding="utf-8")
+    found = flank_deviations(pair(), {"gear": path})["gear"]
+    expected = flank_deviation(grid(), pair().gear)
+    np.testing.assert_array_equal(found.value, expected.value)
+    np.testing.assert_array_equal(found.axial, expected.axial)
+
+
+def test_unit_and_margins_of_a_table_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    path.write_text("# margin_toe_mm: 5,5\n" + table(VALUES / 100.0, deviation_unit="mm"), encoding="utf-8")
+    found = read_measured_grid(path, pair().gear)
+    np.testing.assert_allclose(found["deviation"].values[0], np.round(VALUES / 100.0, 2) * 1e3)
+    assert found.attrs["margin_toe_mm"] == 5.5
+    assert found.attrs["margin_heel_mm"] == grid().attrs["margin_heel_mm"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (table(VALUES, rows="", columns=""), r"line 3: .*numbers in 5 rows and 9 columns, without points.*# rows"),
+        ("1;2\n3;4\n", r"line 1: '1;2': .*# flank: concave' \(or convex\); .*# deviation_unit: um' \(or mm\)"),
+        (table(VALUES, flank="concave"), "flank = 'concave': must be 'convex', the flank in contact here"),
+        (table(VALUES, rows="upwards"), "rows = 'upwards': must be one of root to tip"),
+        (table(VALUES, columns="tip to root"), "must be one along the flank and one up it"),
+        (table(VALUES, deviation_unit="mil"), "deviation_unit = 'mil': must be one of um, mm"),
+        (table(VALUES) + "1;2;3\n", "line 10: '1;2;3': 3 values, expected 9 as in line 5"),
+        (table(VALUES).replace("\n", "\n;;;;\n") + "1;2;3;x;5;6;7;8;9\n", "line 19: 'x': must be a finite number"),
+        (table(VALUES).replace(";", ","), "line 5: .* 18 columns|whole numbers, or decimal commas"),
+        (table(VALUES[:1]), "rows = 1: must be at least 2"),
+    ],
+)  # fmt: skip
+def test_tables_that_could_mean_something_else_are_refused(text: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_measured_grid(path, pair().gear)
+
+
+def test_a_table_needs_its_member(tmp_path: Path) -> None:
+    (tmp_path / "gear.csv").write_text(table(VALUES), encoding="utf-8")
+    with pytest.raises(InputError, match="give the member"):
+        read_measured_grid(tmp_path / "gear.csv")
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+@pytest.mark.parametrize("point", [",", "."])
+def test_points_saved_by_a_spreadsheet_are_read(mark: str, point: str, tmp_path: Path) -> None:
+    """Separators, decimal commas, padded lines, quoted comments and a byte order mark of a spreadsheet."""
+    path = tmp_path / "gear.csv"
+    write_measured_grid(grid(), path)
+    lines = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        cells = [f'"{line}"' if mark in line else line] if line.startswith("#") else line.split(",")
+        cells = [cell.replace(".", point) if not cell.startswith(("#", '"')) else cell for cell in cells]
+        lines.append(mark.join(cells + [""] * (10 - len(cells))))
+    path.write_text("\r\n".join([*lines, 9 * mark]), encoding="utf-8-sig", newline="")
+    assert read_measured_grid(path).equals(grid())
+
+
+def test_decimal_commas_among_commas_are_refused_with_a_way_out(tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    write_measured_grid(grid(), path)
+    head, _, body = path.read_text(encoding="utf-8").partition("deviation\n")
+    path.write_text(f"{head}deviation\n{body.replace('.', ',')}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"line \d+: 'convex,1,1.*values, expected 10 .*columns by semicolons"):
+        read_measured_grid(path)
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_a_table_stands_at_the_points_of_an_export(name: str, member: MemberName, tmp_path: Path) -> None:
+    case = easeoff.read_case(name)
+    own = named_member(gear_pair(case), member)
+    export_points(case, tmp_path / "points.csv", member)
+    exported = read_cmm_points(tmp_path / "points.csv").sel(flank=side(own.loaded))["position"].values
+    (tmp_path / "table.csv").write_text(table(VALUES, flank=side(own.loaded)), encoding="utf-8")
+    found = read_measured_grid(tmp_path / "table.csv", own)["position"].values[0]
+    np.testing.assert_allclose(found[..., 2], exported[..., 2], rtol=0, atol=1e-9)
+    radius, expected = (np.hypot(points[..., 0], points[..., 1]) for points in (found, exported))
+    np.testing.assert_allclose(radius, expected, rtol=0, atol=1e-9)
