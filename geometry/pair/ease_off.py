@@ -238,7 +238,7 @@ def exact_ease_off(
     return result
 
 
-def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) -> tuple[Array, Array]:
+def angle_near(motion: ConjugateMotion, start: Array, side: float, sheet: float, gear: Flank) -> tuple[Array, Array]:
     """Ease-off alone, for settings near others whose solution is known: no search for the tooth.
 
     Parameters
@@ -249,6 +249,8 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) 
         Pinion parameters (2, n) of the known solution.
     side
         Orientation sign of the valid side of the pinion's surface.
+    sheet
+        Sign of ``sheet_area`` of the valid sheet of the conjugate gear.
     gear
         Gear flank on its nodes (n).
 
@@ -262,6 +264,7 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) 
         found = solve(partial(_axial_and_radial, motion), start, target, motion.surface.max_step)
         point, _ = motion.conjugate_gear(found.parameters)
         valid_side = motion.surface.orientation(found.parameters) * side > 0.0
+        valid_side &= _sheet(found.jacobian) == sheet
     known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
     return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
 
@@ -311,6 +314,21 @@ def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple
         sheets = _sheet(slopes.swapaxes(0, 1))
     sheet = float(sheets[sheets.size // 2])
     return seeds.nearest(coordinates, seeds.side & (sheets == sheet), target), sheet
+
+
+def sheet_area(motion: ConjugateMotion, parameters: Array) -> Array:
+    """Area of the conjugate gear's axial section per pinion parameters (n), with a sign that changes at a fold.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion.
+    parameters
+        Pinion parameters (2, n).
+    """
+    with np.errstate(all="ignore"):
+        _, (first, second) = complex_steps(partial(_axial_and_radial, motion), parameters)
+        return determinant(first, second)
 
 
 def _sheet(jacobian: Array) -> Array:
