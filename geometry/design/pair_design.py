@@ -19,6 +19,7 @@ from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
+from .edge_radius import usual_edge_radius
 from .mean_point import mean_point_angles
 from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, ROOT_WEIGHT, EaseOffTarget, Synthesis, fit_pinion
 
@@ -78,10 +79,10 @@ def design_pair(
     targets: Mapping[FlankName, EaseOffTarget],
     *,
     free: Sequence[str] | None = None,
-    follow_root: bool = False,
+    follow_root: bool = True,
     generated: bool = False,
     corrected: bool = True,
-    edge_radii: tuple[float, float] = (0.0, 0.0),
+    edge_radii: tuple[float | None, float | None] = (None, None),
 ) -> PairDesign:
     """Design the blanks, the gear and the pinion flanks of a pair.
 
@@ -103,7 +104,7 @@ def design_pair(
     corrected
         Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
     edge_radii
-        Edge radius of the blades of pinion and gear [mm].
+        Edge radius of the blades of pinion and gear [mm]; that of ``edge_radius.usual_edge_radius`` where ``None``.
 
     Raises
     ------
@@ -115,10 +116,14 @@ def design_pair(
     """
     blank = blank_dimensions(design)
     groups = design.number_of_blade_groups or 0
+    pinion_edge, gear_edge = (
+        usual_edge_radius(blank, member) if radius is None else radius
+        for radius, member in zip(edge_radii, (blank.pinion, blank.gear), strict=True)
+    )
 
     def flanks(make: Callable[..., Flanks]) -> Flanks:
         plain = make(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
-        return _rounded(plain[0], edge_radii[1]), _rounded(plain[1], edge_radii[1])
+        return _rounded(plain[0], gear_edge), _rounded(plain[1], gear_edge)
 
     gear = flanks(generated_gear if generated else formate_gear)
     formate = flanks(formate_gear) if generated else gear
@@ -133,7 +138,7 @@ def design_pair(
             starts.insert(0, crown_gear_pinion(loaded, assembly, height, azimuth))
         wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
         pairs = [
-            GearPair(Member(assembly.pinion_teeth, sections[0], _rounded(start, edge_radii[0])), wheel, assembly)
+            GearPair(Member(assembly.pinion_teeth, sections[0], _rounded(start, pinion_edge)), wheel, assembly)
             for start in starts
         ]
         pinion[side] = best_fit(pairs, targets[side], free, follow_root, blank.clearance)
@@ -206,7 +211,8 @@ def best_fit(
             continue
         if best is None or _cost(fit, follow_root) < _cost(best, follow_root):
             best = fit
-        if best.rms < RETRY_RESIDUAL and _good(best, target, clearance if follow_root else math.inf):
+        enough = len(starts) > 1 or best.rms < RETRY_RESIDUAL
+        if enough and _good(best, target, clearance if follow_root else math.inf):
             break
     if best is None:
         raise failure

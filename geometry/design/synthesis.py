@@ -38,6 +38,7 @@ FREE_SETTINGS = (
 FREE_SETTINGS_WITH_TILT = (*FREE_SETTINGS, "cutter_tilt", "cutter_swivel", "sliding_base")
 # A pinion rolled with a crown gear follows its root cone by the root angle, as on a machine without tilt.
 FREE_SETTINGS_WITH_ROOT_ANGLE = (*FREE_SETTINGS, "machine_root_angle", "sliding_base")
+COMMON_FLANK_TOLERANCE = 1e-6  # relative change of the sum of squares at which a fit on the common flank ends
 ROOT_WEIGHT = 50.0  # [um/mm]
 
 
@@ -251,7 +252,7 @@ def fit_pinion(
         x_scale=1.0,
         diff_step=np.where(curved, 0.1, 1e-4),
         xtol=1e-12,
-        ftol=1e-12,
+        ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
         gtol=1e-12,
         max_nfev=60,
     )
