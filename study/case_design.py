@@ -17,16 +17,16 @@ from ..cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTa
 from ..cases.schema.design_schema import Design
 from ..core.errors import GeometryError
 from ..geometry.design.blank import BlankDimensions
+from ..geometry.design.edge_radius import WHOLE_TOOTH_NODES
 from ..geometry.design.pair_design import SIDES, PairDesign, design_pair, residual_limits, target_range
 from ..geometry.flanks.flank import Flank, NodeStatus
 from ..geometry.pair.assembly import Assembly
-from ..geometry.pair.ease_off import exact_ease_off
+from ..geometry.pair.ease_off import EaseOff, exact_ease_off
 from ..geometry.pair.gear_pair import MEMBERS, FlankName, bodies, grid
 from ..geometry.tooth.tooth_surface import tooth_surface
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
-WHOLE_TOOTH_NODES = (9, 7)
 TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
 UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
 COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
@@ -41,7 +41,8 @@ class SideReport:
     moved
         Start and end of every free setting [mm, rad or per rad].
     residual
-        Ease-off less target at the nodes of the fit (n), up to a rotation of the gear [mm].
+        Ease-off less target (n), up to a rotation of the gear [mm]: at the nodes of the fit or, with a generated gear,
+        on the whole common flank.
     wanted_range
         Range of the target over the gear flank [mm].
     largest_ease_off
@@ -246,16 +247,27 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     gear = pair.gear.flank(t, h)
     found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     inside = found.status == NodeStatus.INSIDE
+    wanted = ease_off_target(getattr(design.target, side))
+    residual = fit.residual
+    if designed.gear[0].settings.generated:
+        residual = _left(found, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
     gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
     return SideReport(
         moved=fit.moved,
-        residual=fit.residual,
-        wanted_range=target_range(ease_off_target(getattr(design.target, side))),
+        residual=residual,
+        wanted_range=target_range(wanted),
         largest_ease_off=float(gap.max()),
         common_flank=float(inside.mean()),
         uncut=(_uncut(pair.pinion.flank(t, h)), _uncut(gear)),
         root_gap=fit.root_gap,
     )
+
+
+def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:
+    """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
+    lever = found.lever_arm[inside]
+    error = found.angle[inside] * lever - wanted[inside]
+    return np.asarray(error - lever * float(lever @ error) / float(lever @ lever))
 
 
 def _uncut(flank: Flank) -> float:

@@ -10,16 +10,15 @@ from functools import partial
 import numpy as np
 
 from ...core.errors import GeometryError
-from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting
 from ..flanks.flank import solve_flank
 from ..pair.assembly import Assembly
-from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
+from ..pair.gear_pair import MEMBERS, FlankName, GearPair, Member, thickness_per_angle
 from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
-from .edge_radius import usual_edge_radius
+from .edge_radius import fitting_edge_radius, rounded, usual_edge_radius
 from .mean_point import mean_point_angles
 from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, ROOT_WEIGHT, EaseOffTarget, Synthesis, fit_pinion
 
@@ -123,7 +122,7 @@ def design_pair(
 
     def flanks(make: Callable[..., Flanks]) -> Flanks:
         plain = make(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected)
-        return _rounded(plain[0], gear_edge), _rounded(plain[1], gear_edge)
+        return rounded(plain[0], gear_edge), rounded(plain[1], gear_edge)
 
     gear = flanks(generated_gear if generated else formate_gear)
     formate = flanks(formate_gear) if generated else gear
@@ -138,13 +137,30 @@ def design_pair(
             starts.insert(0, crown_gear_pinion(loaded, assembly, height, azimuth))
         wheel = Member(assembly.gear_teeth, sections[1], loaded, opposite)
         pairs = [
-            GearPair(Member(assembly.pinion_teeth, sections[0], _rounded(start, pinion_edge)), wheel, assembly)
+            GearPair(Member(assembly.pinion_teeth, sections[0], rounded(start, pinion_edge)), wheel, assembly)
             for start in starts
         ]
         pinion[side] = best_fit(pairs, targets[side], free, follow_root, blank.clearance)
         _check(side, pinion[side], targets[side])
     thickness = _middle_thickness(blank, gear) if groups else None
-    return PairDesign(blank, assembly, gear, pinion, thickness)
+    designed = PairDesign(blank, assembly, gear, pinion, thickness)
+    for name, given in zip(MEMBERS, edge_radii, strict=True):
+        if given is None:
+            designed = _with_fitting_edges(designed, name)
+    return designed
+
+
+def _with_fitting_edges(designed: PairDesign, name: str) -> PairDesign:
+    """The design with the usual edge radius of one member made so small that its fillets fit the slot."""
+    if name == "gear":
+        radius = fitting_edge_radius(designed.pair(), name, designed.gear[0].blade.edge_radius)
+        return replace(designed, gear=(rounded(designed.gear[0], radius), rounded(designed.gear[1], radius)))
+    usual = designed.pinion["drive"].surface.blade.edge_radius
+    radius = fitting_edge_radius(designed.pair(), name, usual)
+    return replace(
+        designed,
+        pinion={side: replace(fit, surface=rounded(fit.surface, radius)) for side, fit in designed.pinion.items()},
+    )
 
 
 def residual_limits(target: EaseOffTarget) -> tuple[float, float]:
@@ -252,10 +268,6 @@ def _good(fit: Synthesis, target: EaseOffTarget, root_limit: float) -> bool:
     return fit.largest_residual <= residual_limits(target)[0] and (
         math.isinf(root_limit) or bool(np.all(np.abs(fit.root_gap) <= root_limit))
     )
-
-
-def _rounded(surface: GeneratingSurface, edge_radius: float) -> GeneratingSurface:
-    return replace(surface, blade=replace(surface.blade, edge_radius=edge_radius))
 
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:
