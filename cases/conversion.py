@@ -61,10 +61,12 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
     values: dict[str, Any] = {
         key: math.radians(value) if key in table.angles() and value is not None else value
         for key, value in table.model_dump().items()
+        if not key.endswith("_mean_spiral_angle")
     }
     try:
         return BlankDesign(
             number_of_teeth=teeth,
+            mean_spiral_angle=math.radians(table.mean_spiral_angle),
             shaft_angle=math.radians(pair.shaft_angle),
             hypoid_offset=pair.hypoid_offset,
             **values,

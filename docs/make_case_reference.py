@@ -47,7 +47,11 @@ MEANINGS = {
         "whether tooth edges may touch beside the contact lines, see [finite elements](finite_elements.md#edges)",
         "",
     ),
-    "torques": ("torques at the pinion, one or more", "N m"),
+    "torques": (
+        "torques at the pinion, one or more; if left out, three in proportion to the size of the teeth, the middle one "
+        "40 N/mm² times face width, outer transverse module squared and half the pinion's teeth",
+        "N m",
+    ),
     "model": (
         "see [finite elements](finite_elements.md); `plate` to `root_factor` go with `shell`, the dissertation's",
         "",
@@ -187,7 +191,7 @@ def default(field: FieldInfo) -> str:
     """Default of a key."""
     if field.is_required():
         return "**required**"
-    if field.default is None:
+    if field.default is None or (field.default == () and any(isinstance(limit, MinLen) for limit in field.metadata)):
         return "left out"
     if isinstance(field.default, tuple) and len(field.default) == 1:
         return written(field.default[0])

@@ -17,17 +17,19 @@ from ..cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTa
 from ..cases.schema.design_schema import Design
 from ..core.errors import GeometryError
 from ..geometry.design.blank import BlankDimensions
-from ..geometry.design.pair_design import SIDES, PairDesign, design_pair
-from ..geometry.flanks.flank import NodeStatus
+from ..geometry.design.edge_radius import WHOLE_TOOTH_NODES
+from ..geometry.design.pair_design import SIDES, PairDesign, design_pair, residual_limits, target_range
+from ..geometry.flanks.flank import Flank, NodeStatus
 from ..geometry.pair.assembly import Assembly
-from ..geometry.pair.ease_off import exact_ease_off
+from ..geometry.pair.ease_off import EaseOff, exact_ease_off
 from ..geometry.pair.gear_pair import MEMBERS, FlankName, bodies, grid
+from ..geometry.tooth.tooth_surface import tooth_surface
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
 TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
 UNDERCUT_LIMIT = 0.02  # share of the pinion's flank; a corner at the toe's root does no harm
-RESIDUAL_LIMIT = 0.1  # over the target's range; a larger residual misses the target
+COMMON_FLANK_LIMIT = 0.6  # share of the gear flank; a pinion that meets less leaves contact out
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,8 @@ class SideReport:
     moved
         Start and end of every free setting [mm, rad or per rad].
     residual
-        Ease-off less target at the nodes of the fit (n), up to a rotation of the gear [mm].
+        Ease-off less target (n), up to a rotation of the gear [mm]: at the nodes of the fit or, with a generated gear,
+        on the whole common flank.
     wanted_range
         Range of the target over the gear flank [mm].
     largest_ease_off
@@ -47,10 +50,10 @@ class SideReport:
     common_flank
         Share of the gear flank that the pinion meets.
     uncut
-        Share of the pinion's flank that is undercut or out of the cutter's reach.
+        Share of the flanks of pinion and gear that is undercut or out of the cutter's reach.
     root_gap
         Height of the pinion's blade tip above the root cone at toe, middle and heel (3) [mm]; negative where it cuts
-        deeper.
+        deeper, NaN where the root is undercut or out of the cutter's reach.
     """
 
     moved: Mapping[str, tuple[float, float]]
@@ -58,7 +61,7 @@ class SideReport:
     wanted_range: float
     largest_ease_off: float
     common_flank: float
-    uncut: float
+    uncut: tuple[float, float]
     root_gap: Array
 
     @property
@@ -190,42 +193,85 @@ def _case(design: Design, designed: PairDesign) -> Case:
 
 def _report(design: Design, designed: PairDesign) -> DesignReport:
     sides = {side: _side(design, designed, side) for side in SIDES}
-    warnings = [
-        f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; free other settings of "
-        "the pinion with free_settings, or change the target"
-        for side, item in sides.items()
-        if item.largest_residual > max(1e-3, RESIDUAL_LIMIT * item.wanted_range)
-    ]
-    warnings += [
-        f"{side}: {100 * item.uncut:.0f} % of the pinion's flank, at its root, is undercut or out of the cutter's reach"
-        for side, item in sides.items()
-        if item.uncut > UNDERCUT_LIMIT
-    ]
-    warnings += [
-        f"{side}: the pinion's blade tips deviate up to {np.abs(item.root_gap).max():.2f} mm from its root cone; "
-        "follow_root = true in [pinion] lets the fit tilt the cutter"
-        for side, item in sides.items()
-        if np.abs(item.root_gap).max() > designed.blank.clearance
-    ]
-    return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed)))
+    clearance = designed.blank.clearance
+    warnings: list[str] = []
+    for side, item in sides.items():
+        good, _ = residual_limits(ease_off_target(getattr(design.target, side)))
+        if not item.largest_residual <= good:
+            warnings.append(
+                f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; free other "
+                "settings of the pinion with free_settings, or change the target"
+            )
+        for name, share in zip(MEMBERS, item.uncut, strict=True):
+            if not share <= UNDERCUT_LIMIT:
+                warnings.append(
+                    f"{side}: {100 * share:.0f} % of the {name}'s flank, at its root, is undercut or out of the "
+                    "cutter's reach"
+                )
+        if not item.common_flank >= COMMON_FLANK_LIMIT:
+            warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
+        warnings += [f"{side}: {text}" for text in _off_the_root(item.root_gap, clearance, design.pinion.follow_root)]
+    return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed), *_unfinished(designed)))
+
+
+def _off_the_root(gap: Array, clearance: float, followed: bool) -> list[str]:
+    """Warnings of blade tips off the root cone, and of places where no root was found."""
+    found = np.isfinite(gap)
+    warnings = []
+    if np.any(np.abs(gap[found]) > clearance):
+        advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
+        warnings.append(
+            f"the pinion's blade tips deviate up to {np.abs(gap[found]).max():.2f} mm from its root cone, more than "
+            f"the clearance of {clearance:.2f} mm; {advice}"
+        )
+    if not np.all(found):
+        places = " and ".join(name for name, known in zip(("toe", "middle", "heel"), found, strict=True) if not known)
+        warnings.append(f"the pinion has no flank near its root at the {places}: it is undercut or not reached")
+    return warnings
+
+
+def _unfinished(designed: PairDesign) -> list[str]:
+    """Warnings of members whose flanks and fillets make no whole tooth, which elastic teeth need."""
+    pair, found = designed.pair(), []
+    for name in MEMBERS:
+        try:
+            tooth_surface(pair, name, WHOLE_TOOTH_NODES)
+        except GeometryError as error:
+            found.append(f"the {name} has no whole tooth: {error}")
+    return found
 
 
 def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     pair, fit = designed.pair(side), designed.pinion[side]
     t, h = grid(EASE_OFF_NODES)
-    found = exact_ease_off(pair.gear.flank(t, h), pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    gear = pair.gear.flank(t, h)
+    found = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     inside = found.status == NodeStatus.INSIDE
+    wanted = ease_off_target(getattr(design.target, side))
+    residual = fit.residual
+    if designed.gear[0].settings.generated:
+        residual = _left(found, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
     gap = (found.angle[inside] - found.angle[inside].min()) * found.lever_arm[inside]
-    wanted = ease_off_target(getattr(design.target, side))(*np.meshgrid(t, h, indexing="ij"))
     return SideReport(
         moved=fit.moved,
-        residual=fit.residual,
-        wanted_range=float(np.ptp(wanted)),
+        residual=residual,
+        wanted_range=target_range(wanted),
         largest_ease_off=float(gap.max()),
         common_flank=float(inside.mean()),
-        uncut=float(np.mean(np.isin(pair.pinion.flank(t, h).status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION)))),
+        uncut=(_uncut(pair.pinion.flank(t, h)), _uncut(gear)),
         root_gap=fit.root_gap,
     )
+
+
+def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:
+    """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
+    lever = found.lever_arm[inside]
+    error = found.angle[inside] * lever - wanted[inside]
+    return np.asarray(error - lever * float(lever @ error) / float(lever @ lever))
+
+
+def _uncut(flank: Flank) -> float:
+    return float(np.mean(np.isin(flank.status, (NodeStatus.UNDERCUT, NodeStatus.NO_SOLUTION))))
 
 
 def _narrow(designed: PairDesign) -> list[str]:
@@ -237,6 +283,6 @@ def _narrow(designed: PairDesign) -> list[str]:
     found = []
     for name, body in zip(MEMBERS, both, strict=True):
         for end, thickness in zip(("toe", "heel"), body.thickness[:, 1], strict=True):
-            if thickness < TOP_LAND_LIMIT * designed.blank.mean_normal_module:
+            if not thickness >= TOP_LAND_LIMIT * designed.blank.mean_normal_module:
                 found.append(f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm")
     return found

@@ -217,7 +217,7 @@ BASIC_DATA = """
 [blank_design]
 method = 1
 process = "face_milled"
-mean_spiral_angle = 40.5
+pinion_mean_spiral_angle = 40.5
 gear_outer_pitch_diameter = 211.8355
 gear_face_width = 34.5
 cutter_radius = 95.25
@@ -257,7 +257,7 @@ BLANK_MISTAKES = {
         ["[blank_design]", "gear_outer_pitch_diameter", "method 1 needs it"],
     ),
     "method without a process": (
-        with_basic_data(BASIC_DATA.replace("method = 1", "method = 3")),
+        with_basic_data(BASIC_DATA.replace("method = 1", "method = 3").replace("pinion_mean", "gear_mean")),
         ["[blank_design]", "process", "face_hobbed"],
     ),
     "unknown method": (with_basic_data(BASIC_DATA.replace("method = 1", "method = 7")), ["blank_design.method", "7"]),

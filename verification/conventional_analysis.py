@@ -20,7 +20,7 @@ from ..contact.lines.contact_lines import contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
-from ..geometry.flanks.flank import seed_lattice
+from ..geometry.flanks.seed_lattice import seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, pair_geometry
 from ..geometry.vectors import dot
@@ -117,7 +117,9 @@ def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.
     """Where points (3, n) with surface parameters (2, n) lie within a flank by the margins, and are not undercut."""
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):
-        valid_side = member.loaded.orientation(parameters) * seed_lattice(member.loaded, member.section)[1] > 0.0
+        valid_side = (
+            member.loaded.orientation(parameters) * seed_lattice(member.loaded, member.section).orientation > 0.0
+        )
         cut = member.loaded.evaluate(parameters)[2] > BLADE_DISTANCE_MARGIN
     return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - EDGE_MARGIN, axis=0) & valid_side & cut)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..core.errors import GeometryError
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.blank_section import BlankSection
-from ..geometry.flanks.flank import nearest_seeds, seed_lattice
+from ..geometry.flanks.seed_lattice import seed_lattice
 from ..geometry.newton import complex_steps, solve
 
 Array = NDArray[Any]
@@ -47,9 +47,9 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
     >>> bool(np.abs(distance).max() < 1e-9)
     True
     """
-    lattice, _ = seed_lattice(surface, section)
+    seeds = seed_lattice(surface, section)
     target = np.stack([position[2], np.hypot(position[0], position[1])])
-    start = nearest_seeds(surface.axial_and_radial(lattice), lattice, target)
+    start = seeds.nearest(surface.axial_and_radial(seeds.parameters), seeds.side, target)
     near = solve(surface.axial_and_radial, start, target, surface.max_step)
     unknowns = np.concatenate([near.parameters, np.zeros((1, position.shape[1]))])
     for _ in range(MAX_ITERATIONS):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal, Self
+
+from pydantic import model_validator
 
 from .schema_table import Integer, Number, Table, number
 
@@ -17,8 +19,15 @@ class BlankDesignTable(Table):
         "pitch cones of a spiral bevel pair (0), or of a hypoid pair after Gleason, Oerlikon, Klingelnberg", "1"
     )
     process: Literal["face_milled", "face_hobbed"]
-    mean_spiral_angle: Number = number(
-        "mean spiral angle: of the pinion in method 1, of the gear in the others", "deg", ge=0, lt=90
+    pinion_mean_spiral_angle: Number | None = number(
+        "mean spiral angle of the pinion, which it shall have; method 1", "deg", default=None, ge=0, lt=90
+    )
+    gear_mean_spiral_angle: Number | None = number(
+        "mean spiral angle of the gear; methods 0, 2 and 3 (without an offset it is the pinion's too)",
+        "deg",
+        default=None,
+        ge=0,
+        lt=90,
     )
     gear_face_width: Number = number("face width of the gear along the pitch cone", "mm", gt=0.5, lt=1000)
     cutter_radius: Number = number("mean radius of the cutter", "mm", gt=1, lt=2000)
@@ -85,6 +94,34 @@ class BlankDesignTable(Table):
         "pitch angle less root angle of the gear; instead of depth_taper", "deg", default=None, gt=-45, lt=45
     )
     depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _renamed(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "mean_spiral_angle" in data:
+            raise ValueError(
+                "mean_spiral_angle: is now pinion_mean_spiral_angle in method 1, and gear_mean_spiral_angle in methods "
+                "0, 2 and 3"
+            )
+        return data
+
+    @model_validator(mode="after")
+    def _spiral_angle_of_the_method(self) -> Self:
+        wanted, other = "gear_mean_spiral_angle", "pinion_mean_spiral_angle"
+        if self.method == 1:
+            wanted, other = other, wanted
+        if getattr(self, other) is not None:
+            raise ValueError(f"{other} = {getattr(self, other)}: method {self.method} takes {wanted} instead")
+        if getattr(self, wanted) is None:
+            raise ValueError(f"{wanted} is missing: method {self.method} needs it")
+        return self
+
+    @property
+    def mean_spiral_angle(self) -> float:
+        """Mean spiral angle that the method takes [deg]."""
+        angle = self.pinion_mean_spiral_angle if self.method == 1 else self.gear_mean_spiral_angle
+        assert angle is not None  # the validator sees to it
+        return angle
 
     @classmethod
     def angles(cls) -> frozenset[str]:

@@ -5,6 +5,7 @@ Names follow the REXS standard where it has one. A misspelt key is an error, nev
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -14,6 +15,7 @@ from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
 from .schema_table import InputFile, Integer, Number, Table, number
+from .usual_torques import usual_torques
 
 
 class Blank(Table):
@@ -112,7 +114,7 @@ class MisalignmentTable(Table):
 
 
 class ContactTable(Table):
-    """Torques and resolution of the analysis.
+    """Torques and resolution of the analysis. Without torques the case takes those of ``usual_torques``.
 
     Examples
     --------
@@ -120,7 +122,7 @@ class ContactTable(Table):
     32
     """
 
-    torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = (50.0, 250.0, 500.0)
+    torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = ()
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
     segments_per_line: Integer = number("segments of a contact line", "1", default=31, ge=3, le=2000)
     edge_contact: bool = True
@@ -255,6 +257,25 @@ class Case(InputFile):
                     "members, so leave out either [blank_design] or [pinion.blank] and [gear.blank]"
                 )
         return self
+
+    @model_validator(mode="after")
+    def _has_torques(self) -> Self:
+        if not self.contact.torques:
+            torques = usual_torques(*self._size_of_the_teeth(), self.pinion.number_of_teeth)
+            object.__setattr__(self, "contact", self.contact.model_copy(update={"torques": torques}))
+        return self
+
+    def _size_of_the_teeth(self) -> tuple[float, float]:
+        """Outer transverse module and face width of the gear [mm]."""
+        blank, basic, teeth = self.gear.blank, self.blank_design, self.gear.number_of_teeth
+        if blank is not None:
+            diameter = 2.0 * blank.outer_cone_distance * math.sin(math.radians(blank.pitch_angle))
+            return diameter / teeth, blank.face_width
+        assert basic is not None  # one of both is there
+        width, diameter = basic.gear_face_width, basic.gear_outer_pitch_diameter or 0.0
+        if basic.gear_mean_pitch_diameter is not None:
+            diameter = basic.gear_mean_pitch_diameter + width * teeth / math.hypot(teeth, self.pinion.number_of_teeth)
+        return diameter / teeth, width
 
     @model_validator(mode="after")
     def _has_a_pair_of_flanks(self) -> Self:

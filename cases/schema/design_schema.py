@@ -12,6 +12,11 @@ from .case_schema import ComplianceTable, ContactTable, MisalignmentTable, PairT
 from .friction_table import FrictionTable
 from .schema_table import InputFile, Integer, Number, Table, number
 
+EDGE_RADIUS = (
+    "edge radius of its cutters' blades, which cuts the fillet; a quarter of the mean normal module, less where "
+    "clearance or slot do not allow it, if left out"
+)
+
 
 class DesignedGear(Table):
     """The gear, cut by one spread-blade cutter or hobbed."""
@@ -19,7 +24,7 @@ class DesignedGear(Table):
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     generation: Literal["formate", "generated"] = "formate"
     basic_settings: Literal["mean_point", "root_line"] = "mean_point"
-    tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
+    tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
     material: Steel = Steel()
 
 
@@ -28,8 +33,8 @@ class DesignedPinion(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     hand_of_spiral: Literal["left", "right"]
-    tool_edge_radius: Number = number("edge radius of its cutters' blades", "mm", default=0.0, ge=0, lt=20)
-    follow_root: bool = False
+    tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
+    follow_root: bool = True
     free_settings: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=40)] | None = None
     material: Steel = Steel()
 

@@ -62,7 +62,7 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     settings = gear.settings
     if settings.generated:
         raise GeometryError(
-            "a conjugate pinion in machine settings exists for a Formate gear only: this gear is generated"
+            "the conjugate pinion of a Formate gear is asked for, but this gear is generated: take crown_gear_pinion"
         )
     # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, axis towards the gear.
     still = np.zeros(1)
@@ -86,10 +86,10 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
         indexing_ratio=settings.indexing_ratio * assembly.ratio,
     )
     hand: Hand = "left" if gear.hand == "right" else "right"
-    return replace(gear, blade=_other_side(gear.blade, blade_height), settings=pinion_settings, hand=hand, sense=-1)
+    return replace(gear, blade=other_side(gear.blade, blade_height), settings=pinion_settings, hand=hand, sense=-1)
 
 
-def _other_side(blade: Blade, height: float) -> Blade:
+def other_side(blade: Blade, height: float) -> Blade:
     """The same edge as a blade that points the other way, its tip ``height`` further up along the cutter axis.
 
     Both blades are written in components along radius, tangent and their own axis; the new axis is the old one

@@ -14,7 +14,7 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
 from ..flanks.flank import Flank
-from ..pair.ease_off import EaseOff, angle_near, exact_ease_off
+from ..pair.ease_off import EaseOff, angle_near, exact_ease_off, sheet_area
 from ..pair.gear_pair import GearPair, grid
 from .root_line import RootLine
 
@@ -36,6 +36,9 @@ FREE_SETTINGS = (
 
 # To follow the root cone the cutter has to be tilted anew; the others then hold the flank.
 FREE_SETTINGS_WITH_TILT = (*FREE_SETTINGS, "cutter_tilt", "cutter_swivel", "sliding_base")
+# A pinion rolled with a crown gear follows its root cone by the root angle, as on a machine without tilt.
+FREE_SETTINGS_WITH_ROOT_ANGLE = (*FREE_SETTINGS, "machine_root_angle", "sliding_base")
+COMMON_FLANK_TOLERANCE = 1e-6  # relative change of the sum of squares at which a fit on the common flank ends
 ROOT_WEIGHT = 50.0  # [um/mm]
 
 
@@ -113,6 +116,16 @@ class Synthesis:
         """Root mean square of the residual [mm]."""
         return float(np.sqrt(np.mean(self.residual**2)))
 
+    @property
+    def largest_residual(self) -> float:
+        """Largest residual [mm]."""
+        return float(np.abs(self.residual).max())
+
+    @property
+    def largest_root_gap(self) -> float:
+        """Largest distance of the blade's tip from the root cone where it was found [mm]; infinite if nowhere."""
+        return float(np.max(np.abs(self.root_gap), initial=-np.inf, where=np.isfinite(self.root_gap)))
+
 
 @dataclass
 class _Fit:
@@ -124,6 +137,7 @@ class _Fit:
     free: Sequence[str]
     known: EaseOff
     root_line: RootLine | None
+    fold_margin: float
 
     def __post_init__(self) -> None:
         self.start = self.pair.pinion.loaded
@@ -131,6 +145,13 @@ class _Fit:
         self.scale = np.array([scale_of(name) for name in self.free])
         self.parameters = self.known.pinion_parameters
         self.usable = np.isfinite(self.known.angle)
+        if not np.any(self.usable):
+            raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+        area = sheet_area(self.known.motion, self.parameters)
+        middle = float(np.median(area[self.usable]))
+        self.sheet = float(np.sign(middle))
+        if self.fold_margin > 0.0:
+            self.usable &= self.known.inside & (area / middle > self.fold_margin)
         self.lever = self.known.lever_arm[self.usable]
         self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
 
@@ -150,7 +171,7 @@ class _Fit:
         surface = self.surface(steps)
         gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
         motion = replace(self.known.motion, surface=surface)
-        angle, parameters = angle_near(motion, self.parameters, self.side, self.gear)
+        angle, parameters = angle_near(motion, self.parameters, self.side, self.sheet, self.gear)
         residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
         if not np.all(np.isfinite(residual)):
             # A step so large that the flanks no longer meet: the search must take a shorter one.
@@ -166,6 +187,7 @@ def fit_pinion(
     free: Sequence[str] | None = None,
     nodes: tuple[int, int] = (9, 7),
     follow_root: bool = False,
+    fold_margin: float = 0.0,
 ) -> Synthesis:
     """Fit the pinion's settings to a target ease-off.
 
@@ -184,6 +206,9 @@ def fit_pinion(
     follow_root
         Whether the blade tips shall also run along the root cone, which the conjugate pinion of a tapered tooth does
         not let them do. A millimetre off it counts as much as 50 um of ease-off at one node.
+    fold_margin
+        Leaves out the nodes beyond either flank, and those so near to a fold of the conjugate gear that its area per
+        pinion parameters is below this share of the median's. Zero keeps every node that the pinion reaches.
 
     Returns
     -------
@@ -214,7 +239,7 @@ def fit_pinion(
     wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
     known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
     root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
-    fit = _Fit(pair, gear, wanted, names, known, root_line)
+    fit = _Fit(pair, gear, wanted, names, known, root_line, fold_margin)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
     # A straight blade has no radius to differentiate by: begin a little curved, and differentiate by long steps, which
@@ -227,7 +252,7 @@ def fit_pinion(
         x_scale=1.0,
         diff_step=np.where(curved, 0.1, 1e-4),
         xtol=1e-12,
-        ftol=1e-12,
+        ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
         gtol=1e-12,
         max_nfev=60,
     )

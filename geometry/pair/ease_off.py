@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
-from ..flanks.flank import Flank, NodeStatus, mean_parameters, nearest_seeds, seed_lattice
+from ..flanks.flank import Flank, NodeStatus
 from ..flanks.flank_parts import deepest, pick
-from ..newton import NewtonResult, complex_steps, cramers_rule, solve
+from ..flanks.seed_lattice import SeedLattice, mean_parameters, seed_lattice
+from ..newton import NewtonResult, complex_steps, cramers_rule, determinant, solve
 from .assembly import Assembly
 from .conjugate_motion import ConjugateMotion
 
@@ -222,9 +223,11 @@ def exact_ease_off(
     surfaces = []
     for part in pinion_surface.flank_parts:
         on_part = replace(motion, surface=part)
-        start, side = _seeds(on_part, pinion_section, target)
+        seeds = seed_lattice(part, pinion_section)
+        start, sheet = _starts(on_part, seeds, target)
         found = solve(partial(_axial_and_radial, on_part), start, target, part.max_step)
-        surfaces.append(_classified(on_part, pinion_section, gear, found, side, usable))
+        sought = (_sheet(found.jacobian) == sheet) & ~seeds.strayed(start, found.parameters)
+        surfaces.append(_classified(on_part, pinion_section, gear, found, seeds.orientation, usable & sought))
     result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
     result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
     if not np.any(result.inside):
@@ -235,7 +238,7 @@ def exact_ease_off(
     return result
 
 
-def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) -> tuple[Array, Array]:
+def angle_near(motion: ConjugateMotion, start: Array, side: float, sheet: float, gear: Flank) -> tuple[Array, Array]:
     """Ease-off alone, for settings near others whose solution is known: no search for the tooth.
 
     Parameters
@@ -246,6 +249,8 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) 
         Pinion parameters (2, n) of the known solution.
     side
         Orientation sign of the valid side of the pinion's surface.
+    sheet
+        Sign of ``sheet_area`` of the valid sheet of the conjugate gear.
     gear
         Gear flank on its nodes (n).
 
@@ -259,6 +264,7 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, gear: Flank) 
         found = solve(partial(_axial_and_radial, motion), start, target, motion.surface.max_step)
         point, _ = motion.conjugate_gear(found.parameters)
         valid_side = motion.surface.orientation(found.parameters) * side > 0.0
+        valid_side &= _sheet(found.jacobian) == sheet
     known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
     return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
 
@@ -297,11 +303,38 @@ def _axial_and_radial(motion: ConjugateMotion, parameters: Array) -> Array:
     return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
 
 
-def _seeds(motion: ConjugateMotion, section: BlankSection, target: Array) -> tuple[Array, float]:
-    """First guess of the pinion parameters (2, n) for each target, and the orientation of the valid side."""
-    lattice, orientation = seed_lattice(motion.surface, section)
+def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple[Array, float]:
+    """First guess of the pinion parameters (2, n) for each target, and the sheet of the conjugate gear to stay on.
+
+    The conjugate gear surface folds back on itself, at some distance from the flank or on it; seeds beyond the fold are
+    left out.
+    """
     with np.errstate(all="ignore"):
-        return nearest_seeds(_axial_and_radial(motion, lattice), lattice, target), orientation
+        coordinates, slopes = complex_steps(partial(_axial_and_radial, motion), seeds.parameters)
+        sheets = _sheet(slopes.swapaxes(0, 1))
+    sheet = float(sheets[sheets.size // 2])
+    return seeds.nearest(coordinates, seeds.side & (sheets == sheet), target), sheet
+
+
+def sheet_area(motion: ConjugateMotion, parameters: Array) -> Array:
+    """Area of the conjugate gear's axial section per pinion parameters (n), with a sign that changes at a fold.
+
+    Parameters
+    ----------
+    motion
+        The conjugate motion.
+    parameters
+        Pinion parameters (2, n).
+    """
+    with np.errstate(all="ignore"):
+        _, (first, second) = complex_steps(partial(_axial_and_radial, motion), parameters)
+        return determinant(first, second)
+
+
+def _sheet(jacobian: Array) -> Array:
+    """Sign (n) of the determinant of Jacobians (2, 2, n): it changes where a surface folds."""
+    with np.errstate(all="ignore"):
+        return np.sign(determinant(jacobian[:, 0], jacobian[:, 1]))
 
 
 def _classified(

@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from .command import Command
 from .analysis_options import show_stage
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, force_option, misalignment, next_commands, output_option, torques
 

@@ -63,7 +63,7 @@ def remaining_ease_off(item: SideReport) -> str:
 
 
 def _root(item: SideReport) -> str:
-    gaps = " / ".join(f"{gap:+.3f}" for gap in item.root_gap)
+    gaps = " / ".join(f"{gap:+.3f}" if math.isfinite(gap) else "no flank" for gap in item.root_gap)
     return f"Blade tip above the root cone at toe / middle / heel: {gaps} mm"
 
 
@@ -104,7 +104,7 @@ def _moved(item: SideReport) -> str:
         rows.append((f"{name} [{unit}]" if unit else name, *values))
     return tabulate(
         rows,
-        headers=("pinion setting", "conjugate", "fitted", "change"),
+        headers=("pinion setting", "start", "fitted", "change"),
         disable_numparse=True,
         colalign=("left", "right", "right", "right"),
     )

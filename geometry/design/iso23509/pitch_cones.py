@@ -46,8 +46,8 @@ def pitch_cones(design: BlankDesign) -> PitchCones:
     """
     if not _bevel_gear_angle(design) < math.pi / 2:
         raise InputError(
-            f"shaft_angle = {design.shaft_angle:g} rad: too large for number_of_teeth = {design.number_of_teeth}, the "
-            "gear's pitch angle reaches a right angle"
+            f"shaft_angle = {math.degrees(design.shaft_angle):g} deg: too large for number_of_teeth = "
+            f"{design.number_of_teeth}, the gear's pitch angle reaches a right angle"
         )
     return (_bevel, _gleason, _oerlikon, _klingelnberg)[design.method](design)
 
@@ -253,5 +253,5 @@ def _nearest_root(
             ends[side] = (angle, now)
     raise GeometryError(
         f"method {design.method}: no pitch cones suit cutter_radius = {design.cutter_radius:g} mm with "
-        f"hypoid_offset = {design.hypoid_offset:g} mm and this mean_spiral_angle; change one of them"
+        f"hypoid_offset = {design.hypoid_offset:g} mm and this mean spiral angle; change one of them"
     )
