@@ -174,7 +174,8 @@ class _Flanks:
         for step in STENCIL_STEPS:
             points = self._lower(points, step, rotation)
         value, pinion = self._closing(_flank(self.gear, points), rotation)
-        return [(float(v), points[:, k], pinion[:, k], "") for k, v in enumerate(value)]
+        within = _within(points)
+        return [(float(v), points[:, k], pinion[:, k], "") for k, v in enumerate(value) if within[k]]
 
     def _lower(self, points: Array, step: float, rotation: float) -> Array:
         """Minima (2, n) of paraboloids through nine points around each of the points (2, n)."""
