@@ -27,14 +27,13 @@ START_MARGIN = 0.1  # fraction of the pinion flank by which a first guess may li
 APPROACH_ITERATIONS = 3  # of Newton's method for the pinion point opposite a first guess
 ITERATION_LIMIT = 15
 STEP_LIMIT = 0.15  # fraction of the flank
-REACH_FACTOR = 0.25  # to the limit of the step, where the gap was not lower after it
 NEAREST_BOUNDS = 4  # of all bounds, those a step may meet
 PROMISE_TOLERANCE = 5e-13  # [rad]; a step that promises less is not worth taking
 LEVEL_PROMISE = 5e-8  # [rad]; of a step that leads on along a level valley
-LAST_STEP, LAST_PROMISE = 2e-3, 2e-9  # [fraction of the flank], [rad]; a step that short keeps its promise
+LAST_STEP, LAST_PROMISE = 1e-3, 1e-10  # [fraction of the flank], [rad]; a step that short keeps its promise
 BOUND_TOLERANCE = 1e-7  # fraction of the flank
 MISS_TOLERANCE = 0.01  # [mm]; the gap is extrapolated over it to second order
-CURVATURE_RATIO_MINIMUM = 1e-9  # of the least to the greatest curvature of the gap
+DAMPING_MINIMUM = 1e-6  # least curvature of the gap that a step reckons with, by the greatest one
 _EXPANSION_FIELDS = ("roll_angle", "ease_off_angle", "separation_curvature", "separation_skew")
 _SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
 
@@ -142,52 +141,70 @@ def refined(
     count = rotations.size
     points, parameters = points.copy(), parameters.copy()
     gap, bound = np.full(count, np.nan), np.full(count, -1)
-    reach, lowest = np.full(count, STEP_LIMIT), np.full(count, np.inf)
-    # Last points within the bounds, with the step from there: a step that raises the gap is taken anew, shorter.
-    kept = np.concatenate([points, parameters, np.full((8, count), np.nan)])
+    damping = np.full(count, DAMPING_MINIMUM)
+    best = _Best.none(count)
     active = np.arange(count)
     for _ in range(ITERATION_LIMIT):
         here = flanks.at(points[:, active], rotations[active], parameters[:, active], part[active])
-        step, promised = _bounded_step(here)
+        step, promised = _bounded_step(here, damping[active])
         inside = np.min(here.margins, axis=0)
+        edge = np.where(inside < BOUND_TOLERANCE, np.argmin(here.margins, axis=0), -1)
         sure = (inside > -BOUND_TOLERANCE) & (here.miss < MISS_TOLERANCE)
         short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
         done = sure & (short | (np.abs(promised) < PROMISE_TOLERANCE))
-        settled = active[done]
-        gap[settled] = (here.gap + np.where(short, promised, 0.0))[done]
-        own_bound = np.where(inside < BOUND_TOLERANCE, np.argmin(here.margins, axis=0), -1)
-        bound[settled] = own_bound[done]
-        raised = (here.gap > lowest[active] + PROMISE_TOLERANCE) & ~done
-        following = np.einsum("kin,in->kn", here.following, step)
-        new = np.concatenate(
-            [points[:, active], here.parameters, step, following, [inside, here.gap, promised, own_bound]]
-        )
-        reach[active] = np.where(raised, REACH_FACTOR * reach[active], reach[active])
-        state = np.where(raised, kept[:, active], new)
-        kept[:, active] = state
-        lowest[active] = np.where(raised, lowest[active], np.where(sure, here.gap, np.inf))
-        limited = 1.0 / np.maximum(1.0, np.max(np.abs(state[4:6]), axis=0) / reach[active])
-        moving = ~done
-        points[:, active[moving]] = (state[:2] + limited * state[4:6])[:, moving]
-        parameters[:, active[moving]] = (state[2:4] + limited * state[6:8])[:, moving]
-        active = active[moving & np.isfinite(promised) & (np.abs(here.gap) < GAP_LIMIT)]
+        # After a step that raises the gap the next one starts where that one did, and is held back along the valley.
+        raised = (here.gap > best.gap[active] + PROMISE_TOLERANCE) & ~done
+        better = sure & ~raised
+        best.keep(active[better], points[:, active[better]], here.gap[better], promised[better], edge[better])
+        best.parameters[:, active[better]] = here.parameters[:, better]
+        gap[active[done]] = (here.gap + np.where(short, promised, 0.0))[done]
+        bound[active[done]] = edge[done]
+        step = step * np.minimum(1.0, STEP_LIMIT / np.maximum(np.max(np.abs(step), axis=0), STEP_LIMIT))
+        damping[active] = np.where(raised, damping[active] * 100.0, np.maximum(0.1 * damping[active], DAMPING_MINIMUM))
+        step = np.where(done & ~short, 0.0, step)
+        following = here.parameters + np.einsum("kin,in->kn", here.following, step)
+        points[:, active] = np.where(raised, best.points[:, active], points[:, active] + step)
+        parameters[:, active] = np.where(raised, best.parameters[:, active], following)
+        active = active[~done & np.isfinite(promised) & (np.abs(here.gap) < GAP_LIMIT)]
         if not active.size:
             break
     # Along a valley without a slope to speak of there is no end to the steps, and no need of one.
-    level = np.isnan(gap) & (kept[9] < GAP_LIMIT) & np.isfinite(lowest) & (np.abs(kept[10]) < LEVEL_PROMISE)
-    gap[level], points[:, level], parameters[:, level] = kept[9, level], kept[:2, level], kept[2:4, level]
-    bound[level] = kept[11, level]
+    level = np.isnan(gap) & (np.abs(best.promised) < LEVEL_PROMISE)
+    gap[level], bound[level] = best.gap[level], best.bound[level]
+    points[:, level], parameters[:, level] = best.points[:, level], best.parameters[:, level]
     hole = flanks.own.in_hole(np.clip(points, 0.0, 1.0))
     return TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
 
 
-def _bounded_step(here: TurnedGap) -> tuple[Array, Array]:
+@dataclass(frozen=True)
+class _Best:
+    """Points (n) with the lowest gap within the bounds so far, and what the step from there promises."""
+
+    gap: Array
+    promised: Array
+    points: Array
+    parameters: Array
+    bound: NDArray[np.int64]
+
+    @classmethod
+    def none(cls, count: int) -> _Best:
+        """Nothing found yet."""
+        nothing = np.full((6, count), np.nan)
+        return cls(np.full(count, np.inf), nothing[1], nothing[2:4], nothing[4:], np.full(count, -1))
+
+    def keep(self, index: NDArray[Any], points: Array, gap: Array, promised: Array, bound: NDArray[Any]) -> None:
+        """Replace those at an index."""
+        self.gap[index], self.promised[index], self.bound[index] = gap, promised, bound
+        self.points[:, index] = points
+
+
+def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
     """Step (2, n) to the minimum of the gap's second-order model within the linearised bounds, and its promise (n).
 
     The minimum is inside, on one of the nearest bounds or where two of them meet: all are tried, and of those within
     the bounds the lowest is taken. A gap that is not convex is made so, to keep the step downhill.
     """
-    slope, bend = here.slope, _convex(here.bend)
+    slope, bend = here.slope, _convex(here.bend, damping)
     with np.errstate(all="ignore"):
         size = np.sqrt(np.sum(here.margin_slopes**2, axis=1))
         distance = here.margins / size
@@ -215,12 +232,12 @@ def _bounded_step(here: TurnedGap) -> tuple[Array, Array]:
     return step, promised
 
 
-def _convex(bend: Array) -> Array:
-    """Second derivatives (2, 2, n) with a positive least curvature."""
+def _convex(bend: Array, ratio: Array) -> Array:
+    """Second derivatives (2, 2, n) whose least curvature has a given ratio (n) to the greatest one, or a higher one."""
     mean, half = 0.5 * (bend[0, 0] + bend[1, 1]), 0.5 * (bend[0, 0] - bend[1, 1])
     radius = np.hypot(half, bend[0, 1])
     smallest = mean - radius
-    wanted = np.maximum(np.abs(smallest), CURVATURE_RATIO_MINIMUM * np.abs(mean + radius))
+    wanted = np.maximum(np.abs(smallest), ratio * np.abs(mean + radius))
     return np.asarray(bend + np.eye(2)[..., None] * (wanted - smallest))
 
 
