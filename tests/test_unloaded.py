@@ -29,7 +29,7 @@ def nasa() -> tuple[GearPair, PairGeometry]:
 @pytest.fixture(scope="module")
 def conjugate() -> tuple[GearPair, PairGeometry]:
     pair = conjugate_pair()
-    return pair, pair_geometry(pair, (25, 17))
+    return pair, pair_geometry(pair, (41, 27))
 
 
 def with_ease_off(geometry: PairGeometry, angle: np.ndarray) -> PairGeometry:
