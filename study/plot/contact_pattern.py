@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
 from .tooth_passage import ToothPassage, tooth_passage
@@ -22,6 +23,7 @@ Array = NDArray[Any]
 
 LINE_POINT_COUNT = 17  # along a drawn contact line
 FADED_PATH: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
+BOUNDARY_SEARCH_LIMIT = 0.25  # distance beyond the common flank, as a fraction, from which the path is moved to it
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ def contact_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPatte
 
     ends = course("line_lengthwise", "line_profile")  # (m, end, 2)
     path = course("path_lengthwise", "path_profile")
+    path = replace(path, values=on_common_flank(splines, path.values, ends.values))
     error = course("transmission_error")
     carries = (pairs[:, None] == unloaded["carrying_pair"].values).astype(float)
     carrying = (tooth_passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
@@ -100,6 +103,45 @@ def contact_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPatte
         if len(lines):
             ranges.append(CarryingRange(lines, path.at(steps).T))
     return ContactPattern(bent_lines(splines, ends.values), path.values, carrying, tuple(ranges))
+
+
+def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
+    """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
+
+    An edge of the pinion touches before or after it is in conjugate contact, when it stands a little beyond the boundary
+    of the common flank. Such a point is moved along the contact line, whose ends (m, end, 2) give its direction, to the
+    boundary. NaN if it does not reach the common flank.
+    """
+    beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
+    if beyond.size:
+        beyond = beyond[_outside(splines, path[beyond].T)]
+    if beyond.size == 0:
+        return path
+    direction = (ends[beyond, 1] - ends[beyond, 0]).T
+    length = np.linalg.norm(direction, axis=0)
+    result = path.copy()
+    result[beyond] = np.nan  # unless a point is found
+    beyond, direction = beyond[length > 0.0], direction[:, length > 0.0] / length[length > 0.0]
+    reach = np.linspace(0.0, BOUNDARY_SEARCH_LIMIT, 65)[1:]
+    away = np.stack([reach, -reach], axis=1).ravel()  # ever further, to both sides
+    outside = path[beyond].T
+    tried = outside[..., None] + direction[..., None] * away
+    within = ~_outside(splines, tried)
+    first = np.argmax(within, axis=1)
+    inside = np.take_along_axis(tried, first[None, :, None], axis=2)[..., 0]
+    for _ in range(30):
+        middle = 0.5 * (inside + outside)
+        good = ~_outside(splines, middle)
+        inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
+    found = np.any(within, axis=1)
+    result[beyond[found]] = inside[:, found].T
+    return result
+
+
+def _outside(splines: FlankSplines, points: Array) -> NDArray[np.bool_]:
+    """Whether points (2, ...) lie beyond the common flank (...)."""
+    beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
+    return np.asarray(beyond_gear | (boundary_distance(splines, points) < 0.0))
 
 
 def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
