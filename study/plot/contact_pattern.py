@@ -108,8 +108,8 @@ def contact_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPatte
 def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
     """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
 
-    An edge of the pinion touches before or after it is in conjugate contact, when it stands a little beyond the boundary
-    of the common flank. Such a point is moved along the contact line, whose ends (m, end, 2) give its direction, to the
+    An edge of the pinion touches before or after it is in conjugate contact, when it is a little beyond the boundary of
+    the common flank. Such a point is moved along the contact line, whose ends (m, end, 2) give its direction, to the
     boundary. NaN if it does not reach the common flank.
     """
     beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
