@@ -129,8 +129,8 @@ def direct() -> str:
     for name, flank in itertools.product(shipped_cases(), flanks):
         members = pair_geometry(gear_pair(easeoff.read_case(name), flank))
         cells: list[str] = []
-        for *lengths, angle in DIRECT_ERRORS:
-            geometry = members.misaligned(Misalignment(*lengths, shaft_angle=float(np.radians(angle))))
+        for offset, pinion, gear, angle in DIRECT_ERRORS:
+            geometry = members.misaligned(Misalignment(offset, pinion, gear, float(np.radians(angle))))
             cycle = MeshCycle.of(geometry, mesh_positions=DIRECT_POSITIONS)
             envelope = cycle.unloaded()["transmission_error_envelope"].values
             found, _ = smallest_envelope(geometry, cycle.lines.rotations)
