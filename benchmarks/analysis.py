@@ -54,7 +54,7 @@ def stages(name: str) -> dict[str, Callable[[dict[str, Any]], Any]]:
         "geometry": lambda r: pair_geometry(pair, nodes),
         "splines": lambda r: loaded_splines(r["geometry"].flanks, r["geometry"].ease_off, r["geometry"].teeth),
         "contact lines": lambda r: lines_in_mesh(r["splines"], pitch, settings.mesh_positions),
-        "unloaded": lambda r: unloaded_contact(r["splines"], r["contact lines"]),
+        "unloaded": lambda r: unloaded_contact(r["geometry"], r["splines"], r["contact lines"]),
         "elastic teeth": lambda r: elastic_model(case, finite_elements(case, pair)),
         "compliance": segments,
         "solve": lambda r: solve_cycle(r["compliance"], torques, ratio, settings.edge_contact, "auto", {}),

@@ -22,7 +22,7 @@ from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
 from ..geometry.flanks.seed_lattice import seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, pair_geometry
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.vectors import dot
 from .point_contact import PointContact, path_of_contact
 from .relative_curvature import RelativeCurvature, relative_curvature
@@ -38,8 +38,8 @@ class BothMethods:
 
     Parameters
     ----------
-    motion
-        The conjugate motion of the ease-off method.
+    geometry
+        Geometry of the ease-off method.
     splines, mesh
         Its splines and contact lines.
     contact
@@ -60,7 +60,7 @@ class BothMethods:
     (True, ['end', 'mesh_position', 'pair'])
     """
 
-    motion: ConjugateMotion
+    geometry: PairGeometry
     splines: FlankSplines
     mesh: MeshLines
     contact: PointContact
@@ -68,9 +68,14 @@ class BothMethods:
     inside: NDArray[np.bool_]
     first_contact: float
 
+    @property
+    def motion(self) -> ConjugateMotion:
+        """The conjugate motion of the ease-off method."""
+        return self.geometry.exact.motion
+
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
         """The ease-off method's unloaded contact, lines ending at a separation [um]."""
-        return unloaded_contact(self.splines, self.mesh, separation=separation)
+        return unloaded_contact(self.geometry, self.splines, self.mesh, separation=separation)
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
@@ -110,7 +115,7 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     inside = contact.converged & on_gear & on_pinion
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
     zero = geometry.ease_off.attrs["first_contact_rad"]
-    return BothMethods(surface.motion, splines, mesh, contact, relative, inside, zero)
+    return BothMethods(geometry, splines, mesh, contact, relative, inside, zero)
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
