@@ -126,6 +126,16 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # key numbers
+    "common_flank": ("1", "share of the gear flank that meets the pinion flank"),
+    "max_ease_off": ("um", "greatest ease-off on the common flank"),
+    "unloaded_peak_to_peak": ("urad", "peak to peak of the unloaded transmission error over a mesh cycle"),
+    "unloaded_rms": ("urad", "root of the sum of the squared amplitudes of its first three harmonics"),
+    "unloaded_harmonic": ("urad", "amplitude of a harmonic of the unloaded transmission error"),
+    "max_load_share": ("1", "greatest share of the gear torque carried by a tooth pair"),
+    "max_edge_share": ("1", "greatest share of the gear torque carried by tooth edges, of all mesh positions"),
+    "certified_positions": ("1", "number of mesh positions with a certified solution"),
+    "worst_certificate": ("1", "greatest entry of the certificates of all mesh positions"),
     # root stress
     "root_stress": ("MPa", "largest tensile stress around the loaded side's fillet over the mesh cycle"),
     "root_stress_history": ("MPa", "largest tensile stress around the loaded side's fillet, anywhere along the face"),

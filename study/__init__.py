@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
     from .fitted_settings import fit_modification, recorded_modification
     from .plot import write_pictures
+    from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
     from .report.result_summary import result_summary
     from .wear_law import WearLaw
@@ -31,6 +32,7 @@ __all__ = [
     "design_case",
     "fit_modification",
     "flank_deviations",
+    "key_numbers",
     "library",
     "measured_file",
     "plausibility",
@@ -51,6 +53,7 @@ _MODULES = {
     "design_case": ".case_design",
     "fit_modification": ".fitted_settings",
     "flank_deviations": ".deviation_source",
+    "key_numbers": ".report.key_numbers",
     "measured_file": ".deviation_source",
     "plausibility": ".report.plausibility",
     "recorded_modification": ".fitted_settings",
