@@ -22,7 +22,7 @@ from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
 from ..geometry.flanks.flank import seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, pair_geometry
+from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.vectors import dot
 from .point_contact import PointContact, path_of_contact
 from .relative_curvature import RelativeCurvature, relative_curvature
@@ -98,8 +98,22 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     >>> bool(both.contact.converged[both.inside].all())
     True
     """
-    geometry = pair_geometry(pair, nodes)
-    gear, surface = geometry.members.gear, geometry.exact
+    return methods_compared(pair_geometry(pair, nodes), mesh_positions)
+
+
+def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMethods:
+    """As ``both_methods``, from a geometry: the ease-off method takes its ease-off, the conventional one its flanks.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> both = methods_compared(geometry, mesh_positions=2)
+    >>> bool(both.contact.converged[both.inside].all())
+    True
+    """
+    pair, gear, surface = geometry.pair, geometry.members.gear, geometry.exact
     splines = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)
