@@ -38,6 +38,8 @@ class BothMethods:
 
     Parameters
     ----------
+    geometry
+        The pair's geometry.
     motion
         The conjugate motion of the ease-off method.
     splines, mesh
@@ -60,6 +62,7 @@ class BothMethods:
     (True, ['end', 'mesh_position', 'pair'])
     """
 
+    geometry: PairGeometry
     motion: ConjugateMotion
     splines: FlankSplines
     mesh: MeshLines
@@ -124,7 +127,7 @@ def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMe
     inside = contact.converged & on_gear & on_pinion
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
     zero = geometry.ease_off.attrs["first_contact_rad"]
-    return BothMethods(surface.motion, splines, mesh, contact, relative, inside, zero)
+    return BothMethods(geometry, surface.motion, splines, mesh, contact, relative, inside, zero)
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
