@@ -126,13 +126,32 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    # evaluation of a mesh cycle
+    "contact_ratio": ("1", "rotation over which a tooth pair is in contact, over the pitch; see the page on results"),
+    "geometric_contact_ratio": ("1", "rotation over which a tooth pair has contact lines, over the pitch"),
+    "least_gap": ("um", "least gap of the unloaded flanks over the mesh cycle, the carrying pair in contact"),
+    "pattern_centre_lengthwise": ("1", "lengthwise fraction of the centroid of the contact pattern on the gear"),
+    "pattern_centre_profile": ("1", "profile fraction of the centroid of the contact pattern on the gear"),
+    "pattern_length": ("1", "length of the contact pattern along the gear's face, over the face width"),
+    "pattern_height": ("1", "height of the contact pattern on the gear, over that of the flank"),
+    "max_load_share": ("1", "greatest share of the gear torque carried by a tooth pair"),
+    "max_pressure_position": ("1", "mesh position of the greatest contact pressure"),
+    "max_pressure_pair": ("1", "tooth pair with the greatest contact pressure"),
+    "max_pressure_lengthwise": ("1", "lengthwise fraction of the greatest contact pressure on the gear"),
+    "max_pressure_profile": ("1", "profile fraction of the greatest contact pressure on the gear"),
+    "max_pressure_line_end": ("", "whether the contact line ends at the greatest contact pressure, and where"),
+    "pinion_mean_level": ("urad", "mean of the transmission error as a rotation of the pinion"),
+    "pinion_peak_to_peak": ("urad", "peak to peak of the transmission error as a rotation of the pinion"),
+    "mesh_stiffness": ("N m urad-1", "derivative of the gear torque by the rotation of the gear"),
+    "mean_mesh_stiffness": ("N m urad-1", "mean of the mesh stiffness over the mesh cycle"),
+    "min_film_thickness": ("um", "least film thickness over the mesh cycle"),
+    "min_film_position": ("1", "mesh position of the least film thickness"),
+    "min_film_lengthwise": ("1", "lengthwise fraction of the least film thickness on the gear"),
+    "min_film_profile": ("1", "profile fraction of the least film thickness on the gear"),
     # key numbers
+    "marking": ("um", "thickness of the marking compound, the gap within which unloaded flanks count as in contact"),
     "common_flank": ("1", "share of the gear flank that meets the pinion flank"),
     "max_ease_off": ("um", "greatest ease-off on the common flank"),
-    "unloaded_peak_to_peak": ("urad", "peak to peak of the unloaded transmission error over a mesh cycle"),
-    "unloaded_rms": ("urad", "root of the sum of the squared amplitudes of its first three harmonics"),
-    "unloaded_harmonic": ("urad", "amplitude of a harmonic of the unloaded transmission error"),
-    "max_load_share": ("1", "greatest share of the gear torque carried by a tooth pair"),
     "max_edge_share": ("1", "greatest share of the gear torque carried by tooth edges, of all mesh positions"),
     "certified_positions": ("1", "number of mesh positions with a certified solution"),
     "worst_certificate": ("1", "greatest entry of the certificates of all mesh positions"),
@@ -267,6 +286,9 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "condition_number": ("1", "greatest over least eigenvalue of the compliance; infinite where the least is rounding"),
 }
 
+#: States of the contact that may stand before the name of a variable.
+STATES: Mapping[str, str] = {"unloaded_": "without load", "light_load_": "at light load"}
+
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
     """Attach ``units`` and ``long_name`` to every variable and coordinate of a dataset.
@@ -285,14 +307,23 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     """
     result = dataset.copy()
     for name in result.variables:
-        if str(name) not in VARIABLES:
-            raise EaseoffError(f"variable = {name!r}: must have a row in the table of attributes")
-        units, long_name = VARIABLES[str(name)]
+        units, long_name = _described(str(name))
         attributes: dict[str, Any] = {"long_name": long_name}
         if units:
             attributes["units"] = units
         result[name].attrs = {**attributes, **result[name].attrs}
     return result
+
+
+def _described(name: str) -> tuple[str, str]:
+    """Units and long name of a variable; ``unloaded_`` and ``light_load_`` before a name say of which contact."""
+    for state, words in STATES.items():
+        if name not in VARIABLES and name.startswith(state):
+            units, long_name = _described(name.removeprefix(state))
+            return units, f"{words}: {long_name}"
+    if name not in VARIABLES:
+        raise EaseoffError(f"variable = {name!r}: must have a row in the table of attributes")
+    return VARIABLES[name]
 
 
 def flag_attributes(meanings: Mapping[int, str]) -> dict[str, Any]:

@@ -18,6 +18,8 @@ from PIL import Image
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
+from easeoff.contact.evaluation.pressure_map import pressure_map
+from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage
 from easeoff.core.files import whole_file
 from easeoff.study.plot.contact_pattern import (
     ContactPattern,
@@ -43,8 +45,6 @@ from easeoff.study.plot.page import (
     sheet,
 )
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
-from easeoff.study.plot.pressure_map import pressure_map
-from easeoff.study.plot.tooth_passage import ToothPassage, tooth_passage
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
 from easeoff.study.plot.transmission_error_chart import two_cycles
 

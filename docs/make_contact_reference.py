@@ -33,11 +33,11 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.cases.conversion import materials
 from easeoff.contact import MeshLines, lines_in_mesh
+from easeoff.contact.evaluation.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.core.files import whole_file
 from easeoff.geometry import BlankSection, GearPair, LatticeSize, MemberName
 from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
-from easeoff.study.plot.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 from easeoff.verification import (
     FlankContact,

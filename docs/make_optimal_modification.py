@@ -16,10 +16,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 import easeoff
+from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
 from easeoff.study import fit_modification, recorded_modification
 from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import pressure_levels
-from easeoff.study.plot.pressure_map import PressureMap, pressure_map
 
 HERE = Path(__file__).parent
 PAGE = HERE / "optimal_modification.md"

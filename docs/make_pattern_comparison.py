@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import easeoff
+from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
 from easeoff.geometry import Misalignment
 from easeoff.study.plot.page import WIDTH, plain_bar, sheet, torque_name
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
-from easeoff.study.plot.pressure_map import PressureMap, pressure_map
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 
 IMAGE = Path(__file__).parent / "images" / "patterns.png"

@@ -14,10 +14,11 @@ import xarray as xr
 
 from ..cases.conversion import edges_touch
 from ..cases.schema.case_schema import Case
+from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
-from ..core.checks import distinct
+from ..core.checks import distinct, number
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from ..friction.operation import Array, Numbers, Roughness
 
 RESULT_SCHEMA_VERSION = 1
+LIGHT_LOAD_SHARE = 0.01  # of the greatest torque
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ def contact_analysis(
     torques: float | Sequence[float] | None = None,
     *,
     edge_contact: bool | None = None,
+    marking: float | None = None,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -88,7 +91,7 @@ def contact_analysis(
     ----------
     state
         The pair in mesh.
-    torques, edge_contact, solver, progress, **options
+    torques, edge_contact, marking, solver, progress, **options
         As of ``analyze``.
 
     Raises
@@ -110,15 +113,17 @@ def contact_analysis(
     load, edges = case_torques(case, torques), edges_touch(case) if edge_contact is None else edge_contact
     if state.deviations:
         require_line_contact(cycle.lost_contact, state.deviations)
-    unloaded = cycle.unloaded(separation=case.contact.separation)
+    unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
     loaded, cases = cycle.loaded(load, edge_contact=edges, solver=solver, progress=progress, **options)
+    light, light_cases = cycle.loaded([LIGHT_LOAD_SHARE * load.max()], edge_contact=edges)
     groups = {
         "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
         "/flanks": geometry.flanks,
         "/ease_off": geometry.ease_off,
         "/teeth": geometry.teeth,
-        "/unloaded": unloaded,
-        "/loaded": loaded,
+        "/unloaded": with_unloaded_numbers(cycle, unloaded),
+        "/light_load": with_loaded_numbers(cycle, light, light_cases),
+        "/loaded": with_loaded_numbers(cycle, loaded, cases),
     }
     if state.teeth is not None and case.compliance.model == "fe":
         groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
@@ -136,6 +141,7 @@ def analyze(
     interpolation: Method = "spline",
     modification: Modification | None = None,
     edge_contact: bool | None = None,
+    marking: float | None = None,
     solver: str = "auto",
     speed: Numbers | None = None,
     temperature: Numbers | None = None,
@@ -171,6 +177,8 @@ def analyze(
     edge_contact
         Whether tooth edges may touch beside the contact lines; as the case says, or with ``fe`` and ``solid_shell``, if
         left out.
+    marking
+        Thickness of the marking compound of the unloaded pattern [um]; ``contact.separation`` of the case if left out.
     solver
         Name of a contact solver, see ``contact.available_solvers``.
     speed
@@ -192,8 +200,9 @@ def analyze(
     Returns
     -------
     xr.DataTree
-        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``loaded``; with finite elements ``root_stress``, and
-        if a speed is given ``friction``; where it came from in the attributes.
+        Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``light_load`` (1 % of the greatest torque),
+        ``loaded``; with finite elements ``root_stress``, and if a speed is given ``friction``; where it came from in
+        the attributes.
 
     Raises
     ------
@@ -229,6 +238,8 @@ def analyze(
     elif friction_model is not None or friction_feedback:
         raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
     case_torques(case, torques)  # a torque given twice shows before the work, too
+    if marking is not None:
+        number("marking", marking, "um", above=0.0, below=1000.0)
     state = CaseInMesh.of(
         case,
         flank=flank,
@@ -238,17 +249,20 @@ def analyze(
         interpolation=interpolation,
         modification=modification,
     )
-    found = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=progress, **options)
+    found = contact_analysis(
+        state, torques, edge_contact=edge_contact, marking=marking, solver=solver, progress=progress, **options
+    )
     if operation is not None:
         from ..friction import friction
         from ..friction import friction_feedback as with_feedback
+        from ..friction.least_film import with_least_film
 
         losses = (
             with_feedback(found.tree, found.cases, operation, friction_model, solver=solver)
             if friction_feedback
             else friction(found.tree, operation, friction_model)
         )
-        found.tree["friction"] = xr.DataTree(losses)
+        found.tree["friction"] = xr.DataTree(with_least_film(losses, found.tree["loaded"].to_dataset()))
     return found.tree
 
 
@@ -301,6 +315,7 @@ def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[s
         "case": case.text or case.model_dump_json(),
         "solver": solver,
         "flank": state.flank,
+        "compliance_model": case.compliance.model,
         "edge_contact": int(edge_contact),
         "pinion_teeth": pair.assembly.pinion_teeth,
         "gear_teeth": pair.assembly.gear_teeth,

@@ -20,6 +20,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import InputError, analyze, read_case
 from easeoff.contact import Status
+from easeoff.contact.evaluation.pressure_map import Line, loaded_part, pressure_map, surface
+from easeoff.contact.evaluation.tooth_passage import envelope, pairs_in_view, tooth_passage
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.friction import Operation, friction
 from easeoff.study import write_pictures
@@ -39,8 +41,6 @@ from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
 from easeoff.study.plot.friction_maps import GRID, loaded_map, roughness_name, velocity_maps
 from easeoff.study.plot.load_share_chart import mean_pairs_in_contact, share_passage
 from easeoff.study.plot.page import evenly_chosen, small_print
-from easeoff.study.plot.pressure_map import Line, loaded_part, pressure_map, surface
-from easeoff.study.plot.tooth_passage import envelope, pairs_in_view, tooth_passage
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
 from easeoff.study.plot.transmission_error_chart import two_cycles, unloaded_curves

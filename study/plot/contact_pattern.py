@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from ...contact.evaluation.tooth_passage import ToothPassage, tooth_passage
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, page
-from .tooth_passage import ToothPassage, tooth_passage
 from .tooth_view import ToothView, draw_flank
 
 Array = NDArray[Any]

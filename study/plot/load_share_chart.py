@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator, PercentFormatter
 from numpy.typing import NDArray
 
+from ...contact.evaluation.tooth_passage import ToothPassage, pairs_in_view, tooth_passage
 from .page import BLUE, BODY_SIZE, GREEN, GREY, INK, SMALL_SIZE, VERMILION, evenly_chosen, page, plain_axes, torque_name
-from .tooth_passage import ToothPassage, pairs_in_view, tooth_passage
 
 Array = NDArray[Any]
 

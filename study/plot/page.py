@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ...core.files import whole_file
 from ..report.departures import deviations, modification
+from ..report.model_name import model_name
 
 DPI = 160
 WIDTH = 8.6  # [in]
@@ -79,7 +80,7 @@ def sheet(height: float) -> Figure:
 
 
 def small_print(attributes: Mapping[Any, Any]) -> list[str]:
-    """Small print of a result: teeth, flanks, misalignment, departures from the design and version."""
+    """Small print of a result: teeth, flanks, elastic model, misalignment, departures from the design and version."""
     flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
     errors = [
         ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
@@ -93,7 +94,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     version = attributes.get("easeoff_version", "")
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
     departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
-    return [teeth, flanks.get(name, name), f"misalignment {given or 'none'}", *departed, f"easeoff {version}".strip()]
+    misaligned, model = f"misalignment {given or 'none'}", model_name(attributes)
+    return [teeth, flanks.get(name, name), misaligned, *departed, model, f"easeoff {version}".strip()]
 
 
 def plain_axes(axes: Axes) -> None:

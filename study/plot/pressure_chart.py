@@ -12,9 +12,9 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation, TriContourSet
 from numpy.typing import NDArray
 
+from ...contact.evaluation.pressure_map import PressureMap, pressure_map
 from ...contact.solvers import Status
 from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, WIDTH, evenly_chosen, page, plain_bar, torque_name
-from .pressure_map import PressureMap, pressure_map
 from .tooth_view import ToothView, draw_flank
 
 PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured

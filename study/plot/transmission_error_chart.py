@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...contact.evaluation.tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes, torque_colours, torque_name
-from .tooth_passage import ToothPassage, envelope, pairs_in_view, tooth_passage
 
 Array = NDArray[Any]
 

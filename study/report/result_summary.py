@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
-from ...contact.loaded_cases import CERTIFICATE
 from ...contact.solvers import Status
 from ...friction.operation import named_models
+from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .departures import deviations, modification
+from .key_numbers import key_numbers
+from .model_name import model_name
 from .plausibility import plausibility
 
 #: Rows of the table of efficiencies; more are counted.
@@ -21,6 +24,7 @@ ROW_COUNT_LIMIT = 40
 def efficiencies(friction: xr.Dataset) -> str:
     """Table of power loss and efficiency, a row an operating condition, with the extremes if there are many."""
     names = ("torque", "speed", "temperature", "roughness")
+    films = _films(friction, names)
     values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
     coefficient = friction["mean_friction_coefficient"].transpose(*names).values
     rows = []
@@ -31,16 +35,18 @@ def efficiencies(friction: xr.Dataset) -> str:
         conditions[2] += "*" if friction["temperature_clamped"].values[at[2]] else ""
         conditions[3] = f"{rough[0]:g}" if rough[0] == rough[1] else f"{rough[0]:g}/{rough[1]:g}"
         share = 100.0 * rolling / loss
-        rows.append((*conditions, f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}"))
+        found = (f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}")
+        rows.append((*conditions, *found, *films.get(at, ())))
     headers = [
         "torque\nN m",
         "speed\n1/min",
         "oil\ndegC",
-        "roughness\num",
-        "mean friction\ncoefficient",
-        "power loss\nW",
-        "rolling part\n%",
+        "Rq\num",
+        "mean\nmu",
+        "power\nloss W",
+        "rolling\npart %",
         "efficiency\n%",
+        *(["least\nfilm um", "at toe,\nroot %"] if films else []),
     ]
     shown = rows[:ROW_COUNT_LIMIT]
     table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
@@ -49,17 +55,29 @@ def efficiencies(friction: xr.Dataset) -> str:
         table += "\n* beyond the oil's data: the last value was taken"
     if left:
         table += f"\n... and {left} more in the group friction"
-        known = sorted((row for row in rows if row[-1] != "nan"), key=lambda row: float(row[-1]))
+        known = sorted((row for row in rows if row[7] != "nan"), key=lambda row: float(row[7]))
         for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
-            table += f"\n{word} efficiency: {row[-1]} % at {row[0]} N m, {row[1]} / min, {row[2]} degC, {row[3]} um"
+            table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} / min, {row[2]} degC, {row[3]} um"
     return table
+
+
+def _films(friction: xr.Dataset, names: tuple[str, ...]) -> dict[tuple[int, ...], tuple[str, str]]:
+    """Least film thickness and its place by operating condition; empty if the result has none."""
+    if "min_film_thickness" not in friction:
+        return {}
+    variables = ("min_film_thickness", "min_film_lengthwise", "min_film_profile")
+    whole = [friction[n].broadcast_like(friction["efficiency"]).transpose(*names).values for n in variables]
+    return {
+        at: (f"{whole[0][at]:.3f}", f"{100 * whole[1][at]:.0f}, {100 * whole[2][at]:.0f}")
+        for at in np.ndindex(whole[0].shape)
+    }
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:
     """Lines on uncertified solutions: one a torque that has some, and one for the friction feedback."""
-    loaded = tree["loaded"].to_dataset()
     lines = [
         f"{torque:g} N m: {some} of {status.size} mesh positions have no certified solution {reasons}"
+        for loaded in (tree[name].to_dataset() for name in ("light_load", "loaded") if name in tree.children)
         for torque, status in zip(loaded["torque"].values, loaded["status"].values, strict=True)
         for some, reasons in _failures(status)
     ]
@@ -77,13 +95,9 @@ def _failures(status: Any) -> list[tuple[int, str]]:
     return [(bad.size, f"({', '.join(names)}); their values are NaN")] if bad.size else []
 
 
-def _head(tree: xr.DataTree) -> str:
-    """Table of the pair, its misalignment and its unloaded contact."""
-    attrs, unloaded = tree.attrs, tree["unloaded"].to_dataset()
-    ease_off = tree["ease_off"].to_dataset()
-    inside = ease_off["inside"].values == 1
-    gap = ease_off["ease_off"].values[inside]
-    harmonics = np.atleast_1d(unloaded.attrs["harmonics"])
+def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
+    """Table of the pair, its misalignment and the models."""
+    attrs = tree.attrs
     sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
     errors = [
         ("E", attrs["misalignment_offset_mm"], "mm"),
@@ -91,65 +105,20 @@ def _head(tree: xr.DataTree) -> str:
         ("G", attrs["misalignment_gear_axial_mm"], "mm"),
         ("Sigma", sigma, "deg"),
     ]
-    departures = [("deviating flanks", deviations(attrs)), ("modified ease-off", modification(attrs))]
+    misaligned = ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"
+    pair = f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion"
+    solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
+    shared = f"{100 * numbers['common_flank'].item():.0f} % of the gear flank"
     head = [
-        (
-            "pair",
-            f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion, "
-            f"{attrs['flank']} flanks",
-        ),
-        ("misalignment", ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"),
-        *((name, words) for name, words in departures if words),
-        ("common flank", f"{100 * inside.mean():.0f} % of the gear flank"),
-        ("ease-off", f"up to {gap.max():.1f} um on the common flank"),
-        (
-            "unloaded transmission error",
-            f"{unloaded.attrs['peak_to_peak']:.2f} urad peak to peak, harmonics "
-            + " / ".join(f"{a:.2f}" for a in harmonics),
-        ),
+        ("pair", f"{pair}, {attrs['flank']} flanks"),
+        ("misalignment", misaligned),
+        ("deviating flanks", deviations(attrs)),
+        ("modified ease-off", modification(attrs)),
+        ("common flank", f"{shared}, ease-off up to {numbers['max_ease_off'].item():.1f} um"),
+        ("model", model_name(attrs)),
+        ("solver", solver),
     ]
-    return str(tabulate(head, tablefmt="plain"))
-
-
-def _loaded_table(loaded: xr.Dataset) -> str:
-    """Table of the loaded contact, a row a torque."""
-    worst = np.max(np.stack([loaded[name].values for name in CERTIFICATE]), axis=0)
-    # Older results lack the overhang.
-    edges = "overhang" in loaded and bool(loaded["overhang"].notnull().any())
-    rows = [
-        (
-            f"{torque:g}",
-            f"{loaded['mean_level'].values[i]:.1f}",
-            f"{loaded['peak_to_peak'].values[i]:.2f}",
-            *(f"{amplitude:.2f}" for amplitude in loaded["harmonic"].values[i, :3]),
-            f"{loaded['max_pressure'].values[i]:.0f}",
-            *([f"{100.0 * float(loaded['edge_share'][i].max()):.1f}"] if edges else []),
-            f"{np.max(worst[i]):.0e}",
-            f"{int(np.sum(loaded['status'].values[i] == Status.CERTIFIED))} of {worst.shape[1]}",
-        )
-        for i, torque in enumerate(loaded["torque"].values)
-    ]
-    headers = [
-        "torque\nN m",
-        "mean TE\nurad",
-        "peak to\npeak urad",
-        "harmonic\n1 urad",
-        "\n2",
-        "\n3",
-        "greatest\npressure MPa",
-        *(["on edges\nup to %"] if edges else []),
-        "worst\nresidual",
-        "certified\npositions",
-    ]
-    return str(tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers)))
-
-
-def _root_stresses(stresses: xr.Dataset) -> str:
-    """Table of the greatest root stresses, a row a torque."""
-    greatest = stresses["max_root_stress"]
-    rows = [(f"{torque:g}", *(f"{v:.0f}" for v in greatest.sel(torque=torque))) for torque in greatest["torque"].values]
-    headers = ["torque\nN m", "pinion\nMPa", "gear\nMPa"]
-    return str(tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * 3))
+    return aligned([(name, words) for name, words in head if words])
 
 
 def _notes(tree: xr.DataTree) -> list[str]:
@@ -184,20 +153,17 @@ def result_summary(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> print(result_summary(easeoff.analyze("nasa-12x36", torques=[100.0])).splitlines()[3])
-    pair                         12 x 36, left-hand pinion, drive flanks
+    pair          12 x 36, left-hand pinion, drive flanks
     """
-    attrs = tree.attrs
-    solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
-    title = attrs["title"]
-    parts = [title, "=" * len(title), "", _head(tree), "", f"Loaded contact, solver {solver}", ""]
-    parts.append(_loaded_table(tree["loaded"].to_dataset()))
-    if "root_stress" in tree.children:
-        stresses = _root_stresses(tree["root_stress"].to_dataset())
-        parts += ["", "Greatest root stress, finite elements", "", stresses]
+    attrs, numbers = tree.attrs, key_numbers(tree)
+    title = textwrap.wrap(attrs["title"], WIDTH)
+    parts = ["\n".join(title), "=" * max(len(line) for line in title), "", _head(tree, numbers), ""]
+    parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
+    parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
         parts += ["", name, "", efficiencies(friction)]
     notes = _notes(tree)
-    return "\n".join([*parts, *(["", *notes] if notes else [])])
+    return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])

@@ -1,0 +1,94 @@
+"""Unloaded transmission error of one tooth pair, and of the pair that carries, at any pinion rotation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from .tooth_passage import ToothPassage, tooth_passage
+
+Array = NDArray[Any]
+FINE_STEP_COUNT = 32  # between two mesh positions
+
+
+@dataclass(frozen=True)
+class CarryingError:
+    """Transmission error of a tooth pair over its passage through the mesh, and the least of all pairs.
+
+    Parameters
+    ----------
+    passage
+        Transmission error of one pair [rad] by steps of the mesh cycle.
+    start
+        Pinion rotation of step 0 [rad].
+    pinion_pitch
+        Angular pitch of the pinion [rad].
+
+    Examples
+    --------
+    >>> parabola = ToothPassage(-4, 4, 0.01 * np.linspace(-1.0, 1.0, 9) ** 2)
+    >>> error = CarryingError(parabola, 0.0, 0.5)
+    >>> error.of_pair(np.array([0.125])).round(6), error.least(np.array([0.0, 0.25])).round(6)
+    (array([0.000625]), array([0.    , 0.0025]))
+    """
+
+    passage: ToothPassage
+    start: float
+    pinion_pitch: float
+
+    @classmethod
+    def of(cls, unloaded: xr.Dataset, pinion_pitch: float) -> CarryingError:
+        """From the group ``/unloaded``."""
+        table = unloaded["transmission_error"].transpose("pair", "mesh_position").values
+        passage = tooth_passage(unloaded["pair"].values, 1e-6 * table)
+        return cls(passage, float(unloaded["pinion_rotation"].values[0]), pinion_pitch)
+
+    @property
+    def steps(self) -> Array:
+        """Steps (m) from the first to the last at which the pair can touch, ``FINE_STEP_COUNT`` to a mesh position."""
+        known = self.passage.steps[np.isfinite(self.passage.values)]
+        return np.arange(known[0] * FINE_STEP_COUNT, known[-1] * FINE_STEP_COUNT + 1) / FINE_STEP_COUNT
+
+    def rotation(self, steps: Array) -> Array:
+        """Pinion rotations [rad] of steps."""
+        return np.asarray(self.start + steps * self.pinion_pitch / self.passage.per_cycle)
+
+    def of_pair(self, rotation: Array) -> Array:
+        """Transmission error [rad] of the pair at pinion rotations (...) [rad]; NaN where it cannot touch."""
+        return np.asarray(self._single(self.step(rotation)))
+
+    def least(self, rotation: Array) -> Array:
+        """Transmission error [rad] of the pair that carries, at any pinion rotations (...) [rad]."""
+        time, values = self._cycle
+        return np.interp(self.step(rotation) % self.passage.per_cycle, time, values)
+
+    def least_slope(self, rotation: Array) -> Array:
+        """Derivative of ``least`` by the pinion rotation; between both at a kink."""
+        time, values = self._cycle
+        step = self.pinion_pitch / self.passage.per_cycle / FINE_STEP_COUNT
+        around = np.concatenate([values[-2:-1], values, values[1:2]])
+        return np.interp(self.step(rotation) % self.passage.per_cycle, time, (around[2:] - around[:-2]) / (2.0 * step))
+
+    def step(self, rotation: Array) -> Array:
+        """Steps of pinion rotations [rad]."""
+        return np.asarray((rotation - self.start) / self.pinion_pitch * self.passage.per_cycle)
+
+    @cached_property
+    def _single(self) -> PchipInterpolator:
+        known = np.isfinite(self.passage.values)
+        return PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
+
+    @cached_property
+    def _cycle(self) -> tuple[Array, Array]:
+        """Steps of one cycle with both ends, and the least error there."""
+        count = self.passage.per_cycle
+        time = np.arange(count * FINE_STEP_COUNT + 1) / FINE_STEP_COUNT
+        ahead = np.arange(self.passage.steps[0] // count - 1, self.passage.steps[-1] // count + 2) * count
+        errors = self._single(time + ahead[:, None])
+        return time, np.where(np.isfinite(errors), errors, np.inf).min(axis=0)

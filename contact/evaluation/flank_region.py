@@ -1,0 +1,112 @@
+"""Region of a flank: centre, length and height of a contact pattern."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .projection_plane import ProjectionPlane
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class FlankRegion:
+    """Part of a flank, such as a contact pattern.
+
+    Parameters
+    ----------
+    centre
+        Centroid of the area in the projection plane, as lengthwise and profile fractions (2); NaN if there is no area.
+    extent
+        Least and greatest lengthwise and profile fraction (2, 2): by the fraction, then from least to greatest.
+    area
+        In the projection plane [mm^2].
+
+    Examples
+    --------
+    >>> region = FlankRegion(np.array([0.5, 0.4]), np.array([[0.2, 0.8], [0.1, 0.9]]), 120.0)
+    >>> region.size.round(3).tolist()
+    [0.6, 0.8]
+    """
+
+    centre: Array
+    extent: Array
+    area: float
+
+    @property
+    def size(self) -> Array:
+        """Length along the face and height along the profile, as fractions (2)."""
+        return np.asarray(self.extent[:, 1] - self.extent[:, 0])
+
+
+def region_below(
+    points: Array, values: Array, triangles: NDArray[np.int64], level: float, plane: ProjectionPlane
+) -> FlankRegion:
+    """Region of a flank on which values lie below a level; they are linear on every triangle.
+
+    Parameters
+    ----------
+    points
+        Lengthwise and profile fractions (2, n).
+    values
+        Values at the points (n).
+    triangles
+        Corners (m, 3).
+    level
+        The level.
+    plane
+        In which areas count.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+    >>> plane = ProjectionPlane(np.array([[0.0, 20.0, 0.0, 0.0], [0.0, 0.0, 10.0, 0.0]]))
+    >>> halves = np.array([[0, 1, 2], [0, 2, 3]])
+    >>> found = region_below(square, square[0], halves, 0.25, plane)
+    >>> round(found.area, 9), found.centre.round(9).tolist(), found.size.round(9).tolist()
+    (50.0, [0.125, 0.5], [0.25, 1.0])
+    """
+    corners, height = points[:, triangles], values[triangles] - level  # (2, m, 3), (m, 3)
+    below = height < 0.0
+    count = np.sum(below, axis=1)
+    # Of a triangle that the level cuts, one corner stands alone; the level crosses the two sides from it.
+    cut = (count == 1) | (count == 2)
+    alone = np.where(count[cut] == 1, np.argmax(below[cut], axis=1), np.argmin(below[cut], axis=1))
+    order = (alone[:, None] + np.arange(3)) % 3
+    at = np.take_along_axis(corners[:, cut], order[None], axis=2)
+    high = np.take_along_axis(height[cut], order, axis=1)
+    crossing = at[..., :1] + high[:, :1] / (high[:, :1] - high[:, 1:]) * (at[..., 1:] - at[..., :1])
+    tip = np.concatenate([at[..., :1], crossing], axis=2)
+    # What lies below is the tip, or the triangle without it.
+    parts = np.concatenate([corners[:, count >= 2], tip], axis=1)
+    sign = np.concatenate([np.ones(np.sum(count >= 2)), np.where(count[cut] == 1, 1.0, -1.0)])
+    area = sign * _areas(plane(parts))
+    total = float(np.sum(area))
+    if not total > 0.0:
+        return FlankRegion(np.full(2, np.nan), np.full((2, 2), np.nan), 0.0)
+    reached = np.concatenate([corners[:, below], crossing.reshape(2, -1)], axis=1)
+    extent = np.stack([reached.min(axis=1), reached.max(axis=1)], axis=1)
+    return FlankRegion(np.mean(parts, axis=2) @ area / total, extent, total)
+
+
+def grid_triangles(shape: tuple[int, int]) -> NDArray[np.int64]:
+    """Corners (m, 3) of the triangles of a grid of points, two a cell, counted along the last axis first.
+
+    Examples
+    --------
+    >>> grid_triangles((2, 2)).tolist()
+    [[0, 2, 3], [0, 3, 1]]
+    """
+    number = np.arange(shape[0] * shape[1]).reshape(shape)
+    low, right, far, up = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    return np.concatenate([np.stack([low, right, far], axis=1), np.stack([low, far, up], axis=1)])
+
+
+def _areas(corners: Array) -> Array:
+    """Areas (m) of triangles (2, m, 3)."""
+    first, second = corners[..., 1] - corners[..., 0], corners[..., 2] - corners[..., 0]
+    return np.abs(0.5 * (first[0] * second[1] - first[1] * second[0]))

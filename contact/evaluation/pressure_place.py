@@ -1,0 +1,136 @@
+"""Place of the greatest pressure: mesh position, tooth pair, point, and whether a contact line ends there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...core.stored_status import StoredStatus
+from ..lines.flank_splines import FlankSplines
+
+Array = NDArray[Any]
+EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are equally long
+
+
+class LineEnd(StoredStatus):
+    """Whether a contact line ends at a segment, and at which border of the common flank.
+
+    Examples
+    --------
+    >>> LineEnd(0).name, LineEnd.PINION_TIP.value
+    ('INSIDE', 8)
+    """
+
+    INSIDE = 0
+    GEAR_TOE = 1
+    GEAR_HEEL = 2
+    GEAR_ROOT = 3
+    GEAR_TIP = 4
+    PINION_TOE = 5
+    PINION_HEEL = 6
+    PINION_ROOT = 7
+    PINION_TIP = 8
+    FILLET = 9
+    UNKNOWN = 10
+
+
+@dataclass(frozen=True)
+class PressurePlace:
+    """Place of the greatest pressure of a mesh cycle.
+
+    Parameters
+    ----------
+    mesh_position
+        Fraction of the mesh cycle.
+    pair
+        Tooth pair.
+    point
+        Lengthwise and profile fractions on the gear (2).
+    line_end
+        Whether the contact line ends there.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
+    >>> loaded, _ = cycle.loaded([100.0])
+    >>> PressurePlace.of(loaded.isel(torque=0), cycle.fields).line_end.name
+    'INSIDE'
+    """
+
+    mesh_position: float
+    pair: float
+    point: Array
+    line_end: LineEnd
+
+    @classmethod
+    def of(cls, at_torque: xr.Dataset, splines: FlankSplines) -> PressurePlace:
+        """From the group ``/loaded`` at one torque, and splines from ``contact_lines.contact_splines``."""
+        order = ("mesh_position", "segment")
+        pressure = at_torque["pressure"].transpose(*order).values
+        if not np.any(pressure > 0.0):
+            return cls(np.nan, np.nan, np.full(2, np.nan), LineEnd.UNKNOWN)
+        position, segment = np.unravel_index(int(np.nanargmax(pressure)), pressure.shape)
+        names = ("tooth", "length", "lengthwise", "profile")
+        here = np.stack([at_torque[name].transpose(*order).values[position] for name in names])
+        on_line = np.isfinite(pressure[position])
+        return cls(
+            float(at_torque["mesh_position"].values[position]),
+            float(here[0, segment]),
+            here[2:, segment],
+            _line_end(here, on_line, int(segment), splines),
+        )
+
+
+def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines: FlankSplines) -> LineEnd:
+    """Border at which the line of a segment ends next to it, from rows tooth, length, lengthwise, profile."""
+
+    def same_line(other: int) -> bool:
+        if not (0 <= other < on_line.size and on_line[other]):
+            return False
+        (tooth, length), (own, own_length) = segments[:2, other], segments[:2, number]
+        return bool(tooth == own and abs(length - own_length) <= EQUAL_LENGTH_TOLERANCE * own_length)
+
+    neighbours = [other for other in (number - 1, number + 1) if same_line(other)]
+    if len(neighbours) == 2:
+        return LineEnd.INSIDE
+    point = segments[2:, number]
+    for other in neighbours:
+        point = point + 0.5 * (point - segments[2:, other])
+    return nearest_border(splines, point)
+
+
+def nearest_border(splines: FlankSplines, point: Array) -> LineEnd:
+    """Border of the common flank that is nearest to a point (2), in fractions.
+
+    Parameters
+    ----------
+    splines
+        Splines from ``contact_lines.contact_splines``.
+    point
+        Lengthwise and profile fractions on the gear.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> fields = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).fields
+    >>> nearest_border(fields, np.array([0.5, 0.98])).name
+    'GEAR_TIP'
+    """
+    point = np.clip(point, 0.0, 1.0)
+    names = ["pinion_lengthwise", "pinion_profile", "blade_distance"]
+    t, h, blade = (float(values[0]) for values in splines.evaluate(names, point[:, None]).values())
+    on_both = (*point, t, h)
+    distances = [side for fraction in on_both for side in (fraction, 1.0 - fraction)]
+    return LineEnd(1 + int(np.argmin([*distances, blade])))

@@ -1,0 +1,46 @@
+"""Least film thickness of a mesh cycle, and where it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from ..core.attributes import labelled
+
+
+def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
+    """The group ``/friction`` with the least film thickness over the mesh cycle, at every operating condition.
+
+    Parameters
+    ----------
+    friction
+        Of ``friction`` or ``friction_feedback``; returned as it is if its fields over the segments were not kept.
+    loaded
+        The group ``/loaded``.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> from easeoff.friction import Operation, friction
+    >>> tree = easeoff.analyze("nasa-12x36", torques=200.0)
+    >>> found = with_least_film(friction(tree, Operation(speed=1500.0)), tree["loaded"].to_dataset())
+    >>> bool(found["min_film_thickness"].item() == found["film_thickness"].min())
+    True
+    """
+    if "film_thickness" not in friction:
+        return friction
+    film = friction["film_thickness"].transpose("mesh_position", "segment", "torque", ...)
+    flat = np.where(np.isfinite(film.values), film.values, np.inf).reshape(-1, *film.shape[2:])
+    least = np.argmin(flat, axis=0)
+    known = np.isfinite(flat.min(axis=0))
+    position, segment = np.unravel_index(least, film.shape[:2])
+    dims = film.dims[2:]
+    torque = np.arange(film.sizes["torque"]).reshape(-1, *(1,) * (least.ndim - 1))
+    table = loaded[["lengthwise", "profile"]].transpose("torque", "mesh_position", "segment")
+    points = {f"min_film_{name}": table[name].values[torque, position, segment] for name in ("lengthwise", "profile")}
+    numbers = {
+        "min_film_thickness": flat.min(axis=0),
+        "min_film_position": loaded["mesh_position"].values[position],
+        **points,
+    }
+    return labelled(friction.assign({name: (dims, np.where(known, v, np.nan)) for name, v in numbers.items()}))
