@@ -4,6 +4,7 @@
 what is checked                   by
 ================================  =================================================================================
 ease-off, unloaded contact        ``both_methods``, ``point_contact``: conventional contact analysis, five equations
+unloaded contact, edges included  ``smallest_gap``, ``smallest_envelope``: direct search over both bounded flanks
 gap beside a contact line         ``flank_gap``: along the normal between the generated flanks
 curvatures of a flank             ``directional_curvatures``: along two directions, by complex steps
 contact line and ellipse          ``relative_curvature``
@@ -30,6 +31,7 @@ from .problem_classes import PROBLEM_CLASSES, problems
 from .relative_curvature import RelativeCurvature, relative_curvature
 from .serendipity_brick import serendipity_functions
 from .shell_root_stress import shell_root_stress
+from .smallest_gap import SmallestGap, smallest_envelope, smallest_gap
 from .thesis_shell import monomials, thesis_kinematics
 
 __all__ = [
@@ -43,6 +45,7 @@ __all__ = [
     "PointContact",
     "RelativeCurvature",
     "ShapeOperator",
+    "SmallestGap",
     "SurfaceCells",
     "both_methods",
     "contact_of_flanks",
@@ -61,5 +64,7 @@ __all__ = [
     "relative_curvature",
     "serendipity_functions",
     "shell_root_stress",
+    "smallest_envelope",
+    "smallest_gap",
     "thesis_kinematics",
 ]

@@ -1,0 +1,365 @@
+"""Smallest gap between two bounded flanks by direct search: unloaded contact without ease-off and contact lines.
+
+At a pinion rotation every point of the gear flank has its own gap: the rotation of the gear, against the drive sense,
+that brings it onto the pinion flank. On the way it keeps its distance along the gear axis and from it: two equations
+for the two parameters of the pinion flank, solved on the generated surfaces themselves. The smallest gap over all
+pairs of points that belong to both flanks is the closing angle at which the tooth pair touches. It is searched for
+inside, and along every edge of either member on the flank of the other; a flank ends at toe, heel, tip, its root line
+and where the blade's edge radius begins to cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.flanks.flank import Flank, NodeStatus, nearest_seeds, seed_lattice, solve_flank
+from ..geometry.flanks.flank_parts import deepest, pick
+from ..geometry.newton import complex_steps, cramers_rule
+from ..geometry.pair.gear_pair import Member, PairGeometry
+from ..geometry.vectors import column, cross, dot, rotate
+
+Array = NDArray[Any]
+
+FIELD_NODES = (41, 31)  # of the gear flank, from which the search inside starts
+EDGE_NODES = 81  # of every edge
+SEED_MARGIN = 0.3  # fraction of the flank by which first guesses lie beyond it
+STARTS = 2  # local minima of the field's valley that are followed, of rows and of columns each
+PAIR_LIMIT = 12  # tooth pairs ahead of the followed one, and behind it, at most
+GAP_ABOVE_LEAST_LIMIT = 2e-4  # [rad]; what lies so far above the least value of all nodes needs no refinement
+STENCIL_STEPS = (0.02, 0.02, 0.01, 0.005, 0.005, 0.002, 0.001, 0.001)  # fractions of the flank
+ZOOM_ROUNDS, ZOOM_NODES = 7, 11
+NEWTON_ITERATIONS, NEWTON_TOLERANCE = 25, 1e-10  # [mm]
+FRACTION_TOLERANCE, BLADE_TOLERANCE = 1e-9, 1e-8  # [1], [mm]; by which a point may lie beyond an edge
+LIMIT_ITERATIONS = 12
+#: Edges by name: the fraction that is held, and its value; the root ends at the blade's limit if that is higher.
+EDGES = {"toe": (0, 0.0), "heel": (0, 1.0), "root": (1, 0.0), "tip": (1, 1.0)}
+
+
+@dataclass(frozen=True)
+class SmallestGap:
+    """Smallest gap at pinion rotations (n); NaN where no point of one flank lies opposite a point of the other.
+
+    Parameters
+    ----------
+    closing_angle
+        Gear rotation against the drive sense, beyond the ideal ratio, at which the flanks touch [rad]: the transmission
+        error plus ``first_contact_rad`` of the ease-off.
+    gear, pinion
+        Lengthwise and profile fractions (2, n) of the point on either flank.
+    edge
+        Edge (n) the point lies on, such as ``"pinion tip"``; empty inside.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> found = smallest_gap(geometry, np.array([0.0, 0.4]))
+    >>> found.edge.tolist()
+    ['', 'pinion tip']
+    """
+
+    closing_angle: Array
+    gear: Array
+    pinion: Array
+    edge: NDArray[np.str_]
+
+
+def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
+    """Smallest gap of one tooth pair over both bounded flanks.
+
+    Parameters
+    ----------
+    geometry
+        The pair: its members and their motion are used, its ease-off is not.
+    rotations
+        Pinion rotations (n) in the drive sense, zero in the middle of the pinion, as the roll angle is counted [rad].
+        The tooth pair p of a mesh position is that far behind: subtract p pitches.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> found = smallest_gap(geometry, np.array([0.0]))
+    >>> bool(found.closing_angle[0] > geometry.ease_off.attrs["first_contact_rad"])
+    True
+    """
+    flanks = _Flanks(geometry)
+    found = [flanks.smallest(float(rotation)) for rotation in np.atleast_1d(rotations)]
+    angle, gear, pinion, edge = zip(*found, strict=True)
+    return SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
+
+
+def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[SmallestGap, NDArray[np.int64]]:
+    """Smallest gap over all tooth pairs at pinion rotations (n), and the tooth pair (n) that carries.
+
+    Parameters
+    ----------
+    geometry, rotations
+        As of ``smallest_gap``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> smallest, pair = smallest_envelope(geometry, np.array([0.0]))
+    >>> smallest.edge.tolist(), pair.tolist()
+    ([''], [0])
+    """
+    flanks, pitch = _Flanks(geometry), geometry.pair.assembly.pinion_pitch
+    best, carrying = [], []
+    for rotation in np.atleast_1d(rotations):
+        here, own = flanks.smallest(float(rotation)), 0
+        for sense in (1, -1):
+            for pair in range(1, PAIR_LIMIT):
+                limit = here[0] + GAP_ABOVE_LEAST_LIMIT if np.isfinite(here[0]) else np.inf
+                other = flanks.smallest(float(rotation) - sense * pair * pitch, limit)
+                if other[0] < here[0] or not np.isfinite(here[0]):
+                    here, own = other, sense * pair
+                elif not other[0] < limit:
+                    break
+        best.append(here)
+        carrying.append(own)
+    angle, gear, pinion, edge = zip(*best, strict=True)
+    smallest = SmallestGap(np.array(angle), np.stack(gear, axis=1), np.stack(pinion, axis=1), np.array(edge))
+    return smallest, np.array(carrying)
+
+
+Found = tuple[float, Array, Array, str]
+NOTHING: Found = (np.nan, np.full(2, np.nan), np.full(2, np.nan), "")
+
+
+class _Flanks:
+    """Both flanks of a pair, and the search between them at one rotation."""
+
+    def __init__(self, geometry: PairGeometry) -> None:
+        self.motion, pair = geometry.exact.motion, geometry.pair
+        self.gear, self.pinion = pair.gear, pair.pinion
+        self.parts = pair.pinion.loaded.flank_parts
+        self.lattices = [_near_flank(part, self.pinion) for part in self.parts]
+        t, h = np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in FIELD_NODES), indexing="ij")
+        self.field = np.stack([t.ravel(), h.ravel()])
+        self.field_flank = _flank(self.gear, self.field)
+        along = np.linspace(0.0, 1.0, EDGE_NODES)
+        self.edges = {
+            (member, name): _edge(own, name, along)
+            for member, own in (("gear", self.gear), ("pinion", self.pinion))
+            for name in EDGES
+        }
+
+    def smallest(self, rotation: float, limit: float = np.inf) -> Found:
+        """Smallest gap at one rotation, where, and on which edge; NaN if it is surely above a limit [rad]."""
+        field, _ = self._closing(self.field_flank, rotation)
+        along = {key: self._edge_gap(key[0], flank, rotation)[0] for key, (_, flank) in self.edges.items()}
+        least = min(float(np.min(v, initial=np.inf, where=np.isfinite(v))) for v in (field, *along.values()))
+        if not least < limit:
+            return NOTHING
+        candidates = self._inside(field.reshape(FIELD_NODES), rotation)
+        for key, value in along.items():
+            candidates += self._on_edge(*key, value, rotation, least + GAP_ABOVE_LEAST_LIMIT)
+        return min((c for c in candidates if np.isfinite(c[0])), key=lambda c: c[0], default=NOTHING)
+
+    def _inside(self, angle: Array, rotation: float) -> list[Found]:
+        """Minima inside both flanks, from the lowest points of the valley in the field (nt, nh)."""
+        points = np.concatenate([_valley(angle), _valley(angle.T)[::-1]], axis=1)
+        if not points.size:
+            return []
+        for step in STENCIL_STEPS:
+            points = self._lower(points, step, rotation)
+        value, pinion = self._closing(_flank(self.gear, points), rotation)
+        within = _within(points)
+        return [(float(v), points[:, k], pinion[:, k], "") for k, v in enumerate(value) if within[k]]
+
+    def _lower(self, points: Array, step: float, rotation: float) -> Array:
+        """Minima (2, n) of paraboloids through nine points around each of the points (2, n)."""
+        shift = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]).T
+        around = (points[:, :, None] + step * shift[:, None]).reshape(2, -1)
+        value = self._closing(_flank(self.gear, around), rotation, bounded=False)[0].reshape(-1, 9)
+        x, y = shift
+        basis = np.stack([np.ones(9), x, y, 0.5 * x**2, x * y, 0.5 * y**2], axis=1)
+        _, a, b, aa, ab, bb = np.stack([_fit(basis, row) for row in value], axis=1)
+        bowl = (aa > 0.0) & (aa * bb > ab**2)
+        with np.errstate(all="ignore"):
+            way = -cramers_rule((aa, ab), (ab, bb), (a, b))
+        way = np.where(bowl, way, 0.0)
+        way = step * way / np.maximum(1.0, np.max(np.abs(way), axis=0) / 4.0)
+        return np.asarray(np.clip(points + np.where(np.isfinite(way), way, 0.0), -0.02, 1.02))
+
+    def _on_edge(self, member: str, name: str, value: Array, rotation: float, limit: float) -> list[Found]:
+        """Minima along an edge of one member on the flank of the other, from the values (k) of its nodes."""
+        value = np.where(np.isfinite(value), value, np.inf)
+        padded = np.pad(value, 1, constant_values=np.inf)
+        lowest = np.flatnonzero((value < limit) & (value <= padded[:-2]) & (value <= padded[2:]))
+        if not lowest.size:
+            return []
+        width = 1.0 / (EDGE_NODES - 1)
+        place, rows = lowest * width, np.arange(lowest.size)
+        for _ in range(ZOOM_ROUNDS):
+            # Where the edge leaves the other flank the best node lies beside one without a value, and so to the end.
+            tried = np.clip(place[:, None] + width * np.linspace(-1.0, 1.0, ZOOM_NODES), 0.0, 1.0)
+            points, flank = _edge(getattr(self, member), name, tried.ravel())
+            found, other = self._edge_gap(member, flank, rotation)
+            found = np.where(np.isfinite(found), found, np.inf).reshape(tried.shape)
+            best = np.argmin(found, axis=1)
+            place, width = tried[rows, best], width * 2.0 / (ZOOM_NODES - 1)
+        own, there = (p.reshape(2, *tried.shape)[:, rows, best] for p in (points, other))
+        gear, pinion = (own, there) if member == "gear" else (there, own)
+        return [(float(found[k, best[k]]), gear[:, k], pinion[:, k], f"{member} {name}") for k in rows]
+
+    def _edge_gap(self, member: str, flank: Flank, rotation: float) -> tuple[Array, Array]:
+        """Gap (n) at points of an edge that lie on the other flank, and the fractions (2, n) there."""
+        if member == "gear":
+            return self._closing(flank, rotation)
+        motion, assembly = self.motion, self.motion.assembly
+        position, _ = assembly.pinion_to_global(flank.position, flank.normal)
+        origin = column(assembly.pinion_origin, position)
+        turned = np.full(position.shape[1], rotation + motion.center)
+        position = rotate(motion.pinion_axis, turned, position - origin) + origin
+        position = motion.in_gear(position, turned)
+        usable = np.all(np.isfinite(position), axis=0)
+        axial, radial = position[2], np.hypot(position[0], position[1])
+        there = solve_flank(self.gear.loaded, self.gear.section, *np.where(usable, (axial, radial), 1.0))
+        fractions = np.stack(self.gear.section.fractions(axial, radial))
+        valid = usable & (there.status == NodeStatus.INSIDE) & _within(fractions)
+        return np.where(valid, self._between(position, there.position), np.nan), fractions
+
+    def _closing(self, flank: Flank, rotation: float, *, bounded: bool = True) -> tuple[Array, Array]:
+        """Gap (n) at points of the gear flank, and the fractions (2, n) opposite; NaN beyond the bounds."""
+        target = np.stack([flank.position[2], np.hypot(flank.position[0], flank.position[1])])
+        usable = np.all(np.isfinite(target), axis=0)
+        turned = rotation + self.motion.center
+        gaps, places, coordinates, valid = [], [], [], []
+        for part, (lattice, side) in zip(self.parts, self.lattices, strict=True):
+            seen, ahead = self._in_gear(part, lattice, turned)
+            seen = np.where(ahead > 0.0, seen, np.nan)
+            start = nearest_seeds(np.stack([seen[2], np.hypot(seen[0], seen[1])]), lattice, np.where(usable, target, 1))
+            parameters, solved = self._met(part, start, np.where(usable, target, 1.0), turned)
+            own, _, coordinate = part.evaluate(parameters)
+            fractions = np.stack(self.pinion.section.fractions(own[2], np.hypot(own[0], own[1])))
+            with np.errstate(invalid="ignore"):
+                there, ahead = self._in_gear(part, parameters, turned)
+                valid_side = (part.orientation(parameters) * side > 0.0) & (ahead > 0.0)
+            gaps.append(np.where(solved & valid_side & usable, self._between(there, flank.position), np.nan))
+            places.append(fractions)
+            coordinates.append(coordinate)
+            valid.append(_within(fractions) & (coordinate > -BLADE_TOLERANCE))
+        choice = deepest(self.parts, coordinates, gaps)
+        gap, fractions, within = pick(gaps, choice), pick(places, choice), pick(valid, choice)
+        if bounded:
+            gap = np.where(within & (flank.status == NodeStatus.INSIDE), gap, np.nan)
+        return gap, fractions
+
+    def _in_gear(self, surface: GeneratingSurface, parameters: Array, turned: float) -> tuple[Array, Array]:
+        """Points (3, n) of the pinion in the gear's frame, both turned, and how far their normals push the gear on."""
+        motion, angle = self.motion, np.full(parameters.shape[1], turned)
+        position, normal = replace(motion, surface=surface).action_point(parameters, angle)
+        from_axis = position - column(motion.assembly.gear_origin, position)
+        ahead = dot(cross(column(motion.gear_axis, position), from_axis), normal)
+        return motion.in_gear(position, angle), ahead
+
+    def _met(
+        self, surface: GeneratingSurface, start: Array, target: Array, turned: float
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Parameters (2, n) of the pinion points on the circles that the gear points (2, n) run on, and where found."""
+
+        def axial_and_radial(p: Array) -> Array:
+            position, _ = self._in_gear(surface, p, turned)
+            return np.stack([position[2], np.sqrt(position[0] ** 2 + position[1] ** 2)])
+
+        parameters, solved = start.copy(), np.zeros(start.shape[1], dtype=bool)
+        limit = surface.max_step[:, None]
+        active = np.arange(start.shape[1])
+        with np.errstate(all="ignore"):
+            for _ in range(NEWTON_ITERATIONS):
+                value, slopes = complex_steps(axial_and_radial, parameters[:, active])
+                miss = target[:, active] - value
+                step = cramers_rule(slopes[0], slopes[1], miss)
+                usable = np.all(np.isfinite(step), axis=0)
+                step = np.where(usable, step / np.maximum(1.0, np.max(np.abs(step) / limit, axis=0)), 0.0)
+                parameters[:, active] += step
+                done = usable & (np.max(np.abs(miss), axis=0) < NEWTON_TOLERANCE)
+                solved[active[done]] = True
+                active = active[usable & ~done]
+                if not active.size:
+                    break
+        return parameters, solved
+
+    def _between(self, pinion: Array, gear: Array) -> Array:
+        """Angle (n) [rad] by which gear points lie short of pinion points on their circles, in the drive sense."""
+        angle = np.arctan2(pinion[1], pinion[0]) - np.arctan2(gear[1], gear[0])
+        return np.asarray(self.motion.pinion_sense * (np.mod(angle + np.pi, 2.0 * np.pi) - np.pi))
+
+
+def _fit(basis: Array, values: Array) -> Array:
+    """Coefficients of a paraboloid (6), zero where a value is missing."""
+    return np.asarray(np.linalg.lstsq(basis, np.nan_to_num(values), rcond=None)[0]) * np.all(np.isfinite(values))
+
+
+def _near_flank(surface: GeneratingSurface, member: Member) -> tuple[Array, float]:
+    """Surface parameters (2, m) spread over the flank and a little beyond, and the orientation of its valid side."""
+    lattice, side = seed_lattice(surface, member.section)
+    position, _, _ = surface.evaluate(lattice)
+    fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
+    with np.errstate(invalid="ignore"):
+        near = np.all(np.abs(fractions - 0.5) < 0.5 + SEED_MARGIN, axis=0)
+    return lattice[:, near], side
+
+
+def _valley(field: Array) -> Array:
+    """Fractions (2, m) of the lowest local minima of the valley in a field (k, n), one point of it in every row."""
+    value = np.where(np.isfinite(field), field, np.inf)
+    rows, middle = np.arange(field.shape[0]), np.argmin(value, axis=1)
+    left, here, right = (value[rows, np.clip(middle + i, 0, field.shape[1] - 1)] for i in (-1, 0, 1))
+    with np.errstate(invalid="ignore"):
+        bend = left - 2.0 * here + right
+        curved = np.isfinite(bend) & (bend > 0.0)
+        step = np.where(curved, 0.5 * (left - right) / np.where(curved, bend, 1.0), 0.0)
+        lowest = np.where(curved, here - 0.5 * bend * step**2, here)
+    padded = np.pad(lowest, 1, constant_values=np.inf)
+    minima = np.flatnonzero(np.isfinite(lowest) & (lowest <= padded[:-2]) & (lowest <= padded[2:]))
+    minima = minima[np.argsort(lowest[minima])[:STARTS]]
+    return np.stack([minima / (field.shape[0] - 1), (middle + step)[minima] / (field.shape[1] - 1)])
+
+
+def _within(fractions: Array) -> NDArray[np.bool_]:
+    """Whether fractions (2, n) lie on a flank."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.all(np.abs(fractions - 0.5) <= 0.5 + FRACTION_TOLERANCE, axis=0))
+
+
+def _flank(member: Member, points: Array) -> Flank:
+    """The loaded flank at fractions (2, n)."""
+    return solve_flank(member.loaded, member.section, *member.section.points(*points))
+
+
+def _edge(member: Member, name: str, along: Array) -> tuple[Array, Flank]:
+    """Fractions (2, n) of points along an edge, and the flank there."""
+    held, value = EDGES[name]
+    points = np.stack([along, along])
+    points[held] = value
+    flank = _flank(member, points)
+    low = flank.blade_distance
+    if name != "root" or not np.any(low < 0.0):
+        return points, flank
+    # The blade coordinate grows up the profile, nearly in proportion: false position with the Illinois weights.
+    top = points.copy()
+    top[1] = 1.0
+    bottom, high = points[1].copy(), _flank(member, top).blade_distance
+    upper, cut = np.ones(along.size), low < 0.0
+    for _ in range(LIMIT_ITERATIONS):
+        with np.errstate(all="ignore"):
+            guess = np.where(cut, (bottom * high - upper * low) / (high - low), points[1])
+        tried = np.stack([along, guess])
+        there = _flank(member, tried).blade_distance
+        above = there > 0.0
+        low, high = np.where(above, 0.5 * low, there), np.where(above, there, 0.5 * high)
+        bottom, upper = np.where(above, bottom, guess), np.where(above, guess, upper)
+    points = np.where(cut, np.stack([along, upper]), points)
+    return points, _flank(member, points)
