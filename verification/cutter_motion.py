@@ -1,9 +1,9 @@
 """Motion of the cutter relative to the work as a product of elementary rotations, joint by joint.
 
 It shares nothing with the pose that generates the flanks: no velocities, no equation of meshing, no frame that turns
-with the cradle. From the blade to the member (Kolivand 2009, Eq. 2.5 to 2.7): rake, hook and offset of the blade, cutter
-angle, tilt and swivel, radial distance, cradle, work offset, sliding base and machine centre to crossing point, machine
-root angle, roll of the work.
+with the cradle. From the blade to the member (Kolivand 2009, Eq. 2.5 to 2.7): rake, hook and offset of the blade,
+cutter angle, tilt and swivel, radial distance, cradle, work offset, sliding base and machine centre to crossing point,
+machine root angle, roll of the work.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from ..geometry.cutting.machine import MachineSettings
 Array = NDArray[Any]
 
 
-def cutter_position(surface: GeneratingSurface, coordinate: Array, cutter_angle: Array, cradle_rotation: Array) -> Array:
+def cutter_position(
+    surface: GeneratingSurface, coordinate: Array, cutter_angle: Array, cradle_rotation: Array
+) -> Array:
     """Positions of points of the blade in the frame of the member being cut.
 
     Parameters

@@ -79,7 +79,9 @@ def envelope_condition(flank: Flank) -> EnvelopeCondition:
     return EnvelopeCondition(*(np.where(missing, np.nan, one) for one in (position, normal, along)))
 
 
-def _compared(surface: GeneratingSurface, parameters: Array, position: Array, normal: Array, coordinate: Array) -> Array:
+def _compared(
+    surface: GeneratingSurface, parameters: Array, position: Array, normal: Array, coordinate: Array
+) -> Array:
     angle, second = parameters
     generated = surface.settings.generated
     at = np.stack([coordinate, angle, second if generated else np.zeros_like(second)])

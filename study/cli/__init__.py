@@ -17,6 +17,7 @@ from .optimize_command import optimize
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
+from .verify_command import verify
 from .wear_command import wear
 
 
@@ -46,5 +47,20 @@ def main() -> None:
     """
 
 
-for _command in (run, show, plot, optimize, design, cases, problems, library, compare, export, convert, correct, wear):
+for _command in (
+    run,
+    show,
+    plot,
+    verify,
+    optimize,
+    design,
+    cases,
+    problems,
+    library,
+    compare,
+    export,
+    convert,
+    correct,
+    wear,
+):
     main.add_command(_command)

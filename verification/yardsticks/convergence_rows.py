@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,16 +12,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...cases.schema.case_schema import Case
+from ...contact.evaluation.pressure_place import LineEnd
 from ...study.report.key_numbers import key_numbers
-from .verification_row import VerificationRow, not_applicable
+from .verification_row import VerificationRow
 from .verified_pair import VerifiedPair
 
 Array = NDArray[Any]
 GRID_FACTOR, SEGMENTS_FACTOR, POSITIONS_FACTOR, MODES_FACTOR, FINENESS_FACTOR = 1.5, 2.0, 2.0, 1.4, 1.4
-#: Numbers that tell the state of the solution or count what a finer resolution has more of; and of the greatest
-#: pressure all but its value: between two that are nearly as great its place jumps.
+#: Numbers that tell the state of the solution, or look at the nodes on the common flank, whose border lies between
+#: nodes; and of the greatest pressure all but its value: between two that are nearly as great its place jumps.
 NOT_COMPARED = {
     "common_flank",
+    "max_ease_off",
     "certified_positions",
     "worst_certificate",
     "max_pressure_lengthwise",
@@ -30,7 +32,17 @@ NOT_COMPARED = {
     "max_pressure_pair",
     "max_pressure_line_end",
 }
-ERRORS, UNLOADED, SHARES, OTHERS = "transmission error", "unloaded error", "shares and places", "other numbers"
+ERRORS, UNLOADED, PLACES = "transmission error", "unloaded transmission error", "shares, ratios and places"
+PRESSURE, PRESSURE_AT_END, OTHERS = "greatest pressure", "greatest pressure, at a line's end", "other numbers"
+#: Greatest change [%] by what is finer, group by group; none where it has no part in the numbers.
+LIMITS: dict[str, dict[str, float]] = {
+    "grid of the flank": dict.fromkeys((ERRORS, UNLOADED, PLACES, PRESSURE, PRESSURE_AT_END, OTHERS), 0.5),
+    "segments of a line": {ERRORS: 0.5, PLACES: 1.0, PRESSURE: 1.0, PRESSURE_AT_END: 10.0, OTHERS: 0.5},
+    "mesh positions": {ERRORS: 0.5, UNLOADED: 1.0, PLACES: 2.0, PRESSURE: 1.0, PRESSURE_AT_END: 10.0, OTHERS: 0.5},
+    "fineness of the teeth": {ERRORS: 2.0, PLACES: 2.0, PRESSURE: 4.0, PRESSURE_AT_END: 10.0, OTHERS: 4.0},
+    "shell modes along the face": {ERRORS: 1.0, PLACES: 1.0, PRESSURE: 2.0, PRESSURE_AT_END: 10.0, OTHERS: 1.0},
+    "shell modes up the profile": {ERRORS: 1.0, PLACES: 1.0, PRESSURE: 2.0, PRESSURE_AT_END: 10.0, OTHERS: 1.0},
+}
 UNLOADED_ERROR_MINIMUM = 1.0  # [urad]; the errors of a pair without any are compared with this
 
 
@@ -46,24 +58,23 @@ class Refinement:
         Table of the case file.
     values
         Finer values of its keys.
-    limits
-        Greatest change of the key numbers by group [%].
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> Refinement("mesh positions", "contact", {"mesh_positions": 64}).described(read_case("nasa-12x36"))
+    '32 against 64'
     """
 
     name: str
     table: str
-    values: dict[str, int | float]
-    limits: dict[str, float]
+    values: Mapping[str, int | float]
 
     def described(self, case: Case) -> str:
         """Coarse and fine values."""
         table = getattr(case, self.table)
         coarse = " x ".join(f"{getattr(table, key):g}" for key in self.values)
         return f"{coarse} against {' x '.join(f'{value:g}' for value in self.values.values())}"
-
-
-def _limits(errors: float, unloaded: float, shares: float, others: float) -> dict[str, float]:
-    return {ERRORS: errors, UNLOADED: unloaded, SHARES: shares, OTHERS: others}
 
 
 def refinements(case: Case) -> list[Refinement]:
@@ -82,19 +93,19 @@ def refinements(case: Case) -> list[Refinement]:
     segments = {"segments_per_line": round(SEGMENTS_FACTOR * contact.segments_per_line)}
     positions = {"mesh_positions": round(POSITIONS_FACTOR * contact.mesh_positions)}
     found = [
-        Refinement("grid of the flank", "contact", nodes, _limits(0.5, 0.5, 0.5, 0.5)),
-        Refinement("segments of a line", "contact", segments, _limits(0.5, 0.5, 0.5, 1.0)),
-        Refinement("mesh positions", "contact", positions, _limits(1.0, 1.0, 1.0, 1.0)),
+        Refinement("grid of the flank", "contact", nodes),
+        Refinement("segments of a line", "contact", segments),
+        Refinement("mesh positions", "contact", positions),
     ]
     if elastic.model != "shell":
         fineness = {"fineness": round(FINENESS_FACTOR * elastic.fineness, 3)}
-        return [*found, Refinement("fineness of the teeth", "compliance", fineness, _limits(2.0, 0.0, 1.0, 4.0))]
+        return [*found, Refinement("fineness of the teeth", "compliance", fineness)]
     face = {"lengthwise_modes": math.ceil(MODES_FACTOR * elastic.lengthwise_modes)}
     profile = {"profile_modes": math.ceil(MODES_FACTOR * elastic.profile_modes)}
     return [
         *found,
-        Refinement("shell modes along the face", "compliance", face, _limits(0.5, 0.0, 0.5, 1.0)),
-        Refinement("shell modes up the profile", "compliance", profile, _limits(1.0, 0.0, 0.5, 1.0)),
+        Refinement("shell modes along the face", "compliance", face),
+        Refinement("shell modes up the profile", "compliance", profile),
     ]
 
 
@@ -110,11 +121,11 @@ def convergence_rows(pair: VerifiedPair, refinement: Refinement) -> list[Verific
     {'WITHIN'}
     """
     finer = pair.changed(refinement.table, **refinement.values)
-    compared = refinement.described(pair.case)
+    compared, limits = refinement.described(pair.case), LIMITS[refinement.name]
     return [
-        VerificationRow(f"{refinement.name}, {group}", f"{compared}: {label}", value, limit, "%")
+        VerificationRow(f"{refinement.name}: {group}", f"{compared}, {label}", value, limits[group], "%")
         for group, value, label in changes(key_numbers(pair.analysis.tree), key_numbers(finer.analysis.tree))
-        if (limit := refinement.limits[group]) > 0.0
+        if group in limits
     ]
 
 
@@ -122,7 +133,7 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
     """Greatest change of every group of key numbers [%], and which number changes so much.
 
     Transmission errors count over the mean level at their torque, unloaded ones over the peak to peak; fractions in
-    points; all other numbers over themselves.
+    points, ratios above one and all other numbers over themselves.
 
     Parameters
     ----------
@@ -142,31 +153,39 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
     for name, values in coarse.data_vars.items():
         if name in NOT_COMPARED or str(name).startswith(("pinion_", "unloaded_pinion_")):
             continue  # what refers to the pinion is in proportion to what refers to the gear
-        group, scale = _group(coarse, str(name))
-        other = fine[name].values if name in fine else np.full(values.shape, np.nan)
-        if other.shape != values.shape:
-            other = np.full(values.shape, np.nan)
-        change = 100.0 * np.abs(other - values.values) / scale
-        change = np.where(np.isnan(values.values) & np.isnan(other), 0.0, change)
-        place = np.unravel_index(int(np.argmax(np.where(np.isnan(change), np.inf, change))), change.shape)
-        value = float(change[place])
-        if group not in worst or not value <= worst[group][0]:
-            at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
-            both = f"{values.values[place]:.5g} and {other[place]:.5g}"
-            worst[group] = value, f"{name}{at} {both} {values.attrs.get('units', '1')}".removesuffix(" 1")
+        other = fine[name] if name in fine and fine[name].dims == values.dims else values * np.nan
+        scale = _scale(coarse, str(name))
+        for place in np.ndindex(values.shape):
+            own, finer = float(values.values[place]), float(other.values[place])
+            change = 0.0 if np.isnan(own) and np.isnan(finer) else 100.0 * abs(finer - own) / float(scale[place])
+            group = _group(coarse, str(name), place)
+            if group not in worst or not change <= worst[group][0]:
+                at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
+                unit = values.attrs.get("units", "1")
+                worst[group] = change, f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
     for group, (value, label) in worst.items():
         yield group, value, label
 
 
-def _group(numbers: xr.Dataset, name: str) -> tuple[str, Array]:
-    """Group of a key number, and what its change is divided by."""
+def _group(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
+    """Group of a key number."""
     values = numbers[name]
+    if name == "max_pressure":
+        ends = numbers.get("max_pressure_line_end")
+        return PRESSURE if ends is None or int(ends.values[place]) == LineEnd.INSIDE else PRESSURE_AT_END
     unit = values.attrs.get("units", "1")
+    if unit == "urad":
+        return ERRORS if "torque" in values.dims else UNLOADED
+    return PLACES if unit == "1" else OTHERS
+
+
+def _scale(numbers: xr.Dataset, name: str) -> Array:
+    """What the changes of a key number are divided by."""
+    values = numbers[name]
+    unit, size = values.attrs.get("units", "1"), np.abs(values.values)
     if unit == "urad" and "torque" in values.dims:
         level = np.abs(numbers["mean_level"].values)
-        return ERRORS, level.reshape(-1, *(1,) * (values.ndim - 1))
+        return np.broadcast_to(level.reshape(-1, *(1,) * (values.ndim - 1)), values.shape)
     if unit == "urad":
-        return UNLOADED, np.maximum(numbers["unloaded_peak_to_peak"].values, UNLOADED_ERROR_MINIMUM)
-    if unit == "1":
-        return SHARES, np.asarray(1.0)
-    return OTHERS, np.abs(values.values)
+        return np.full(values.shape, np.maximum(float(numbers["unloaded_peak_to_peak"]), UNLOADED_ERROR_MINIMUM))
+    return np.asarray(np.maximum(size, 1.0) if unit == "1" else size)

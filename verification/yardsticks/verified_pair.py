@@ -67,7 +67,7 @@ class VerifiedPair:
     @cached_property
     def analysis(self) -> Analysis:
         """Its contact analysis."""
-        return contact_analysis(self.state, self.torques)
+        return contact_analysis(self.state, self.torques.tolist())
 
     @cached_property
     def flanks(self) -> FlanksInMesh:
