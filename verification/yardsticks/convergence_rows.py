@@ -159,7 +159,8 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
             own, finer = float(values.values[place]), float(other.values[place])
             change = 0.0 if np.isnan(own) and np.isnan(finer) else 100.0 * abs(finer - own) / float(scale[place])
             group = _group(coarse, str(name), place)
-            if group not in worst or not change <= worst[group][0]:
+            # A change without a number is the worst of all, and stays so.
+            if group not in worst or change > worst[group][0] or (np.isnan(change) and not np.isnan(worst[group][0])):
                 at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
                 unit = values.attrs.get("units", "1")
                 worst[group] = change, f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
