@@ -18,10 +18,11 @@ from test_contact_of_flanks import FEW
 import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, gear_pair, read_case, shipped_cases
-from easeoff.contact import STEEL
+from easeoff.contact import STEEL, solve
 from easeoff.geometry import Blade, FlankName, GeneratingSurface, MachineSettings, Modification, principal_curvatures
 from easeoff.geometry.cutting import generating_surface
 from easeoff.geometry.cutting.blade_sections import Relief
+from easeoff.geometry.cutting.meshing import straight_edge
 from easeoff.geometry.flanks.flank import Flank, NodeStatus
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.study import key_numbers
@@ -33,11 +34,12 @@ from easeoff.verification import (
     case_verification,
     cutter_position,
     envelope_condition,
+    methods_compared,
     segment_gaps,
     verify,
 )
 from easeoff.verification.yardsticks import flank_rows as flank_module
-from easeoff.verification.yardsticks import loaded_rows, unsplit_rows
+from easeoff.verification.yardsticks import loaded_rows, unloaded_rows, unsplit_rows
 from easeoff.verification.yardsticks.convergence_rows import LIMITS, changes, convergence_rows, refinements
 from easeoff.verification.yardsticks.flank_rows import flank_rows
 from easeoff.verification.yardsticks.unloaded_rows import conventional_rows, smallest_gap_rows
@@ -146,7 +148,7 @@ def test_a_turned_normal_is_seen() -> None:
 
 def test_a_wrong_equation_of_meshing_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """The blade then stands where it cuts, but not where it touches the flank."""
-    right = generating_surface.straight_edge
+    right = straight_edge
     monkeypatch.setattr(generating_surface, "straight_edge", lambda *given: right(*given) + 1e-7)
     flank, section = nodes()
     assert outside(flank_rows("pinion", flank, section)) == ["envelope condition, pinion"]
@@ -190,9 +192,7 @@ def test_smallest_gap_sees_a_shifted_ease_off(pair: VerifiedPair) -> None:
 
 
 def test_an_equation_without_a_solution_is_counted(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
-    from easeoff.verification.yardsticks import unloaded_rows
-
-    right = unloaded_rows.methods_compared
+    right = methods_compared
 
     def missing(*given: Any) -> Any:
         both = right(*given)
@@ -207,9 +207,7 @@ def test_an_equation_without_a_solution_is_counted(pair: VerifiedPair, monkeypat
 
 
 def test_contact_at_edges_alone_is_not_applicable(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
-    from easeoff.verification.yardsticks import unloaded_rows
-
-    right = unloaded_rows.methods_compared
+    right = methods_compared
     monkeypatch.setattr(
         unloaded_rows, "methods_compared", lambda *given: replace(b := right(*given), inside=np.zeros_like(b.inside))
     )
@@ -237,14 +235,16 @@ def test_a_gap_error_moves_the_rotation_as_its_row_says(pair: VerifiedPair) -> N
 def test_uncertified_solutions_are_counted(pair: VerifiedPair) -> None:
     found = VerifiedPair.of(case(), torques=TORQUE)
     tree = pair.analysis.tree.copy(deep=True)
-    tree["loaded"]["status"].values[0, 1] = 8
+    status = tree["loaded"].to_dataset()["status"].copy()
+    status[0, 1] = 8
+    tree["loaded"]["status"] = status
     found.__dict__["analysis"] = replace(pair.analysis, tree=tree)
     assert loaded_rows.certificate_row(found).difference == 1.0
 
 
 def test_a_lying_solver_is_seen(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
     """It calls itself certified, with a rotation wrong in the eighth digit."""
-    right = loaded_rows.solve
+    right = solve
 
     def lie(problem: Any, solver: str, **given: Any) -> Any:
         found = right(problem, solver, **given)
@@ -258,7 +258,7 @@ def test_a_lying_solver_is_seen(pair: VerifiedPair, monkeypatch: pytest.MonkeyPa
 
 
 def test_a_solver_without_an_answer_is_seen(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
-    right = loaded_rows.solve
+    right = solve
     monkeypatch.setattr(
         loaded_rows, "solve", lambda problem, solver, **given: right(problem, "osqp", polish=False, max_iter=1)
     )
@@ -357,7 +357,7 @@ def solved(rotation: float, shares: list[float], load: float) -> tuple[Any, list
     )
 
     class Contact(FlankContact):
-        load_share = np.array([0.7, 0.3])  # type: ignore[assignment]
+        load_share = np.array([0.7, 0.3])
 
     stations = [type("Stations", (), {"line_load": np.array([100.0, 60.0])})()]
     return loaded, [Contact(2e-4, [0, 1], [], [])], stations

@@ -1,4 +1,4 @@
-"""Independent methods that check the product; the product imports nothing from here.
+"""Independent methods that check the product; the product imports nothing from here but the command ``verify``.
 
 ================================  =================================================================================
 what is checked                   by
@@ -28,6 +28,7 @@ from .envelope_condition import EnvelopeCondition, envelope_condition
 from .flank_contact.flank_contact import FlankContact, contact_of_flanks
 from .flank_contact.flank_response import FlankResponse, flank_response
 from .flank_contact.line_stations import LineStations, line_stations, response_size
+from .flank_contact.segment_gap import SegmentGaps, exact_gap, segment_gaps
 from .flank_contact.surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh, flanks_of
 from .flank_contact.surface_contact import half_space_compliance
 from .flank_gap import FlankGap, flank_gap
@@ -35,7 +36,6 @@ from .measured_distance import distance_along_normals
 from .point_contact import PointContact, path_of_contact, point_contact
 from .problem_classes import PROBLEM_CLASSES, problems
 from .relative_curvature import RelativeCurvature, relative_curvature
-from .segment_gap import SegmentGaps, exact_gap, segment_gaps
 from .serendipity_brick import serendipity_functions
 from .shell_root_stress import shell_root_stress
 from .smallest_gap import SmallestGap, smallest_envelope, smallest_gap

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import SOLVERS, available_solvers, solve
-from ..segment_gap import segment_gaps
+from ..flank_contact.segment_gap import segment_gaps
 from .flank_rows import greatest
 from .verification_row import VerificationRow, not_applicable
 from .verified_pair import VerifiedPair

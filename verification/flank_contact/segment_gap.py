@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.loaded_cases import LoadedCase
-from ..contact.mesh_cycle import MeshCycle
-from ..geometry.flanks.flank import solve_flank
-from .flank_contact.surface_cells import FlanksInMesh
-from .flank_gap import flank_gap
+from ...contact.loaded_cases import LoadedCase
+from ...contact.mesh_cycle import MeshCycle
+from ...geometry.flanks.flank import solve_flank
+from ..flank_gap import flank_gap
+from .surface_cells import FlanksInMesh
 
 Array = NDArray[Any]
 
