@@ -53,7 +53,7 @@ def stages(name: str) -> dict[str, Callable[[dict[str, Any]], Any]]:
         "geometry": lambda r: pair_geometry(pair, nodes),
         "splines": lambda r: loaded_splines(r["geometry"].flanks, r["geometry"].ease_off, r["geometry"].teeth),
         "contact lines": lambda r: lines_in_mesh(r["splines"], pitch, settings.mesh_positions),
-        "unloaded": lambda r: unloaded_contact(r["splines"], r["contact lines"]),
+        "unloaded": lambda r: unloaded_contact(r["geometry"], r["splines"], r["contact lines"]),
         "compliance": lambda r: segments(r["splines"], r["geometry"], r["contact lines"]),
         "solve": lambda r: solve_all(r["compliance"], torques, ratio, "auto", {}),
     }

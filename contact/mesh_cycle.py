@@ -130,7 +130,7 @@ class MeshCycle:
 
     def unloaded(self, *, separation: float = 6.0) -> xr.Dataset:
         """Unloaded contact: transmission error, path of contact, contact lines that end at a separation [um]."""
-        return unloaded_contact(self.fields, self.lines, separation=separation)
+        return unloaded_contact(self.geometry, self.fields, self.lines, separation=separation)
 
     def loaded(
         self,

@@ -7,17 +7,24 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
-from ..core.attributes import labelled
+from ..core.attributes import flag_attributes, labelled
+from ..geometry.pair.gear_pair import PairGeometry
 from .harmonics import harmonics, peak_to_peak, rms
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.contact_lines import ContactLines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
+from .lines.turned_flanks import BOUNDS, TurnedFlanks
+from .pair_errors import PairErrors, smallest
 
 Array = NDArray[Any]
-ENVELOPE_REFINEMENT = 16  # rotations between two mesh positions at which the envelope is taken
+FLANK_ENDS = (
+    *BOUNDS[:8],
+    "gear_root",
+    "pinion_root",
+)  # at the end of the blade's profile the flank ends as at its root
+CONTACT_EDGES = {-1: "no_contact", 0: "inside"} | {i + 1: name for i, name in enumerate(BOUNDS[:8])}
 
 
 def _smallest(values: Array) -> tuple[Array, Array]:
@@ -67,35 +74,19 @@ def _line_ends(
     return points[0], points[1], length
 
 
-def _fine_envelope(errors: Array) -> Array:
-    """Error of the pair that carries, at ENVELOPE_REFINEMENT times as many rotations as the errors (pair, position).
-
-    One tooth pair's error is a smooth function of its rotation, known over several pitches; the kink where the next
-    pair takes over, and with it the peak to peak, lies between the mesh positions.
-    """
-    pairs, positions = errors.shape
-    # Pair p at position k has turned k - p * positions steps beyond the followed pair's start.
-    step = (np.arange(positions)[None, :] - np.arange(pairs)[:, None] * positions).ravel()
-    order = np.argsort(step)
-    step, error = step[order], errors.ravel()[order]
-    known = np.isfinite(error)
-    single = PchipInterpolator(step[known], error[known], extrapolate=False)
-    fine = np.arange(positions * ENVELOPE_REFINEMENT) / ENVELOPE_REFINEMENT
-    candidates = np.stack([single(fine - p * positions) for p in range(pairs)])
-    return _least(candidates)
-
-
-def _least(values: Array) -> Array:
-    """Smallest value along the first axis, NaN where there is none."""
-    least = np.where(np.isfinite(values), values, np.inf).min(axis=0)
-    return np.where(np.isfinite(least), least, np.nan)
-
-
-def unloaded_contact(splines: FlankSplines, mesh: MeshLines, *, separation: float = 6.0) -> xr.Dataset:
+def unloaded_contact(
+    geometry: PairGeometry, splines: FlankSplines, mesh: MeshLines, *, separation: float = 6.0
+) -> xr.Dataset:
     """Unloaded contact over one mesh cycle.
+
+    A tooth pair touches where the gap between both flanks, as a gear rotation, is smallest: inside, or on an edge of
+    either member. A pair without a contact line is listed where it comes as close as the pair that carries does
+    anywhere.
 
     Parameters
     ----------
+    geometry
+        The pair, with the ease-off that the splines are made from.
     splines
         Splines from ``contact_lines.contact_splines``.
     mesh
@@ -106,8 +97,9 @@ def unloaded_contact(splines: FlankSplines, mesh: MeshLines, *, separation: floa
     Returns
     -------
     xr.Dataset
-        Transmission error (pair, mesh_position) and envelope, path of contact, ends of the contact lines (Kolivand
-        2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the dissertation's tables.
+        Transmission error (pair, mesh_position) and envelope, path of contact with the edge it runs on, ends of the
+        contact lines (Kolivand 2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the
+        dissertation's tables.
 
     Examples
     --------
@@ -116,55 +108,39 @@ def unloaded_contact(splines: FlankSplines, mesh: MeshLines, *, separation: floa
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
-    >>> unloaded = unloaded_contact(cycle.fields, cycle.lines, separation=5.0)
+    >>> unloaded = unloaded_contact(geometry, cycle.fields, cycle.lines, separation=5.0)
     >>> unloaded["transmission_error_envelope"].dims
     ('mesh_position',)
     """
-    lines, position, pair = mesh.lines, mesh.position, mesh.pair
-    mesh_positions = mesh.rotations.size
-    closest = closest_approach(splines, lines.points)
-    error, index = _smallest(closest.separation_angle)
-    # At the flank's edge the contact stays on the edge.
-    at_edge = (index <= 0.0) | (index >= lines.points.shape[2] - 1)
-    point = _at(lines.points + np.where(at_edge[:, None], 0.0, closest.shift), index)
-    ends_t, ends_h, length = _line_ends(lines, closest, error, index, 1e-3 * separation)
-
-    pairs = np.unique(pair)
-    shape = (pairs.size, mesh_positions)
-    row = np.searchsorted(pairs, pair)
-    # A level set may come in several pieces; the one that touches first speaks for its tooth pair.
-    order = np.argsort(-error, kind="stable")
-    values = {
+    errors = PairErrors.of(TurnedFlanks(geometry), mesh)
+    error, touching, grid = errors.error, errors.touching, ("pair", "mesh_position")
+    envelope = smallest(error)
+    line = _line_tables(splines, mesh, errors, 1e-3 * separation)
+    listed = np.isfinite(error) & (np.isfinite(line["line_length"]) | (error <= np.nanmax(envelope)))
+    edges = np.array([0, *(BOUNDS.index(name) + 1 for name in FLANK_ENDS)])[touching.bound + 1]
+    tables = {
         "transmission_error": 1e6 * error,
-        "path_lengthwise": point[0],
-        "path_profile": point[1],
-        "line_length": length,
+        "path_lengthwise": errors.table(touching.points[0]),
+        "path_profile": errors.table(touching.points[1]),
     }
-    grid = ("pair", "mesh_position")
-    data: dict[str, Any] = {}
-    for name, value in values.items():
-        table = np.full(shape, np.nan)
-        table[row[order], position[order]] = value[order]
-        data[name] = (grid, table)
-    for name, ends in (("line_lengthwise", ends_t), ("line_profile", ends_h)):
-        table = np.full((*shape, 2), np.nan)
-        table[row[order], position[order]] = ends[order]
-        data[name] = ((*grid, "end"), table)
-    errors = data["transmission_error"][1]
-    envelope = _least(errors)
-    carrying = np.where(
-        np.isfinite(envelope), pairs[np.argmin(np.where(np.isfinite(errors), errors, np.inf), axis=0)], np.nan
+    data: dict[str, Any] = {name: (grid, np.where(listed, table, np.nan)) for name, table in tables.items()}
+    data["contact_edge"] = (
+        grid,
+        np.where(listed, errors.table(edges), -1).astype(np.int8),
+        flag_attributes(CONTACT_EDGES),
     )
-    fine = _fine_envelope(errors)
+    data |= {name: ((*grid, "end")[: table.ndim], table) for name, table in line.items()}
+    carrying = errors.pairs[np.argmin(np.where(np.isfinite(error), error, np.inf), axis=0)]
+    fine = 1e6 * errors.fine_envelope()
     amplitudes = harmonics(fine)
     dataset = xr.Dataset(
         {
             **data,
-            "transmission_error_envelope": ("mesh_position", envelope),
-            "carrying_pair": ("mesh_position", carrying),
+            "transmission_error_envelope": ("mesh_position", 1e6 * envelope),
+            "carrying_pair": ("mesh_position", np.where(np.isfinite(envelope), carrying, np.nan)),
             "pinion_rotation": ("mesh_position", mesh.rotations),
         },
-        coords={"pair": pairs, "mesh_position": np.arange(mesh_positions) / mesh_positions},
+        coords={"pair": errors.pairs, "mesh_position": np.arange(mesh.rotations.size) / mesh.rotations.size},
         attrs={
             "separation": separation,
             "attribute_units": "peak_to_peak, harmonics, rms: urad; separation: um",
@@ -173,4 +149,23 @@ def unloaded_contact(splines: FlankSplines, mesh: MeshLines, *, separation: floa
             "rms": rms(amplitudes),
         },
     )
-    return labelled(dataset)
+    seen = np.any(listed | np.isfinite(line["line_length"]), axis=1)
+    return labelled(dataset.isel(pair=np.flatnonzero(seen)))
+
+
+def _line_tables(splines: FlankSplines, mesh: MeshLines, errors: PairErrors, separation: float) -> dict[str, Array]:
+    """Ends of the contact lines within a separation [mm] (pair, position, end), and their lengths (pair, position)."""
+    row = np.searchsorted(errors.pairs, mesh.pair)
+    closest = closest_approach(splines, mesh.lines.points)
+    least, index = _smallest(closest.separation_angle)
+    error = errors.error[row, mesh.position]
+    error = np.where(np.isfinite(error), error, least)
+    ends_t, ends_h, length = _line_ends(mesh.lines, closest, error, index, separation)
+    # A level set may come in several pieces; the one on which the flanks come closest speaks for its tooth pair.
+    order = np.argsort(-least, kind="stable")
+    tables = {}
+    for name, values in (("line_lengthwise", ends_t), ("line_profile", ends_h), ("line_length", length)):
+        table = np.full((*errors.error.shape, *values.shape[1:]), np.nan)
+        table[row[order], mesh.position[order]] = values[order]
+        tables[name] = table
+    return tables

@@ -78,7 +78,7 @@ def analysed(pair: GearPair) -> dict[str, xr.Dataset]:
         "flanks": geometry.flanks,
         "ease_off": geometry.ease_off,
         "teeth": geometry.teeth,
-        "unloaded": unloaded_contact(fields, mesh),
+        "unloaded": unloaded_contact(geometry, fields, mesh),
         "loaded": loaded,
         "friction": friction(contact, Operation(1500.0)),
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,12 +14,33 @@ from test_ease_off import contact_path
 
 from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact import harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
+from easeoff.contact import MeshCycle, harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
 from easeoff.contact.lines.closest_approach import closest_approach
-from easeoff.contact.lines.contact_lines import arc_length, boundary_distance, contact_splines, trace
+from easeoff.contact.lines.contact_lines import (
+    POINTS_PER_LINE,
+    ContactLines,
+    arc_length,
+    boundary_distance,
+    contact_splines,
+    trace,
+)
 from easeoff.contact.lines.flank_splines import fit
 from easeoff.contact.lines.mesh_lines import gauss_points
-from easeoff.geometry import GearPair, PairGeometry, pair_geometry
+from easeoff.contact.lines.turned_flanks import TurnedFlanks, TurnedGap
+from easeoff.contact.pair_errors import PairErrors
+from easeoff.contact.unloaded import CONTACT_EDGES
+from easeoff.geometry import (
+    FlankName,
+    GearPair,
+    GlobalErrors,
+    Misalignment,
+    PairGeometry,
+    deviated_ease_off,
+    deviated_pair,
+    deviation_from_formula,
+    pair_geometry,
+)
+from easeoff.verification import smallest_envelope, smallest_gap
 
 
 @pytest.fixture(scope="module")
@@ -29,14 +52,14 @@ def nasa() -> tuple[GearPair, PairGeometry]:
 @pytest.fixture(scope="module")
 def conjugate() -> tuple[GearPair, PairGeometry]:
     pair = conjugate_pair()
-    return pair, pair_geometry(pair, (25, 17))
+    return pair, pair_geometry(pair, (41, 27))
 
 
-def with_ease_off(geometry: PairGeometry, angle: np.ndarray) -> xr.Dataset:
+def with_ease_off(geometry: PairGeometry, angle: np.ndarray) -> PairGeometry:
     """The same pair with another ease-off, as a gear rotation over the grid."""
     changed = geometry.ease_off.copy()
     changed["ease_off_angle"] = (("lengthwise", "profile"), angle)
-    return changed
+    return replace(geometry, ease_off=changed)
 
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])
@@ -48,7 +71,7 @@ def test_agrees_with_conventional_contact_analysis(
     pair = gear_pair(read_case(name), flank)
     geometry = pair_geometry(pair)
     fields = contact_splines(geometry.flanks, geometry.ease_off)
-    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 24))
+    result = unloaded_contact(geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 24))
     own = result.sel(pair=0)
     rotations = np.degrees(own["pinion_rotation"].values)
     exact = contact_path(pair, rotations)
@@ -78,7 +101,7 @@ def test_without_the_closest_approach_correction_it_would_not_agree(nasa: tuple[
 def test_conjugate_pair_has_no_transmission_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = conjugate
     fields = contact_splines(geometry.flanks, geometry.ease_off)
-    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12))
+    result = unloaded_contact(geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12))
     assert np.nanmax(np.abs(result["transmission_error"].values)) < 1e-6
     assert result.attrs["peak_to_peak"] < 1e-6
 
@@ -88,9 +111,10 @@ def test_parabolic_ease_off_gives_a_parabolic_error(conjugate: tuple[GearPair, P
     pair, geometry = conjugate
     roll = geometry.ease_off["roll_angle"].values
     k = 4e-4
-    fields = contact_splines(geometry.flanks, with_ease_off(geometry, 0.5 * k * roll**2))
+    geometry = with_ease_off(geometry, 0.5 * k * roll**2)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
     pitch = pair.assembly.pinion_pitch
-    result = unloaded_contact(fields, lines_in_mesh(fields, pitch, 16))
+    result = unloaded_contact(geometry, fields, lines_in_mesh(fields, pitch, 16))
     q = result["pinion_rotation"].values
     moving = np.abs(q) > 1e-9
     ratio = result["transmission_error"].sel(pair=0).values[moving] / (1e6 * 0.5 * k * q[moving] ** 2)
@@ -103,8 +127,9 @@ def test_parabolic_ease_off_gives_a_parabolic_error(conjugate: tuple[GearPair, P
 def test_crossing_of_adjacent_pairs_is_the_largest_error(conjugate: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = conjugate
     roll = geometry.ease_off["roll_angle"].values
-    fields = contact_splines(geometry.flanks, with_ease_off(geometry, 2e-4 * roll**2))
-    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
+    geometry = with_ease_off(geometry, 2e-4 * roll**2)
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
+    result = unloaded_contact(geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
     envelope = result["transmission_error_envelope"].values
     assert np.all(envelope <= np.nanmin(result["transmission_error"].values, axis=0) + 1e-12)
     assert int(np.argmax(envelope)) == 0  # half a pitch from the middle, where two pairs carry alike
@@ -119,7 +144,7 @@ def test_error_converges_with_the_grid(nasa: tuple[GearPair, PairGeometry]) -> N
     for nodes in ((9, 7), (13, 9), (17, 13), (31, 21), (61, 41)):
         geometry = pair_geometry(pair, nodes)
         fields = contact_splines(geometry.flanks, geometry.ease_off)
-        result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
+        result = unloaded_contact(geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 16))
         levels[nodes] = result.attrs["peak_to_peak"]
     reference = levels.pop((61, 41))
     errors = [abs(value / reference - 1.0) for value in levels.values()]
@@ -200,7 +225,7 @@ def test_harmonics_of_a_known_cycle() -> None:
 def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, PairGeometry]) -> None:
     pair, geometry = nasa
     fields = contact_splines(geometry.flanks, geometry.ease_off)
-    result = unloaded_contact(fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12), separation=6.0)
+    result = unloaded_contact(geometry, fields, lines_in_mesh(fields, pair.assembly.pinion_pitch, 12), separation=6.0)
     middle = result.sel(pair=0)
     ends = np.stack([middle["line_lengthwise"].values, middle["line_profile"].values])
     closest = closest_approach(fields, ends)
@@ -208,3 +233,158 @@ def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, Pa
     edge = np.minimum(boundary_distance(fields, ends), np.min(np.minimum(ends, 1 - ends), axis=0)) < 1e-3
     assert np.all((np.abs(excess - 6.0) < 0.01) | edge)
     assert np.all(excess < 6.01)
+
+
+def envelopes(geometry: PairGeometry, positions: int) -> tuple[xr.Dataset, np.ndarray]:
+    """Unloaded contact, and the envelope by direct search of the smallest gap over both bounded flanks [urad]."""
+    cycle = MeshCycle.of(geometry, mesh_positions=positions)
+    found, _ = smallest_envelope(geometry, cycle.lines.rotations)
+    return cycle.unloaded(), 1e6 * (found.closing_angle - geometry.ease_off.attrs["first_contact_rad"])
+
+
+def assembled(name: str, flank: FlankName, offset: float, pinion: float, gear: float, angle: float) -> PairGeometry:
+    """A shipped pair with E, P, G [mm] and Sigma [deg], on the default grid."""
+    pair = gear_pair(read_case(name), flank)
+    return pair_geometry(pair.misaligned(Misalignment(offset, pinion, gear, math.radians(angle))))
+
+
+@pytest.mark.parametrize(("flank", "published"), [("drive", 464.6), ("coast", 566.5)])
+def test_envelope_where_an_edge_of_the_pinion_holds_the_gear(flank: FlankName, published: float) -> None:
+    """Peak to peak at 16 positions as a separate search of the smallest gap over bounded flanks found it."""
+    cycle = MeshCycle.of(pair_geometry(gear_pair(read_case("nasa-12x36"), flank)), mesh_positions=16)
+    own = cycle.unloaded()
+    assert np.ptp(own["transmission_error_envelope"].values) == pytest.approx(published, abs=0.05)
+    carries = own["carrying_pair"].astype(int)
+    edges = own["contact_edge"].sel(pair=carries).values
+    assert set(edges.tolist()) == {0, list(CONTACT_EDGES.values()).index("pinion_tip") - 1}
+
+
+@pytest.mark.parametrize(("flank", "position"), [("drive", 3), ("coast", 13)])
+def test_error_at_an_edge_is_that_of_a_direct_search(flank: FlankName, position: int) -> None:
+    """One position, for the quick tests."""
+    cycle = MeshCycle.of(pair_geometry(gear_pair(read_case("nasa-12x36"), flank)), mesh_positions=16).at(position)
+    own, geometry = cycle.unloaded(), cycle.geometry
+    pair = int(own["carrying_pair"].item())
+    found = smallest_gap(geometry, cycle.lines.rotations - pair * cycle.pinion_pitch)
+    assert found.edge.tolist() == ["pinion tip"]
+    wanted = 1e6 * (found.closing_angle[0] - geometry.ease_off.attrs["first_contact_rad"])
+    assert own["transmission_error"].sel(pair=pair).item() == pytest.approx(wanted, abs=1e-3)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("assembly", [(0, 0, 0, 0), (0.1, -0.1, 0.05, 0.05), (-0.3, 0.2, 0.1, 0.1)])
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize("name", ["nasa-12x36", "fm-11x41", "fh-12x41-45", "fh-design-a", "fh-design-b"])
+def test_envelope_is_that_of_a_direct_search(
+    name: str, flank: FlankName, assembly: tuple[float, float, float, float]
+) -> None:
+    """Within 1e-3 urad at any position, edges of either member included."""
+    own, wanted = envelopes(assembled(name, flank, *assembly), 4)
+    np.testing.assert_allclose(own["transmission_error_envelope"].values, wanted, rtol=0, atol=1e-3)
+
+
+@pytest.mark.thorough
+def test_fine_envelope_is_that_of_a_direct_search() -> None:
+    """With the kinks where the contact moves onto an edge and where the next pair takes over."""
+    geometry = assembled("fm-11x41", "drive", 0.1, -0.1, 0.05, 0.05)
+    cycle = MeshCycle.of(geometry, mesh_positions=3)
+    fine = 1e6 * PairErrors.of(TurnedFlanks(geometry), cycle.lines).fine_envelope()
+    rotations = cycle.lines.rotations[0] + np.arange(fine.size) / fine.size * cycle.pinion_pitch
+    found, _ = smallest_envelope(geometry, rotations)
+    assert {"", "gear toe", "pinion toe"} <= set(found.edge.tolist())
+    wanted = 1e6 * (found.closing_angle - geometry.ease_off.attrs["first_contact_rad"])
+    np.testing.assert_allclose(fine, wanted, rtol=0, atol=1e-3)
+    assert cycle.unloaded().attrs["peak_to_peak"] == pytest.approx(np.ptp(wanted), abs=1e-3)
+
+
+def test_point_of_contact_lies_on_its_edge() -> None:
+    """On an edge of the gear exactly, and that is said; every pair with a contact line has a point."""
+    own = MeshCycle.of(assembled("fm-11x41", "drive", 0.1, -0.1, 0.05, 0.05), mesh_positions=16).unloaded()
+    edge, t = own["contact_edge"].values, own["path_lengthwise"].values
+    assert own["contact_edge"].attrs["flag_meanings"].split() == list(CONTACT_EDGES.values())
+    toe = edge == 1
+    assert np.count_nonzero(toe) > 3
+    np.testing.assert_allclose(t[toe], 0.0, atol=1e-6)
+    inside = edge == 0
+    assert np.all((t[inside] > 0.0) & (t[inside] < 1.0))
+    assert np.array_equal(edge == -1, np.isnan(own["transmission_error"].values))
+    assert not np.any((edge == -1) & np.isfinite(own["line_length"].values))
+
+
+def test_derivatives_of_the_gap_are_those_of_differences(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """By both fractions: slope, bend, margins; the rotation closes the gap as the expansion says near conjugacy."""
+    _, geometry = nasa
+    flanks, exact = TurnedFlanks(geometry), geometry.exact
+    t, h = np.meshgrid(geometry.members.lengthwise, geometry.members.profile, indexing="ij")
+    chosen = np.flatnonzero(exact.inside & (np.abs(t.ravel() - 0.5) < 0.4) & (np.abs(h.ravel() - 0.5) < 0.4))[::7]
+    points, part = np.stack([t.ravel(), h.ravel()])[:, chosen], exact.part[chosen]
+
+    def converged(points: np.ndarray, left: float) -> TurnedGap:
+        found = flanks.at(points, exact.roll_angle[chosen] + left, exact.pinion_parameters[:, chosen], part)
+        for _ in range(4):
+            found = flanks.at(points, exact.roll_angle[chosen] + left, found.parameters, part)
+        assert found.miss.max() < 1e-9
+        return found
+
+    here = converged(points, 0.05)
+    for k, step in enumerate(1e-4 * np.eye(2)[..., None]):
+        ahead, behind = converged(points + step, 0.05), converged(points - step, 0.05)
+        np.testing.assert_allclose((ahead.gap - behind.gap) / 2e-4, here.slope[k], atol=1e-8)
+        np.testing.assert_allclose((ahead.slope - behind.slope) / 2e-4, here.bend[:, k], atol=1e-6)
+        np.testing.assert_allclose((ahead.margins - behind.margins) / 2e-4, here.margin_slopes[:, k], atol=1e-6)
+    left = 0.003
+    expanded = exact.angle + exact.separation_curvature * left**2 / 2 + exact.separation_skew * left**3 / 6
+    zero = geometry.ease_off.attrs["first_contact_rad"]
+    np.testing.assert_allclose(converged(points, left).gap, expanded[chosen] - zero, rtol=0, atol=1e-10)
+
+
+def test_an_ease_off_put_in_by_hand_moves_the_gap_alone(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """A constant is a later contact by just that; a deviation as a surface and as an update agree to first order."""
+    _, geometry = nasa
+    own = MeshCycle.of(geometry, mesh_positions=8)
+    moved = own.with_ease_off(geometry.ease_off.assign(ease_off_angle=geometry.ease_off["ease_off_angle"] + 3e-5))
+    difference = moved.unloaded()["transmission_error"] - own.unloaded()["transmission_error"]
+    np.testing.assert_allclose(difference.values[np.isfinite(difference.values)], 30.0, rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("member", ["pinion", "gear"])
+def test_an_updated_ease_off_gives_the_error_of_the_deviated_flanks(member: str) -> None:
+    """At edges as well: of a deviation of microns, the update is off by a few percent of a microradian."""
+    pair = gear_pair(read_case("nasa-12x36"))
+    geometry = pair_geometry(pair)
+    section = getattr(pair, member).section
+    known = {member: deviation_from_formula(section, GlobalErrors(lengthwise_crowning=2.0, spiral_angle=2.0))}
+    cycle = MeshCycle.of(geometry, mesh_positions=8)
+    updated = cycle.with_ease_off(deviated_ease_off(geometry, **known)).unloaded()["transmission_error_envelope"].values
+    surfaces = MeshCycle.of(pair_geometry(deviated_pair(pair, **known)), mesh_positions=8).unloaded()
+    exact = surfaces["transmission_error_envelope"].values
+    before = cycle.unloaded()["transmission_error_envelope"].values
+    assert np.ptp(exact - before) > 5.0
+    # Both count from their own zero, the least node of the ease-off.
+    difference = (updated - exact) - np.mean(updated - exact)
+    assert np.abs(difference).max() < 0.3
+
+
+def test_the_piece_of_a_line_that_comes_closest_has_its_ends_listed(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """A level set in two pieces, in either order."""
+    _, geometry = nasa
+    cycle = MeshCycle.of(geometry, mesh_positions=1)
+    mesh = cycle.lines
+    row = int(np.flatnonzero(mesh.pair == 0)[0])
+    points, middle = mesh.lines.points[:, row], POINTS_PER_LINE // 2
+    along = np.linspace(0, middle, POINTS_PER_LINE)
+    halves = [
+        np.stack([np.interp(start + along, np.arange(POINTS_PER_LINE), p) for p in points]) for start in (0, middle)
+    ]
+    length = np.full(2, 0.5 * mesh.lines.length[row])
+    whole = cycle.unloaded().sel(pair=0)
+    for pieces in (halves, halves[::-1]):
+        lines = ContactLines(np.zeros(2, dtype=np.int64), np.stack(pieces, axis=1), length)
+        cut = replace(mesh, lines=lines, position=np.zeros(2, dtype=np.int64), pair=np.zeros(2, dtype=np.int64))
+        own = unloaded_contact(geometry, cycle.fields, cut).sel(pair=0)
+        assert own["transmission_error"].item() == pytest.approx(whole["transmission_error"].item(), abs=1e-9)
+        ends = own["line_lengthwise"].values[0]
+        closest = [float(np.min(closest_approach(cycle.fields, p[:, None]).separation_angle)) for p in pieces]
+        near = pieces[int(np.argmin(closest))][0]
+        assert ends.min() >= near.min() - 1e-9
+        assert ends.max() <= near.max() + 1e-9

@@ -39,9 +39,7 @@ class BothMethods:
     Parameters
     ----------
     geometry
-        The pair's geometry.
-    motion
-        The conjugate motion of the ease-off method.
+        Geometry of the ease-off method.
     splines, mesh
         Its splines and contact lines.
     contact
@@ -63,7 +61,6 @@ class BothMethods:
     """
 
     geometry: PairGeometry
-    motion: ConjugateMotion
     splines: FlankSplines
     mesh: MeshLines
     contact: PointContact
@@ -71,9 +68,14 @@ class BothMethods:
     inside: NDArray[np.bool_]
     first_contact: float
 
+    @property
+    def motion(self) -> ConjugateMotion:
+        """The conjugate motion of the ease-off method."""
+        return self.geometry.exact.motion
+
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
         """The ease-off method's unloaded contact, lines ending at a separation [um]."""
-        return unloaded_contact(self.splines, self.mesh, separation=separation)
+        return unloaded_contact(self.geometry, self.splines, self.mesh, separation=separation)
 
 
 def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
@@ -127,7 +129,7 @@ def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMe
     inside = contact.converged & on_gear & on_pinion
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
     zero = geometry.ease_off.attrs["first_contact_rad"]
-    return BothMethods(geometry, surface.motion, splines, mesh, contact, relative, inside, zero)
+    return BothMethods(geometry, splines, mesh, contact, relative, inside, zero)
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:

@@ -33,7 +33,7 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
     left
         Zero in conjugate contact, negative before it.
     """
-    return np.asarray(ease_off_angle + 0.5 * curvature * left**2 + skew * left**3 / 6.0)
+    return np.asarray(ease_off_angle + left**2 * (0.5 * curvature + left * skew / 6.0))
 
 
 def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:

@@ -57,7 +57,7 @@ class ContactPattern:
     lines
         Contact lines within the chosen separation (m, 2, LINE_POINT_COUNT), as fractions; NaN where there is none.
     path
-        Points of closest approach (m, 2), as fractions.
+        Points of contact (m, 2), as fractions.
     carrying
         Whether this pair is the one that carries (m).
     ranges
@@ -98,16 +98,19 @@ def contact_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPatte
         first, last = path.first + start, path.first + stop - 1
         before, after = _transfer(error, first, -1), _transfer(error, last, 1)
         steps = np.concatenate([before, np.arange(first, last + 1), after])
-        ranges.append(CarryingRange(bent_lines(splines, ends.at(steps)), path.at(steps).T))
+        lines = bent_lines(splines, ends.at(steps))
+        lines = lines[np.all(np.isfinite(lines), axis=(1, 2))]  # at an edge a pair may carry without a contact line
+        if len(lines):
+            ranges.append(CarryingRange(lines, path.at(steps).T))
     return ContactPattern(bent_lines(splines, ends.values), path.values, carrying, tuple(ranges))
 
 
 def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
     """Path of contact (m, 2) with points beyond the common flank moved onto its boundary.
 
-    In edge contact the closest approach lies beyond the edge. The gap is a valley along the contact line, whose ends
-    (m, end, 2) give its direction: contact is at the point where the valley leaves the common flank. NaN if the valley
-    does not reach the common flank.
+    An edge of the pinion touches before or after it is in conjugate contact, when it is a little beyond the boundary of
+    the common flank. Such a point is moved along the contact line, whose ends (m, end, 2) give its direction, to the
+    boundary. NaN if it does not reach the common flank.
     """
     beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
     if beyond.size:

@@ -1,0 +1,252 @@
+"""Where two bounded flanks come closest at a pinion rotation: inside, on an edge or at a corner of either member.
+
+The gap as a gear rotation is a function of the point on the gear flank, within bounds that both members set. It is
+looked at on the grid of the gear flank, by its expansion about conjugate contact; from the lowest nodes Newton's method
+on the turned flanks finds the minimum within the bounds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.pair.gear_pair import PairGeometry
+from .closest_approach import gap_beside, still_opens
+from .opposite_points import PASSING_FIELDS, PINION_FRACTIONS
+from .turned_flanks import TurnedFlanks, TurnedGap
+
+Array = NDArray[Any]
+
+STARTS_PER_ROTATION = 4
+GAP_LIMIT = 0.02  # [rad]; a tooth pair farther from contact has no part in the mesh
+START_MARGIN = 0.1  # fraction of the pinion flank by which a first guess may lie beyond it
+APPROACH_ITERATIONS = 3  # of Newton's method for the pinion point opposite a first guess
+ITERATION_LIMIT = 15
+STEP_LIMIT = 0.15  # fraction of the flank
+NEAREST_BOUNDS = 4  # of all bounds, those a step may meet
+PROMISE_TOLERANCE = 5e-13  # [rad]; a step that promises less is not worth taking
+LEVEL_PROMISE = 5e-8  # [rad]; of a step that leads on along a level valley
+LAST_STEP, LAST_PROMISE = 1e-3, 1e-11  # [fraction of the flank], [rad]; a step that short keeps its promise
+BOUND_TOLERANCE = 1e-7  # fraction of the flank
+MISS_TOLERANCE = 0.01  # [mm]; the gap is extrapolated over it to second order
+DAMPING_MINIMUM = 1e-6  # least curvature of the gap that a step reckons with, by the greatest one
+_EXPANSION_FIELDS = ("roll_angle", "ease_off_angle", "separation_curvature", "separation_skew")
+_SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
+
+
+@dataclass(frozen=True)
+class TouchingPoints:
+    """Smallest gap at pinion rotations (n); NaN where none was found.
+
+    Parameters
+    ----------
+    gap
+        As a gear rotation [rad].
+    points
+        Lengthwise and profile fractions (2, n) on the gear.
+    parameters
+        Parameters (2, n) of the pinion point.
+    part
+        Index (n) of the pinion's flank part.
+    bound
+        Index (n) into ``BOUNDS`` of the edge on which the point lies, -1 inside.
+    """
+
+    gap: Array
+    points: Array
+    parameters: Array
+    part: NDArray[np.int8]
+    bound: NDArray[np.int64]
+
+    def at(self, index: NDArray[Any]) -> TouchingPoints:
+        """Those at an index (m)."""
+        return TouchingPoints(
+            self.gap[index], self.points[:, index], self.parameters[:, index], self.part[index], self.bound[index]
+        )
+
+
+def touching_points(flanks: TurnedFlanks, rotations: Array) -> TouchingPoints:
+    """Smallest gap of one tooth pair at pinion rotations (n) [rad], counted as the roll angle."""
+    row, node = lowest_nodes(flanks.geometry, rotations)
+    exact, members = flanks.geometry.exact, flanks.geometry.members
+    count = members.profile.size
+    points = np.stack([members.lengthwise[node // count], members.profile[node % count]])
+    parameters, part = exact.pinion_parameters[:, node], exact.part[node]
+    for _ in range(APPROACH_ITERATIONS):
+        parameters = flanks.opposite(points, rotations[row], parameters, part)
+    return least(refined(flanks, points, rotations[row], parameters, part), row, rotations.size)
+
+
+def least(found: TouchingPoints, row: NDArray[Any], count: int) -> TouchingPoints:
+    """Of several points (m) that belong to rows (m), the one with the smallest gap in each of ``count`` rows."""
+    known = np.flatnonzero(np.isfinite(found.gap))
+    order = known[np.argsort(-found.gap[known], kind="stable")]
+    best = np.full(count, -1)
+    best[row[order]] = order
+    if not row.size:
+        nothing = np.full((2, count), np.nan)
+        return TouchingPoints(nothing[0], nothing, nothing, best.astype(np.int8), best)
+    result = found.at(best)
+    missing = best < 0
+    result.gap[missing], result.points[:, missing], result.bound[missing] = np.nan, np.nan, -1
+    return result
+
+
+def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rotations and nodes of the grid (m) at which a search of the smallest gap starts.
+
+    A node stands for what is around it: the gap across its cell lies below its own. Where that is lower than around the
+    neighbours the node is a start.
+
+    Parameters
+    ----------
+    geometry
+        The pair.
+    rotations
+        Pinion rotations (n) [rad].
+    """
+    field = {name: geometry.ease_off[name].transpose("lengthwise", "profile").values for name in _SEARCH_FIELDS}
+    roll = field["roll_angle"]
+    across = [np.nan_to_num(np.abs(np.gradient(roll, axis=axis))) for axis in (0, 1)]
+    left = rotations[:, None, None] - roll
+    reach = 0.5 * (across[0] + across[1])
+    nearer = left - np.clip(left, -reach, reach)
+    curvature, skew = field["separation_curvature"], field["separation_skew"]
+    with np.errstate(invalid="ignore"):
+        gap = gap_beside(field["ease_off_angle"], curvature, skew, nearer)
+        usable = still_opens(curvature, skew, nearer) & (gap < GAP_LIMIT)
+        for name in PINION_FRACTIONS:
+            there = field[name] + (field[f"{name}_rate"] + 0.5 * field[f"{name}_acceleration"] * left) * left
+            usable &= np.abs(there - 0.5) < 0.5 + START_MARGIN
+    gap = np.where(usable, gap, np.inf)
+    padded = np.pad(gap, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
+    nt, nh = roll.shape
+    lowest = usable.copy()
+    for i, j in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2)):
+        lowest &= gap <= padded[:, i : i + nt, j : j + nh]
+    gap = np.where(lowest, gap, np.inf).reshape(rotations.size, -1)
+    chosen = np.argsort(gap, axis=1, kind="stable")[:, :STARTS_PER_ROTATION]
+    row, rank = np.nonzero(np.isfinite(np.take_along_axis(gap, chosen, axis=1)))
+    return row, chosen[row, rank]
+
+
+def refined(
+    flanks: TurnedFlanks, points: Array, rotations: Array, parameters: Array, part: NDArray[np.int8]
+) -> TouchingPoints:
+    """Minima of the gap within the bounds, by Newton's method from points (2, n) at rotations (n) [rad]."""
+    count = rotations.size
+    points, parameters = points.copy(), parameters.copy()
+    gap, bound = np.full(count, np.nan), np.full(count, -1)
+    damping = np.full(count, DAMPING_MINIMUM)
+    best = _Best.none(count)
+    active = np.arange(count)
+    for _ in range(ITERATION_LIMIT):
+        here = flanks.at(points[:, active], rotations[active], parameters[:, active], part[active])
+        step, promised = _bounded_step(here, damping[active])
+        inside = np.min(here.margins, axis=0)
+        edge = np.where(inside < BOUND_TOLERANCE, np.argmin(here.margins, axis=0), -1)
+        sure = (inside > -BOUND_TOLERANCE) & (here.miss < MISS_TOLERANCE)
+        short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
+        done = sure & (short | (np.abs(promised) < PROMISE_TOLERANCE))
+        # After a step that raises the gap the next one starts where that one did, and is held back along the valley.
+        raised = (here.gap > best.gap[active] + PROMISE_TOLERANCE) & ~done
+        better = sure & ~raised
+        best.keep(active[better], points[:, active[better]], here.gap[better], promised[better], edge[better])
+        best.parameters[:, active[better]] = here.parameters[:, better]
+        gap[active[done]] = (here.gap + np.where(short, promised, 0.0))[done]
+        bound[active[done]] = edge[done]
+        step = step * np.minimum(1.0, STEP_LIMIT / np.maximum(np.max(np.abs(step), axis=0), STEP_LIMIT))
+        damping[active] = np.where(raised, damping[active] * 100.0, np.maximum(0.1 * damping[active], DAMPING_MINIMUM))
+        step = np.where(done & ~short, 0.0, step)
+        following = here.parameters + np.einsum("kin,in->kn", here.following, step)
+        points[:, active] = np.where(raised, best.points[:, active], points[:, active] + step)
+        parameters[:, active] = np.where(raised, best.parameters[:, active], following)
+        active = active[~done & np.isfinite(promised) & (np.abs(here.gap) < GAP_LIMIT)]
+        if not active.size:
+            break
+    # Along a valley without a slope to speak of there is no end to the steps, and no need of one.
+    level = np.isnan(gap) & (np.abs(best.promised) < LEVEL_PROMISE)
+    gap[level], bound[level] = best.gap[level], best.bound[level]
+    points[:, level], parameters[:, level] = best.points[:, level], best.parameters[:, level]
+    hole = flanks.own.in_hole(np.clip(points, 0.0, 1.0))
+    return TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
+
+
+@dataclass(frozen=True)
+class _Best:
+    """Points (n) with the lowest gap within the bounds so far, and what the step from there promises."""
+
+    gap: Array
+    promised: Array
+    points: Array
+    parameters: Array
+    bound: NDArray[np.int64]
+
+    @classmethod
+    def none(cls, count: int) -> _Best:
+        """Nothing found yet."""
+        nothing = np.full((6, count), np.nan)
+        return cls(np.full(count, np.inf), nothing[1], nothing[2:4], nothing[4:], np.full(count, -1))
+
+    def keep(self, index: NDArray[Any], points: Array, gap: Array, promised: Array, bound: NDArray[Any]) -> None:
+        """Replace those at an index."""
+        self.gap[index], self.promised[index], self.bound[index] = gap, promised, bound
+        self.points[:, index] = points
+
+
+def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
+    """Step (2, n) to the minimum of the gap's second-order model within the linearised bounds, and its promise (n).
+
+    The minimum is inside, on one of the nearest bounds or where two of them meet: all are tried, and of those within
+    the bounds the lowest is taken. A gap that is not convex is made so, to keep the step downhill.
+    """
+    slope, bend = here.slope, _convex(here.bend, damping)
+    with np.errstate(all="ignore"):
+        size = np.sqrt(np.sum(here.margin_slopes**2, axis=1))
+        distance = here.margins / size
+        nearest = np.argsort(np.where(np.isfinite(distance), distance, np.inf), axis=0)[:NEAREST_BOUNDS]
+        columns = np.arange(slope.shape[1])
+        normal = here.margin_slopes[nearest, :, columns[None]].transpose(0, 2, 1) / size[nearest, columns][:, None]
+        margin = distance[nearest, columns]
+        tried = [-_solved(bend, slope)]
+        for k in range(NEAREST_BOUNDS):
+            foot, along = -margin[k] * normal[k], np.stack([-normal[k][1], normal[k][0]])
+            push = np.sum(along * (slope + _times(bend, foot)), axis=0)
+            tried.append(foot - along * push / np.sum(along * _times(bend, along), axis=0))
+        for i, j in combinations(range(NEAREST_BOUNDS), 2):
+            tried.append(-_solved(np.stack([normal[i], normal[j]]), np.stack([margin[i], margin[j]])))
+        steps = np.stack(tried, axis=1)  # (2, candidates, n)
+        beyond = -np.min(margin[:, None] + np.einsum("kin,icn->kcn", normal, steps), axis=0)
+        model = np.einsum("in,icn->cn", slope, steps) + 0.5 * np.einsum("icn,ijn,jcn->cn", steps, bend, steps)
+        allowed = beyond <= BOUND_TOLERANCE
+        choice = np.where(
+            np.any(allowed, axis=0),
+            np.argmin(np.where(allowed, model, np.inf), axis=0),
+            np.argmin(np.where(np.isfinite(beyond), beyond, np.inf), axis=0),
+        )
+    step, promised = steps[:, choice, columns], model[choice, columns]
+    return step, promised
+
+
+def _convex(bend: Array, ratio: Array) -> Array:
+    """Second derivatives (2, 2, n) whose least curvature has a given ratio (n) to the greatest one, or a higher one."""
+    mean, half = 0.5 * (bend[0, 0] + bend[1, 1]), 0.5 * (bend[0, 0] - bend[1, 1])
+    radius = np.hypot(half, bend[0, 1])
+    smallest = mean - radius
+    wanted = np.maximum(np.abs(smallest), ratio * np.abs(mean + radius))
+    return np.asarray(bend + np.eye(2)[..., None] * (wanted - smallest))
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    return np.stack([matrix[k, 0] * vector[0] + matrix[k, 1] * vector[1] for k in range(2)])
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """Solutions (2, n) of systems (2, 2, n); infinite or NaN where there is none."""
+    determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
+    first = right[0] * matrix[1, 1] - matrix[0, 1] * right[1]
+    return np.asarray(np.stack([first, matrix[0, 0] * right[1] - right[0] * matrix[1, 0]]) / determinant)

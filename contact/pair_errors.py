@@ -1,0 +1,120 @@
+"""Unloaded transmission error of every tooth pair, and of the pair that carries at any rotation of a mesh cycle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .lines.mesh_lines import MeshLines
+from .lines.touching_points import TouchingPoints, least, refined, touching_points
+from .lines.turned_flanks import TurnedFlanks
+
+Array = NDArray[Any]
+
+ENVELOPE_REFINEMENT = 16  # rotations between two mesh positions at which the envelope is taken
+NEIGHBOUR_DISTANCE_LIMIT = 0.2  # fraction of the flank; points farther apart do not belong to one course of the contact
+
+
+@dataclass(frozen=True)
+class PairErrors:
+    """Smallest gap of every tooth pair by itself.
+
+    Parameters
+    ----------
+    flanks
+        Both flanks.
+    mesh
+        Contact lines, whose rotations and tooth pairs count; a pair before the first and one after the last is looked
+        at as well, as it may touch at an edge.
+    pairs
+        Tooth pairs (p).
+    touching
+        Their points of contact at every rotation (p * k), pair by pair.
+    """
+
+    flanks: TurnedFlanks
+    mesh: MeshLines
+    pairs: NDArray[np.int64]
+    touching: TouchingPoints
+
+    @classmethod
+    def of(cls, flanks: TurnedFlanks, mesh: MeshLines) -> PairErrors:
+        """Search all tooth pairs at all rotations of a mesh cycle."""
+        pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
+        turned = mesh.rotations[None, :] - pairs[:, None] * mesh.pinion_pitch
+        return cls(flanks, mesh, pairs, touching_points(flanks, turned.ravel()))
+
+    def table(self, values: Array) -> Array:
+        """Values (..., p * k) as (p, k, ...)."""
+        shape = (self.pairs.size, self.mesh.rotations.size)
+        return np.asarray(np.moveaxis(values.reshape(*values.shape[:-1], *shape), (-2, -1), (0, 1)))
+
+    @property
+    def error(self) -> Array:
+        """Gap of every tooth pair at every rotation (p, k), as a gear rotation [rad]; NaN where it has none."""
+        return self.table(self.touching.gap)
+
+    def fine_envelope(self) -> Array:
+        """Smallest gap over all tooth pairs, at ENVELOPE_REFINEMENT times as many rotations [rad].
+
+        The course of a pair has kinks where its contact moves onto an edge, and the envelope has one where the next
+        pair takes over; they lie between the mesh positions. Wherever a pair may carry its contact is found anew, from
+        the points at the positions before and after.
+        """
+        pitch, positions = self.mesh.pinion_pitch, self.mesh.rotations.size
+        turned = (self.mesh.rotations[None, :] - self.pairs[:, None] * pitch).ravel()
+        order = np.argsort(turned)
+        course, turned = self.touching.at(order), turned[order]
+        ahead = np.arange(positions * ENVELOPE_REFINEMENT) / (positions * ENVELOPE_REFINEMENT) * pitch
+        wanted = self.mesh.rotations[0] + ahead[None, :] - self.pairs[:, None] * pitch
+        before = np.clip(np.searchsorted(turned, wanted, side="right") - 1, 0, turned.size - 2)
+        share = np.clip((wanted - turned[before]) / (turned[before + 1] - turned[before]), 0.0, 1.0)
+        estimate, doubt = _between(course.gap, before, share)
+        highest = np.min(np.where(np.isfinite(estimate), estimate + doubt, np.inf), axis=0)
+        pair, place = np.nonzero(estimate - doubt <= highest)
+        fine = np.where(np.isfinite(estimate), estimate, np.inf)
+        fine[pair, place] = self._found(course, before[pair, place], share[pair, place], wanted[pair, place])
+        fine = np.where(np.isfinite(fine), fine, estimate)
+        return smallest(fine)
+
+    def _found(self, course: TouchingPoints, before: NDArray[np.int64], share: Array, wanted: Array) -> Array:
+        """Gaps (n) at rotations (n) from those of a course (m) between which they lie."""
+        first, second = course.at(before), course.at(before + 1)
+        near = np.max(np.abs(first.points - second.points), axis=0) < NEIGHBOUR_DISTANCE_LIMIT
+        near &= first.part == second.part
+        # One start between both neighbours, or one at each of them.
+        shares = np.stack([np.where(near, share, 0.0), np.ones_like(share)])
+        row = np.tile(np.arange(share.size), 2)
+        kept = np.flatnonzero(np.concatenate([near | np.isfinite(first.gap), ~near & np.isfinite(second.gap)]))
+        weight, row = shares.ravel()[kept], row[kept]
+
+        def between(one: Array, other: Array) -> Array:
+            mixed = one[:, row] * (1.0 - weight) + other[:, row] * weight
+            return np.where(weight == 0.0, one[:, row], np.where(weight == 1.0, other[:, row], mixed))
+
+        points = between(first.points, second.points)
+        parameters = between(first.parameters, second.parameters)
+        part = np.where(weight == 1.0, second.part[row], first.part[row])
+        return least(refined(self.flanks, points, wanted[row], parameters, part), row, share.size).gap
+
+
+def smallest(values: Array) -> Array:
+    """Smallest value along the first axis, NaN where there is none."""
+    found = np.where(np.isfinite(values), values, np.inf).min(axis=0)
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def _between(values: Array, before: NDArray[np.int64], share: Array) -> tuple[Array, Array]:
+    """Values between those of a course (m), and by how much they may be wrong, at places after its elements (...)."""
+    first, second = values[before], values[before + 1]
+    middle = np.where(np.isfinite(first), first, second) * (1.0 - share)
+    middle = middle + np.where(np.isfinite(second), second, first) * share
+    steps = np.diff(values, prepend=np.nan, append=np.nan)
+    bends = np.nan_to_num(np.abs(np.diff(steps)))
+    either = np.maximum(bends[before], bends[before + 1])
+    alone = np.isfinite(first) != np.isfinite(second)
+    beside = np.fmax(np.abs(steps[before]), np.abs(steps[np.minimum(before + 2, steps.size - 1)]))
+    return middle, np.where(alone, 2.0 * np.nan_to_num(beside), 0.5 * either)
