@@ -281,6 +281,13 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "rotation_error": ("1", "relative error of the rotation beyond first contact, against the certified reference"),
     "polished": ("1", "whether the answer was made exact by one solve on the active set that the solver found"),
     "message": ("", "the solver's own words"),
+    # verification
+    "quantity": ("", "what was checked"),
+    "compared": ("", "with what it was compared, or why the comparison does not apply"),
+    "difference": ("", "greatest difference, in its own unit"),
+    "limit": ("", "greatest difference that is within the stated limit"),
+    "difference_unit": ("", "unit of difference and limit"),
+    "comparison_status": ("", "whether the difference is within its limit"),
     # library of problems
     "name": ("", "name of the problem in the library"),
     "case": ("", "shipped case the problem comes from"),

@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -35,7 +34,7 @@ from easeoff.cases.conversion import materials
 from easeoff.contact import MeshLines, lines_in_mesh
 from easeoff.contact.evaluation.pressure_map import Line, PressureMap, pressure_map, surface
 from easeoff.core.files import whole_file
-from easeoff.geometry import BlankSection, GearPair, LatticeSize, MemberName
+from easeoff.geometry import GearPair, MemberName
 from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
 from easeoff.study.plot.pressure_chart import draw_surface, pressure_levels
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
@@ -46,11 +45,12 @@ from easeoff.verification import (
     contact_of_flanks,
     flank_response,
     flanks_in_mesh,
+    line_stations,
+    response_size,
 )
 
 IMAGE = Path(__file__).parent / "images" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions
-PER_MILLIMETRE = 0.55  # bricks along the face
 MEMBERS: tuple[MemberName, ...] = ("pinion", "gear")
 CHECKED = (("fm-11x41", 250.0), ("fh-12x41-45", 200.0))
 CHANGES: dict[str, dict[str, Any]] = {
@@ -65,22 +65,13 @@ STATION = ("tooth", "lengthwise", "profile", "pressure", "line_load", "edge_dist
 UNITS = dict(zip(STATION, ("1", "1", "1", "MPa", "N/mm", "mm"), strict=True))
 
 
-def size(pair: GearPair, member: str, finer: bool) -> LatticeSize:
-    """Bricks of a tooth: a little more than those of the analysis, or many more."""
-    one = getattr(pair, member)
-    trace = one.flank(np.linspace(0.0, 1.0, 17), np.array([0.5])).position
-    length = float(np.linalg.norm(np.diff(trace, axis=1), axis=0).sum())
-    usual = LatticeSize(lengthwise=int(np.clip(round(PER_MILLIMETRE * length), 20, 28)), upward=7)
-    return replace(usual, lengthwise=usual.lengthwise + 8, upward=9, through=6, slot=3) if finer else usual
-
-
 @cache
 def responses(name: str, finer: bool = False) -> tuple[FlankResponse, FlankResponse]:
     """Of pinion and gear."""
     case = easeoff.read_case(name)
     pair = gear_pair(case)
     pinion, gear = (
-        flank_response(pair, member, material, size(pair, member, finer))
+        flank_response(pair, member, material, response_size(pair, member, finer=finer))
         for member, material in zip(MEMBERS, materials(case), strict=True)
     )
     return pinion, gear
@@ -140,7 +131,7 @@ def convergence() -> None:
             if change.get("finer") and name != CHECKED[0][0]:
                 continue  # minutes a member
             found = [solved(name, torque, k, **change) for k in positions]
-            tables = [stations(in_mesh(name)[0].pair, one) for one in found]
+            tables = [line_stations(in_mesh(name)[0].pair, one).table for one in found]
             peak = max(table[3, table[5] > EDGE_MARGIN].max() for table in tables)
             middle = [100.0 * float(one.load_share[one.pairs.index(0)]) for one in found]
             numbers = [*(f"{1e6 * one.rotation:.1f}" for one in found), *(f"{share:.1f}" for share in middle)]
@@ -164,7 +155,7 @@ def kept(
         one = found[EDGES[place[0]]][place[1]][place[2]]
         errors[place] = 1e6 * one.rotation
         shares[(*place, np.searchsorted(pairs, one.pairs))] = one.load_share
-    tables = [[stations(pair, one) for one in row] for row in found[EDGES[0]]]
+    tables = [[line_stations(pair, one).table for one in row] for row in found[EDGES[0]]]
     widest = max(table.shape[1] for row in tables for table in row)
     stacked = np.full((len(STATION), *shape[1:], widest), np.nan, dtype=np.float32)
     for i, k in np.ndindex(shape[1:]):
@@ -176,32 +167,6 @@ def kept(
     title = f"{name}: contact of generated flanks without the split into bending and indentation"
     coords = {"edges": list(EDGES), "torque": torques, "mesh_position": positions, "pair": pairs}
     return xr.Dataset(data, coords=coords, attrs={"title": title})
-
-
-def stations(pair: GearPair, contact: FlankContact) -> np.ndarray:
-    """Rows of ``STATION`` for every station of the lines that carries load."""
-    columns = []
-    for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
-        pressure = force / cells.area
-        for station in np.unique(cells.station[force > 0.0]):
-            own = np.flatnonzero(cells.station == station)
-            top = own[np.argmax(pressure[own])]
-            load = float(pressure[own] @ cells.sides[own, 1])
-            place = cells.gear_fractions[:, top]
-            edge = min(
-                edge_distance(pair.gear.section, place),
-                edge_distance(pair.pinion.section, cells.pinion_fractions[:, top]),
-            )
-            columns.append((tooth, *place, pressure[top], load, edge))
-    return np.array(columns).T.reshape(len(STATION), -1)
-
-
-def edge_distance(section: BlankSection, place: np.ndarray) -> float:
-    """Distance of a place on a flank from toe, heel and tip [mm]."""
-    corners = section.corners
-    height = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) @ np.array([1.0 - place[0], place[0]])
-    length = np.linalg.norm(corners[1, 1] - corners[0, 1])
-    return float(min(place[0] * length, (1.0 - place[0]) * length, (1.0 - place[1]) * height))
 
 
 def solve_all() -> None:

@@ -23,6 +23,8 @@ ORDER = {
     "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
     "contact": ("problem", "solvers", "lines", "compliance", "line_contact"),
 }
+#: The one module of the product that imports yardsticks, when its command is run.
+VERIFYING = "easeoff.study.cli.verify_command"
 PUBLIC = ("cases", "contact", "friction", "friction.ehl", "friction.ehl.study", "geometry", "geometry.tooth", "study")
 #: Where users come in; adapters of solvers are imported by the names of the solvers.
 ENTRIES = {"easeoff", "easeoff.study.cli", *(f"easeoff.{name}" for name in PUBLIC)}
@@ -68,9 +70,21 @@ def test_folders_import_those_before_them_alone(within: str) -> None:
     order = ORDER[within]
     rank = {name: order.index(at) if at in order else len(order) for name in modules() if (at := entry(name, within))}
     upward = [
-        f"{name} imports {other}" for name in rank for other in imports(name) & rank.keys() if rank[name] < rank[other]
+        f"{name} imports {other}"
+        for name in rank
+        for other in imports(name) & rank.keys()
+        if rank[name] < rank[other] and not (name == VERIFYING and entry(other, "") == "verification")
     ]
     assert upward == []
+
+
+def test_one_command_alone_reaches_the_yardsticks_and_only_when_it_is_run() -> None:
+    """The exception from the order, by name: it imports them within its function, so that nothing else loads them."""
+    outside = {name for name in modules() if entry(name, "") not in (None, "verification")}
+    assert {name for name in outside if any(entry(o, "") == "verification" for o in imports(name))} == {VERIFYING}
+    code = "import sys, easeoff.study.cli; print([m for m in sys.modules if m.startswith('easeoff.verification')])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
 
 
 def test_modules_import_each_other_in_no_circle() -> None:

@@ -13,9 +13,9 @@ from easeoff.cases import Case
 from easeoff.contact import lines_in_mesh
 from easeoff.contact.lines.closest_approach import ClosestApproach, closest_approach, one_step
 from easeoff.contact.lines.mesh_lines import gauss_points, lost_contact
-from easeoff.geometry import Deviation, deviated_pair, deviation_from_formula, solve_flank
+from easeoff.geometry import Deviation, deviated_pair, deviation_from_formula
 from easeoff.study.case_in_mesh import prepared_pair
-from easeoff.verification import FlanksInMesh, flank_gap, flanks_in_mesh
+from easeoff.verification import FlanksInMesh, exact_gap, flanks_in_mesh
 
 Array = NDArray[np.float64]
 CORNER = (0.95, 0.20)  # of the gear flank; most gaps there are open
@@ -68,13 +68,8 @@ def least_gap(depth: float, chosen: Array) -> Array:
         way = np.linspace(-0.1, 0.1, 201)
         place = chosen[:, n, None] + across[:, n, None] * way
         place = place[:, np.all((place >= 0.0) & (place <= 1.0), axis=0)]
-        gear = here.pair.gear
-        surface = solve_flank(gear.loaded, gear.section, *gear.section.points(place[0], place[1]))
-        start = here.splines("pinion_parameters", place)
-        turned = rotation[n] + here.motion.center
-        gap = flank_gap(here.motion, surface.position, surface.normal, turned, here.first_contact, start)
-        arm = np.abs(surface.position[0] * surface.normal[1] - surface.position[1] * surface.normal[0])
-        gaps.append(np.nanmin(gap.gap / arm))
+        gap, _ = exact_gap(here, place, np.full(place.shape[1], rotation[n]))
+        gaps.append(np.nanmin(gap))
     return np.array(gaps)
 
 

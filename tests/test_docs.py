@@ -46,6 +46,7 @@ WITH_CODE = (
     "optimal_modification",
     "finite_elements",
     "mixed_ehl",
+    "verification",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 

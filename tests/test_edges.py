@@ -16,9 +16,9 @@ from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR
-from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry, solve_flank
+from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry
 from easeoff.study import CaseInMesh
-from easeoff.verification import flank_gap, flanks_in_mesh
+from easeoff.verification import exact_gap, flanks_in_mesh
 
 PAIRS = {
     "fm-11x41": Misalignment(offset=-0.15, pinion_axial=0.12),
@@ -52,22 +52,8 @@ def found(name: str) -> tuple[np.ndarray, EdgeElements]:
 
 def exact(name: str) -> tuple[np.ndarray, np.ndarray]:
     """Gap as a gear rotation (n) and fractions on the pinion (2, n) along the normals of the turned gear flank."""
-    pair = misaligned(name)
-    flanks = flanks_in_mesh(pair)
     rotations, elements = found(name)
-    gap, fractions = np.full(elements.level.size, np.nan), np.full((2, elements.level.size), np.nan)
-    for level in np.unique(elements.level):
-        own = elements.level == level
-        places = elements.points[:, own]
-        gear = solve_flank(pair.gear.loaded, pair.gear.section, *pair.gear.section.points(*places))
-        start = flanks.splines("pinion_parameters", places)
-        turned = rotations[level] + flanks.motion.center
-        there = flank_gap(flanks.motion, gear.position, gear.normal, turned, flanks.first_contact, start)
-        arm = np.abs(gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0])
-        gap[own] = there.gap / arm
-        z, radius = there.pinion_position[2], np.hypot(*there.pinion_position[:2])
-        fractions[:, own] = np.stack(pair.pinion.section.fractions(z, radius))
-    return gap, fractions
+    return exact_gap(flanks_in_mesh(misaligned(name)), elements.points, rotations[elements.level])
 
 
 def off_edge(places: np.ndarray) -> np.ndarray:

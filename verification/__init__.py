@@ -1,11 +1,13 @@
-"""Independent methods that check the product; the product imports nothing from here.
+"""Independent methods that check the product; the product imports nothing from here but the command ``verify``.
 
 ================================  =================================================================================
 what is checked                   by
 ================================  =================================================================================
+whole case                        ``verify``: all below that apply to a pair, one row a comparison
+flanks                            ``envelope_condition``: motion of the cutter joint by joint, by differences
 ease-off, unloaded contact        ``both_methods``, ``point_contact``: conventional contact analysis, five equations
 unloaded contact, edges included  ``smallest_gap``, ``smallest_envelope``: direct search over both bounded flanks
-gap beside a contact line         ``flank_gap``: along the normal between the generated flanks
+gap beside a contact line         ``flank_gap``: along the normal between the generated flanks; ``segment_gaps``
 curvatures of a flank             ``directional_curvatures``: along two directions, by complex steps
 contact line and ellipse          ``relative_curvature``
 loaded contact                    ``contact_of_flanks``: pressures on cells of the flank, without a split into bending
@@ -18,11 +20,16 @@ finite elements                   ``serendipity_functions``: the element of othe
 ================================  =================================================================================
 """
 
-from .conventional_analysis import BothMethods, both_methods, line_differences, point_differences
+from .case_verification import Verification, verify
+from .conventional_analysis import BothMethods, both_methods, line_differences, methods_compared, point_differences
+from .cutter_motion import cutter_position
 from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
+from .envelope_condition import EnvelopeCondition, envelope_condition
 from .flank_contact.flank_contact import FlankContact, contact_of_flanks
 from .flank_contact.flank_response import FlankResponse, flank_response
-from .flank_contact.surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh
+from .flank_contact.line_stations import LineStations, line_stations, response_size
+from .flank_contact.segment_gap import SegmentGaps, exact_gap, segment_gaps
+from .flank_contact.surface_cells import FlanksInMesh, SurfaceCells, flanks_in_mesh, flanks_of
 from .flank_contact.surface_contact import half_space_compliance
 from .flank_gap import FlankGap, flank_gap
 from .measured_distance import distance_along_normals
@@ -33,38 +40,54 @@ from .serendipity_brick import serendipity_functions
 from .shell_root_stress import shell_root_stress
 from .smallest_gap import SmallestGap, smallest_envelope, smallest_gap
 from .thesis_shell import monomials, thesis_kinematics
+from .yardsticks.verification_row import RowStatus, VerificationRow
 
 __all__ = [
     "PROBLEM_CLASSES",
     "BothMethods",
     "DirectionalCurvatures",
+    "EnvelopeCondition",
     "FlankContact",
     "FlankGap",
     "FlankResponse",
     "FlanksInMesh",
+    "LineStations",
     "PointContact",
     "RelativeCurvature",
+    "RowStatus",
+    "SegmentGaps",
     "ShapeOperator",
     "SmallestGap",
     "SurfaceCells",
+    "Verification",
+    "VerificationRow",
     "both_methods",
     "contact_of_flanks",
+    "cutter_position",
     "directional_curvatures",
     "distance_along_normals",
+    "envelope_condition",
+    "exact_gap",
     "flank_gap",
     "flank_response",
     "flanks_in_mesh",
+    "flanks_of",
     "half_space_compliance",
     "line_differences",
+    "line_stations",
+    "methods_compared",
     "monomials",
     "path_of_contact",
     "point_contact",
     "point_differences",
     "problems",
     "relative_curvature",
+    "response_size",
+    "segment_gaps",
     "serendipity_functions",
     "shell_root_stress",
     "smallest_envelope",
     "smallest_gap",
     "thesis_kinematics",
+    "verify",
 ]

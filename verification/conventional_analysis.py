@@ -103,8 +103,22 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
     >>> bool(both.contact.converged[both.inside].all())
     True
     """
-    geometry = pair_geometry(pair, nodes)
-    gear, surface = geometry.members.gear, geometry.exact
+    return methods_compared(pair_geometry(pair, nodes), mesh_positions)
+
+
+def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMethods:
+    """As ``both_methods``, from a geometry: the ease-off method takes its ease-off, the conventional one its flanks.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> both = methods_compared(geometry, mesh_positions=2)
+    >>> bool(both.contact.converged[both.inside].all())
+    True
+    """
+    pair, gear, surface = geometry.pair, geometry.members.gear, geometry.exact
     splines = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)

@@ -18,6 +18,7 @@ from .optimize_command import optimize
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
+from .verify_command import verify
 from .wear_command import wear
 
 
@@ -51,6 +52,7 @@ for _command in (
     run,
     show,
     plot,
+    verify,
     optimize,
     design,
     cases,

@@ -1,6 +1,6 @@
 """Exit codes of the command line; 0 is success."""
 
-#: The result holds uncertified values, or the wear ended early.
+#: The result holds uncertified values, the wear ended early, or a verification is outside its limits.
 EXIT_UNCERTIFIED = 1
 #: The user's mistake; one message says which.
 EXIT_MISTAKE = 2

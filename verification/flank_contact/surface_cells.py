@@ -17,7 +17,7 @@ from ...contact.lines.contact_lines import arc_length, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
 from ...geometry.flanks.flank import solve_flank
 from ...geometry.pair.conjugate_motion import ConjugateMotion
-from ...geometry.pair.gear_pair import DEFAULT_NODES, GearPair, pair_geometry
+from ...geometry.pair.gear_pair import DEFAULT_NODES, GearPair, PairGeometry, pair_geometry
 from ..flank_gap import flank_gap
 
 Array = NDArray[Any]
@@ -65,12 +65,25 @@ def flanks_in_mesh(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> Fl
     >>> flanks.pair is pair
     True
     """
-    geometry = pair_geometry(pair, nodes)
+    return flanks_of(pair_geometry(pair, nodes))
+
+
+def flanks_of(geometry: PairGeometry) -> FlanksInMesh:
+    """As ``flanks_in_mesh``, from a geometry.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> flanks_of(geometry).motion is geometry.exact.motion
+    True
+    """
     surface, ease_off = geometry.exact, geometry.ease_off
-    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, *nodes), 0, -1)
-    usable = np.isfinite(surface.angle).reshape(*nodes, 1)
+    parameters = np.moveaxis(surface.pinion_parameters.reshape(2, *geometry.nodes), 0, -1)
+    usable = np.isfinite(surface.angle).reshape(*geometry.nodes, 1)
     fields = contact_splines(geometry.flanks, ease_off, {"pinion_parameters": np.where(usable, parameters, np.nan)})
-    return FlanksInMesh(pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
+    return FlanksInMesh(geometry.pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
 
 
 @dataclass(frozen=True)

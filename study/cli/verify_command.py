@@ -1,0 +1,89 @@
+"""Command that puts the pair of a case through the independent methods."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .exit_codes import EXIT_UNCERTIFIED
+from .options import MISALIGNMENT, flank_option, misalignment, torques
+
+if TYPE_CHECKING:
+    from ...geometry.pair.assembly import Misalignment
+
+
+@click.command()
+@click.argument("case")
+@flank_option
+@click.option(
+    "--misalignment",
+    "errors",
+    callback=misalignment,
+    metavar=MISALIGNMENT,
+    show_default="from the case",
+    help="Assembly errors in mm, Sigma in degrees.",
+)
+@click.option(
+    "--torque",
+    "loads",
+    callback=torques,
+    metavar="T1,T2,...",
+    show_default="from the case",
+    help="Torques at the pinion in N m.",
+)
+@click.option(
+    "--without-split",
+    is_flag=True,
+    help="Solve the contact without the split into bending and indentation at some mesh positions, too; takes minutes.",
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="netCDF file to write the table to."
+)
+def verify(
+    case: str,
+    flank: Any,
+    errors: Misalignment | None,
+    loads: Any,
+    without_split: bool,
+    output: Path | None,
+) -> None:
+    """Check CASE by independent methods, and print what was compared, how far apart it is, and the limit.
+
+    The exit code is 1 if a difference is outside its limit.
+    """
+    from tqdm import tqdm
+
+    from ...cases import read_case
+    from ...core.files import check_writable, whole_file
+    from ...verification.case_verification import verify as run_verification
+
+    if output is not None:
+        check_writable(output, case, suffix=".nc")
+    checked = read_case(case)
+    with tqdm(desc="verification", unit="step", disable=None, leave=False) as bar:
+
+        def progress(done: int, total: int, name: str) -> None:
+            bar.total = total
+            bar.set_postfix_str(name)
+            bar.update(done - bar.n)
+
+        found = run_verification(
+            checked,
+            flank=flank,
+            misalignment=errors,
+            torques=loads,
+            without_split=without_split,
+            progress=progress,
+        )
+    click.echo(f"{checked.title}, {flank} flanks\n\n{found.table()}\n")
+    if output is not None:
+        with whole_file(output) as temporary:
+            found.dataset().to_netcdf(temporary, engine="netcdf4")
+        click.echo(f"wrote {output}")
+    if not found.passed:
+        click.echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
+        sys.exit(EXIT_UNCERTIFIED)
+    click.echo("every comparison that applies is within its limit")

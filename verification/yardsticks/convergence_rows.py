@@ -1,0 +1,192 @@
+"""Rows of convergence: the key numbers of a result at the case's resolution against a finer one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...cases.schema.case_schema import Case
+from ...contact.evaluation.pressure_place import LineEnd
+from ...study.report.key_numbers import key_numbers
+from .verification_row import VerificationRow
+from .verified_pair import VerifiedPair
+
+Array = NDArray[Any]
+GRID_FACTOR, SEGMENTS_FACTOR, POSITIONS_FACTOR, MODES_FACTOR, FINENESS_FACTOR = 1.5, 2.0, 2.0, 1.4, 1.4
+#: Numbers that tell the state of the solution, or look at the nodes on the common flank, whose border lies between
+#: nodes; and of the greatest pressure all but its value: between two that are nearly as great its place jumps.
+NOT_COMPARED = {
+    "common_flank",
+    "max_ease_off",
+    "certified_positions",
+    "worst_certificate",
+    "max_pressure_lengthwise",
+    "max_pressure_profile",
+    "max_pressure_position",
+    "max_pressure_pair",
+    "max_pressure_line_end",
+}
+ERRORS, UNLOADED, PLACES = "transmission error", "unloaded transmission error", "shares, ratios and places"
+PRESSURE, PRESSURE_AT_END, OTHERS = "greatest pressure", "greatest pressure, at a line's end", "other numbers"
+#: Greatest change [%] by what is finer, group by group; none where it has no part in the numbers.
+LIMITS: dict[str, dict[str, float]] = {
+    "grid of the flank": dict.fromkeys((ERRORS, UNLOADED, PLACES, PRESSURE, PRESSURE_AT_END, OTHERS), 0.5),
+    "segments of a line": {ERRORS: 0.5, PLACES: 1.0, PRESSURE: 1.0, PRESSURE_AT_END: 10.0, OTHERS: 0.5},
+    "mesh positions": {ERRORS: 0.5, UNLOADED: 1.0, PLACES: 2.0, PRESSURE: 1.0, PRESSURE_AT_END: 10.0, OTHERS: 0.5},
+    "fineness of the teeth": {ERRORS: 2.0, PLACES: 2.0, PRESSURE: 4.0, PRESSURE_AT_END: 10.0, OTHERS: 4.0},
+    "shell modes along the face": {ERRORS: 1.0, PLACES: 1.0, PRESSURE: 2.0, PRESSURE_AT_END: 10.0, OTHERS: 1.0},
+    "shell modes up the profile": {ERRORS: 1.0, PLACES: 1.0, PRESSURE: 2.0, PRESSURE_AT_END: 10.0, OTHERS: 1.0},
+}
+UNLOADED_ERROR_MINIMUM = 1.0  # [urad]; the errors of a pair without any are compared with this
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """One way of computing a case more finely.
+
+    Parameters
+    ----------
+    name
+        What is finer.
+    table
+        Table of the case file.
+    values
+        Finer values of its keys.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> Refinement("mesh positions", "contact", {"mesh_positions": 64}).described(read_case("nasa-12x36"))
+    '32 against 64'
+    """
+
+    name: str
+    table: str
+    values: Mapping[str, int | float]
+
+    def described(self, case: Case) -> str:
+        """Coarse and fine values."""
+        table = getattr(case, self.table)
+        coarse = " x ".join(f"{getattr(table, key):g}" for key in self.values)
+        return f"{coarse} against {' x '.join(f'{value:g}' for value in self.values.values())}"
+
+
+def refinements(case: Case) -> list[Refinement]:
+    """Refinements that make sense for a case; those of the elastic teeth depend on its model.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> [one.name for one in refinements(read_case("nasa-12x36"))][:3]
+    ['grid of the flank', 'segments of a line', 'mesh positions']
+    """
+    contact, elastic = case.contact, case.compliance
+    nodes = {
+        key: math.ceil((getattr(contact, key) - 1) * GRID_FACTOR) + 1 for key in ("lengthwise_nodes", "profile_nodes")
+    }
+    segments = {"segments_per_line": round(SEGMENTS_FACTOR * contact.segments_per_line)}
+    positions = {"mesh_positions": round(POSITIONS_FACTOR * contact.mesh_positions)}
+    found = [
+        Refinement("grid of the flank", "contact", nodes),
+        Refinement("segments of a line", "contact", segments),
+        Refinement("mesh positions", "contact", positions),
+    ]
+    if elastic.model != "shell":
+        fineness = {"fineness": round(FINENESS_FACTOR * elastic.fineness, 3)}
+        return [*found, Refinement("fineness of the teeth", "compliance", fineness)]
+    face = {"lengthwise_modes": math.ceil(MODES_FACTOR * elastic.lengthwise_modes)}
+    profile = {"profile_modes": math.ceil(MODES_FACTOR * elastic.profile_modes)}
+    return [
+        *found,
+        Refinement("shell modes along the face", "compliance", face),
+        Refinement("shell modes up the profile", "compliance", profile),
+    ]
+
+
+def convergence_rows(pair: VerifiedPair, refinement: Refinement) -> list[VerificationRow]:
+    """Change of the key numbers by one refinement, a row a group of numbers.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> pair = VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)
+    >>> rows = convergence_rows(pair, refinements(pair.case)[0])
+    >>> {row.status.name for row in rows}
+    {'WITHIN'}
+    """
+    finer = pair.changed(refinement.table, **refinement.values)
+    compared, limits = refinement.described(pair.case), LIMITS[refinement.name]
+    return [
+        VerificationRow(f"{refinement.name}: {group}", f"{compared}, {label}", value, limits[group], "%")
+        for group, value, label in changes(key_numbers(pair.analysis.tree), key_numbers(finer.analysis.tree))
+        if group in limits
+    ]
+
+
+def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, str]]:
+    """Greatest change of every group of key numbers [%], and which number changes so much.
+
+    Transmission errors count over the mean level at their torque, unloaded ones over the peak to peak; fractions in
+    points, ratios above one and all other numbers over themselves.
+
+    Parameters
+    ----------
+    coarse, fine
+        From ``study.key_numbers``.
+
+    Examples
+    --------
+    >>> coarse, fine = (
+    ...     xr.Dataset({"mean_level": ("torque", [level], {"units": "urad"})}, {"torque": [50.0]})
+    ...     for level in (200.0, 201.0)
+    ... )
+    >>> next(changes(coarse, fine))
+    ('transmission error', 0.5, 'mean_level at 50 N m 200 and 201 urad')
+    """
+    worst: dict[str, tuple[float, str]] = {}
+    for name, values in coarse.data_vars.items():
+        if name in NOT_COMPARED or str(name).startswith(("pinion_", "unloaded_pinion_")):
+            continue  # what refers to the pinion is in proportion to what refers to the gear
+        other = fine[name] if name in fine and fine[name].dims == values.dims else values * np.nan
+        scale = _scale(coarse, str(name))
+        for place in np.ndindex(values.shape):
+            own, finer = float(values.values[place]), float(other.values[place])
+            change = 0.0 if np.isnan(own) and np.isnan(finer) else 100.0 * abs(finer - own) / float(scale[place])
+            group = _group(coarse, str(name), place)
+            # A change without a number is the worst of all, and stays so.
+            if group not in worst or change > worst[group][0] or (np.isnan(change) and not np.isnan(worst[group][0])):
+                at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
+                unit = values.attrs.get("units", "1")
+                worst[group] = change, f"{name}{at} {own:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
+    for group, (value, label) in worst.items():
+        yield group, value, label
+
+
+def _group(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
+    """Group of a key number."""
+    values = numbers[name]
+    if name == "max_pressure":
+        ends = numbers.get("max_pressure_line_end")
+        return PRESSURE if ends is None or int(ends.values[place]) == LineEnd.INSIDE else PRESSURE_AT_END
+    unit = values.attrs.get("units", "1")
+    if unit == "urad":
+        return ERRORS if "torque" in values.dims else UNLOADED
+    return PLACES if unit == "1" else OTHERS
+
+
+def _scale(numbers: xr.Dataset, name: str) -> Array:
+    """What the changes of a key number are divided by."""
+    values = numbers[name]
+    unit, size = values.attrs.get("units", "1"), np.abs(values.values)
+    if unit == "urad" and "torque" in values.dims:
+        level = np.abs(numbers["mean_level"].values)
+        return np.broadcast_to(level.reshape(-1, *(1,) * (values.ndim - 1)), values.shape)
+    if unit == "urad":
+        return np.full(values.shape, np.maximum(float(numbers["unloaded_peak_to_peak"]), UNLOADED_ERROR_MINIMUM))
+    return np.asarray(np.maximum(size, 1.0) if unit == "1" else size)

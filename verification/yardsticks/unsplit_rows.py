@@ -1,0 +1,125 @@
+"""Rows of the contact without the split into bending and indentation, at some mesh positions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+
+from ...cases.conversion import materials
+from ..flank_contact.flank_contact import FlankContact, contact_of_flanks
+from ..flank_contact.flank_response import FlankResponse, flank_response
+from ..flank_contact.line_stations import LineStations, line_stations, response_size
+from .flank_rows import greatest
+from .loaded_rows import positions
+from .verification_row import VerificationRow
+from .verified_pair import VerifiedPair
+
+ROTATION_LIMIT = 2.5  # [%], of the transmission error
+SHARE_LIMIT = 1.0  # [%], of the torque
+LINE_LOAD_LIMIT = 4.0  # [%], of the greatest line load
+UNSPLIT_POSITIONS = 4
+
+
+@dataclass(frozen=True)
+class UnsplitContact:
+    """Contact without the split, ready to be solved at some mesh positions.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    cells_per_half_width
+        Resolution of the pressures.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> UnsplitContact(VerifiedPair.of(read_case("nasa-12x36"), torques=100.0)).places
+    [(0, 0), (0, 8), (0, 16), (0, 24)]
+    """
+
+    pair: VerifiedPair
+    cells_per_half_width: float = 8.0
+
+    @property
+    def places(self) -> list[tuple[int, int]]:
+        """Numbers of torque and mesh position of every solution."""
+        chosen = positions(self.pair, UNSPLIT_POSITIONS)
+        return [(torque, position) for torque in range(self.pair.torques.size) for position in chosen]
+
+    @cached_property
+    def responses(self) -> tuple[FlankResponse, FlankResponse]:
+        """Of pinion and gear; minutes the first time, kept on disk afterwards."""
+        state = self.pair.state
+        depths, (first, second) = state.case.compliance.rim_depth or (None, None), materials(state.case)
+        return (
+            flank_response(state.pair, "pinion", first, response_size(state.pair, "pinion"), depths[0]),
+            flank_response(state.pair, "gear", second, response_size(state.pair, "gear"), depths[1]),
+        )
+
+    def solved(self, torque: int, position: int) -> FlankContact:
+        """Contact at one torque and mesh position, by their numbers."""
+        loaded = self.pair.analysis.tree["loaded"].to_dataset().isel(torque=torque)
+        # Of the analysis no more is taken than where to lay the cells, and how small they should be.
+        return contact_of_flanks(
+            self.pair.flanks,
+            self.responses,
+            materials(self.pair.case),
+            self.pair.state.cycle.lines,
+            position,
+            float(self.pair.torques[torque]),
+            half_width=float(loaded["half_width"].max()),
+            rotation=1e-6 * float(loaded["transmission_error"].max()),
+            cells_per_half_width=self.cells_per_half_width,
+        )
+
+
+def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], FlankContact]) -> Iterator[VerificationRow]:
+    """Rows of all torques and mesh positions.
+
+    Parameters
+    ----------
+    contact
+        The contact without the split.
+    solutions
+        Its solutions by numbers of torque and mesh position.
+    """
+    loaded = contact.pair.analysis.tree["loaded"].to_dataset()
+    compared = f"contact without the split, {len(solutions)} positions and torques"
+    rotation, share, load = [], [], []
+    for torque in range(contact.pair.torques.size):
+        here = {k: one for (number, k), one in solutions.items() if number == torque}
+        found = loaded.isel(torque=torque, mesh_position=list(here))
+        rotation += [100.0 * d for d in rotation_differences(found, list(here.values()))]
+        share += [100.0 * d for d in share_differences(found, list(here.values()))]
+        stations = [line_stations(contact.pair.state.pair, one) for one in here.values()]
+        load.append(100.0 * line_load_difference(found, stations))
+    yield VerificationRow("transmission error", compared, greatest(np.array(rotation)), ROTATION_LIMIT, "%")
+    yield VerificationRow("load share of a tooth pair", compared, greatest(np.array(share)), SHARE_LIMIT, "%")
+    yield VerificationRow("greatest line load", compared, greatest(np.array(load)), LINE_LOAD_LIMIT, "%")
+
+
+def rotation_differences(loaded: xr.Dataset, solutions: list[FlankContact]) -> list[float]:
+    """Relative differences of the transmission error (mesh_position) of an analysis at one torque."""
+    own = loaded["transmission_error"].values
+    return [float(1e-6 * own[k] / one.rotation - 1.0) for k, one in enumerate(solutions)]
+
+
+def share_differences(loaded: xr.Dataset, solutions: list[FlankContact]) -> list[float]:
+    """Differences of the load shares of all tooth pairs that carry in either."""
+    found = []
+    for k, one in enumerate(solutions):
+        own = dict(zip(loaded["pair"].values.tolist(), loaded["load_share"].values[k].tolist(), strict=True))
+        theirs = dict(zip(one.pairs, one.load_share.tolist(), strict=True))
+        found += [own.get(pair, 0.0) - theirs.get(pair, 0.0) for pair in own.keys() | theirs.keys()]
+    return found
+
+
+def line_load_difference(loaded: xr.Dataset, stations: list[LineStations]) -> float:
+    """Relative difference of the greatest line load over the mesh positions."""
+    own = float((loaded["force"] / loaded["length"]).max())
+    return own / max((float(one.line_load.max()) for one in stations if one.line_load.size), default=np.nan) - 1.0
