@@ -2,13 +2,13 @@
 
 from .coefficient import COEFFICIENTS, coefficient_model, contact_conditions, friction_coefficient
 from .conditions import ContactConditions
-from .data_sheet import data_sheet_lubricant, lubricant_toml, write_lubricant
 from .efficiency import friction
 from .feedback import friction_feedback
 from .film_thickness import FILMS
 from .formula_range import FLAGS
 from .kolivand_formula import formula_flags
-from .lubricant import Lubricant, OilState, available_lubricants, lubricant
+from .lubricants.data_sheet import data_sheet_lubricant, lubricant_toml, write_lubricant
+from .lubricants.lubricant import Lubricant, OilState, available_lubricants, lubricant
 from .operation import FrictionModel, Operation
 from .rolling_traction import rolling_traction
 from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS

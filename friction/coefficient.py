@@ -21,7 +21,7 @@ from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
 from .formula_range import Flags, combined_flags
 from .kolivand_formula import formula_coefficient, formula_flags
-from .lubricant import Lubricant, OutOfRange, lubricant
+from .lubricants.lubricant import Lubricant, OutOfRange, lubricant
 from .thermal_factors import FILM_FACTORS
 
 Array = NDArray[Any]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .film_thickness import film_formula
-from .lubricant import THERMAL_CONDUCTIVITY
+from .lubricants.lubricant import THERMAL_CONDUCTIVITY
 from .thermal_factors import THERMAL_FACTORS
 
 Array = NDArray[Any]

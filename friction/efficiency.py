@@ -13,7 +13,7 @@ from .coefficient import CoefficientModel
 from .formula_range import FLAGS, LossShares
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
-from .lubricant import lubricant
+from .lubricants.lubricant import lubricant
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]

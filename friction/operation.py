@@ -13,7 +13,7 @@ from ..core.checks import array, distinct, instance, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
 from .film_thickness import film_formula
-from .lubricant import Lubricant, OilState, OutOfRange, lubricant
+from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
 from .surface_velocities import SurfaceVelocities
 from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 

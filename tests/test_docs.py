@@ -357,7 +357,7 @@ def test_index_lists_every_command() -> None:
 def test_lubricant_of_the_page_is_one(tmp_path: Path) -> None:
     """With the keys of the table below it; the example of a run prints the note that stands under it."""
     from easeoff.friction import lubricant
-    from easeoff.friction.lubricant import KEYS
+    from easeoff.friction.lubricants.lubricant import KEYS
 
     page = text("friction")
     ((_, example),) = blocks(page, "toml")

@@ -22,7 +22,7 @@ from easeoff.contact import Status
 from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.friction.lubricant import LUBRICANTS_FOLDER
+from easeoff.friction.lubricants.lubricant import LUBRICANTS_FOLDER
 from easeoff.friction.operation import named_models
 from easeoff.friction.surface_velocities import action_splines, axes_of, surface_velocities
 from easeoff.geometry import Misalignment

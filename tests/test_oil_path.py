@@ -11,7 +11,7 @@ import easeoff
 from easeoff import InputError
 from easeoff.cases import FrictionTable, case_text, parse_case, parse_design, read_case, read_design, write_case
 from easeoff.friction import lubricant
-from easeoff.friction.lubricant import LUBRICANTS_FOLDER
+from easeoff.friction.lubricants.lubricant import LUBRICANTS_FOLDER
 from easeoff.study.cli import main
 
 OWN = (LUBRICANTS_FOLDER / "75w90.toml").read_text(encoding="utf-8")

@@ -15,10 +15,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from ..geometry.cutting.generating_surface import GeneratingSurface
-from ..geometry.flanks.flank import Flank, NodeStatus, nearest_seeds, seed_lattice, solve_flank
+from ..geometry.flanks.flank import Flank, NodeStatus, solve_flank
 from ..geometry.flanks.flank_parts import deepest, pick
+from ..geometry.flanks.seed_lattice import seed_lattice
 from ..geometry.newton import complex_steps, cramers_rule
 from ..geometry.pair.gear_pair import Member, PairGeometry
 from ..geometry.vectors import column, cross, dot, rotate
@@ -239,7 +241,8 @@ class _Flanks:
         for part, (lattice, side) in zip(self.parts, self.lattices, strict=True):
             seen, ahead = self._in_gear(part, lattice, turned)
             seen = np.where(ahead > 0.0, seen, np.nan)
-            start = nearest_seeds(np.stack([seen[2], np.hypot(seen[0], seen[1])]), lattice, np.where(usable, target, 1))
+            seeds = cKDTree(np.stack([seen[2], np.hypot(seen[0], seen[1])]).T)
+            start = lattice[:, seeds.query(np.where(usable, target, 1.0).T)[1]]
             parameters, solved = self._met(part, start, np.where(usable, target, 1.0), turned)
             own, _, coordinate = part.evaluate(parameters)
             fractions = np.stack(self.pinion.section.fractions(own[2], np.hypot(own[0], own[1])))
@@ -304,12 +307,13 @@ def _fit(basis: Array, values: Array) -> Array:
 
 def _near_flank(surface: GeneratingSurface, member: Member) -> tuple[Array, float]:
     """Surface parameters (2, m) spread over the flank and a little beyond, and the orientation of its valid side."""
-    lattice, side = seed_lattice(surface, member.section)
+    seeds = seed_lattice(surface, member.section)
+    lattice = seeds.parameters[:, seeds.side]
     position, _, _ = surface.evaluate(lattice)
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):
         near = np.all(np.abs(fractions - 0.5) < 0.5 + SEED_MARGIN, axis=0)
-    return lattice[:, near], side
+    return lattice[:, near], seeds.orientation
 
 
 def _valley(field: Array) -> Array:

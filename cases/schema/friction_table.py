@@ -105,7 +105,7 @@ class FrictionTable(Table):
             If a value is not possible, or there is no such oil.
         """
         from ...friction import Operation
-        from ...friction.lubricant import lubricant
+        from ...friction.lubricants.lubricant import lubricant
 
         own: dict[str, Any] = {
             "speed": self.speed,
@@ -123,7 +123,7 @@ class FrictionTable(Table):
 
     def seen_from(self, folder: Path) -> Self:
         """The table as a case in another folder has it: with the relative path of an oil from there."""
-        from ...friction.lubricant import is_shipped
+        from ...friction.lubricants.lubricant import is_shipped
 
         moved = self.model_copy()
         if not is_shipped(self.oil) and not Path(self.oil).is_absolute():

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....core import checks
 from ....core.errors import InputError
-from ...lubricant import OilState
+from ...lubricants.lubricant import OilState
 
 Array = NDArray[np.float64]
 

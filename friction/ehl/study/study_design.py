@@ -17,7 +17,7 @@ from scipy.stats import qmc
 from ....core import checks
 from ....core.errors import InputError
 from ...conditions import STEEL_MODULUS
-from ...lubricant import lubricant
+from ...lubricants.lubricant import lubricant
 from ..rolling_contact.lubricated_contact import PRESSURE_PARAMETER_LIMIT, LubricatedContact
 from ..rolling_contact.oil import Oil
 

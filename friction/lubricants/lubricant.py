@@ -19,15 +19,15 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import array, number, one_of, shown
-from ..core.errors import InputError
-from ..core.suggestion import suggestion
-from ..core.toml_text import toml_tables
+from ...core.checks import array, number, one_of, shown
+from ...core.errors import InputError
+from ...core.suggestion import suggestion
+from ...core.toml_text import toml_tables
 
 Array = NDArray[Any]
 Interpolation = Literal["walther", "log_linear"]
 OutOfRange = Literal["error", "clamp"]
-LUBRICANTS_FOLDER = Path(__file__).with_name("lubricants")
+LUBRICANTS_FOLDER = Path(__file__).parent
 THERMAL_CONDUCTIVITY = 0.14  # [W/(m K)], usual for oils; only the thermal factor of the rolling traction asks for it
 # Factor, unit, least and greatest value, to find values in another unit.
 PLAUSIBLE_RANGES = {

@@ -1,0 +1,1 @@
+"""Lubricants: their properties over temperature, from files and data sheets; the shipped ones as TOML files."""
