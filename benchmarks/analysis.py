@@ -9,6 +9,7 @@ import os
 
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported
+os.environ["EASEOFF_CACHE"] = ""  # elastic teeth are built every time
 
 import platform
 import statistics
@@ -21,14 +22,12 @@ from typing import Any
 
 import numpy as np
 from easeoff.cases import gear_pair, read_case
-from easeoff.cases import elastic_model
+from easeoff.cases.conversion import elastic_model, finite_elements
 from easeoff.contact import lines_in_mesh, loaded_splines, unloaded_contact
-from easeoff.contact.compliance.elastic_model import elastic_teeth
-from easeoff.contact.lines.flank_splines import FlankSplines
-from easeoff.contact import MeshLines
-from easeoff.contact.loaded import solve_all
-from easeoff.contact.segments import CycleSegments, LineSegments, Segments
-from easeoff.geometry import PairGeometry, pair_geometry
+from easeoff.contact.compliance.elastic_model import ElasticTeeth
+from easeoff.contact.loaded import solve_cycle
+from easeoff.contact.segments import CycleSegments, LineSegments
+from easeoff.geometry import pair_geometry
 from easeoff.geometry.flanks.flank import mean_parameters, seed_lattice
 from tabulate import tabulate
 
@@ -44,18 +43,21 @@ def stages(name: str) -> dict[str, Callable[[dict[str, Any]], Any]]:
     pitch, ratio = pair.assembly.pinion_pitch, pair.assembly.ratio
     nodes = (settings.lengthwise_nodes, settings.profile_nodes)
 
-    def segments(fields: FlankSplines, geometry: PairGeometry, lines: MeshLines) -> list[Segments | None]:
-        model = elastic_model(case)
-        on_lines = LineSegments(fields, lines, elastic_teeth(geometry.teeth, model), settings.segments_per_line)
-        return CycleSegments(fields, on_lines, model).by_position
+    def segments(r: dict[str, Any]) -> CycleSegments:
+        teeth = ElasticTeeth(r["geometry"].teeth, r["elastic teeth"])
+        on_lines = LineSegments(r["splines"], r["contact lines"], teeth, settings.segments_per_line)
+        found = CycleSegments(r["splines"], on_lines)
+        assert found.by_position
+        return found
 
     return {
         "geometry": lambda r: pair_geometry(pair, nodes),
         "splines": lambda r: loaded_splines(r["geometry"].flanks, r["geometry"].ease_off, r["geometry"].teeth),
         "contact lines": lambda r: lines_in_mesh(r["splines"], pitch, settings.mesh_positions),
         "unloaded": lambda r: unloaded_contact(r["splines"], r["contact lines"]),
-        "compliance": lambda r: segments(r["splines"], r["geometry"], r["contact lines"]),
-        "solve": lambda r: solve_all(r["compliance"], torques, ratio, "auto", {}),
+        "elastic teeth": lambda r: elastic_model(case, finite_elements(case, pair)),
+        "compliance": segments,
+        "solve": lambda r: solve_cycle(r["compliance"], torques, ratio, settings.edge_contact, "auto", {}),
     }
 
 

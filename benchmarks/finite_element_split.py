@@ -50,7 +50,7 @@ def split() -> None:
                 factor = square_root(solved.response(loads, wanted))
                 kernels[label].append(FlankCompliance(lattice.lengthwise, lattice.profile, factor))
             kernels.setdefault("solid", []).append(solid_shell_tooth(pair, member, STEEL).flank)
-        base = elastic_model(case)
+        base = elastic_model(case, None)
         same_height = geometry.teeth.copy(deep=True)
         same_height["shell_height"] = _own_height(pair, geometry)
         rim = ElasticFoundation("odonnell", 0.8)
@@ -61,7 +61,7 @@ def split() -> None:
             ("finite elements, straight across", with_elements["same"], None),
             ("finite elements, the flank itself (counts twice)", with_elements["flank"], None),
             ("solid shell, foot of the normal", with_elements["solid"], None),
-            ("shell, foot of the normal (default)", base, None),
+            ("shell, foot of the normal", base, None),
             ("shell, fitted plate", replace(base, plate="fitted"), None),
             ("shell, fitted plate, 0.8 O'Donnell", replace(base, plate="fitted", foundation=rim), None),
             ("shell, same height", base, same_height),
@@ -77,6 +77,7 @@ def split() -> None:
                 torques=np.array(case.contact.torques),
                 model=model,
                 segments_per_line=case.contact.segments_per_line,
+                edge_contact=False,
             )
             last = loaded.isel(torque=-1)
             numbers = [float(last[n]) for n in ("mean_level", "peak_to_peak", "max_pressure")]

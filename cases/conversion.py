@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, Literal, get_args
 
 from ..contact.compliance import ElasticFoundation, Material
@@ -24,6 +25,7 @@ from ..geometry.design.synthesis import EaseOffTarget
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
+from ..geometry.tooth.tooth_flanks import MemberName
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
@@ -201,8 +203,19 @@ def materials(case: Case) -> tuple[Material, Material]:
     return pinion, gear
 
 
-def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
+def finite_elements(
+    case: Case, pair: GearPair, stage: Callable[[str], None] | None = None
+) -> tuple[FiniteElementTooth, FiniteElementTooth] | None:
     """Teeth of pinion and gear by finite elements or as solid shells, or ``None`` if the case wants plain shells.
+
+    Parameters
+    ----------
+    case
+        A checked case.
+    pair
+        Its gear pair.
+    stage
+        Called with the name of each tooth before it is built.
 
     Raises
     ------
@@ -213,20 +226,24 @@ def finite_elements(case: Case, pair: GearPair) -> tuple[FiniteElementTooth, Fin
     if table.model == "shell":
         return None
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
+    what = "finite elements" if table.model == "fe" else "solid shell"
+
+    def tooth(member: MemberName, material: Material, rim_depth: float | None) -> FiniteElementTooth:
+        if stage is not None:
+            stage(f"{what} of the {member}")
+        return make(pair, member, material, fineness=table.fineness, rim_depth=rim_depth)
+
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
-    return (
-        make(pair, "pinion", pinion, fineness=table.fineness, rim_depth=of_pinion),
-        make(pair, "gear", gear, fineness=table.fineness, rim_depth=of_gear),
-    )
+    return tooth("pinion", pinion, of_pinion), tooth("gear", gear, of_gear)
 
 
-def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None = None) -> ElasticModel:
-    """Elastic model of the teeth of a case: shells, or the teeth from ``finite_elements``.
+def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:
+    """Elastic model of the teeth of a case: the teeth from ``finite_elements``, or shells if they are ``None``.
 
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> elastic_model(read_case("nasa-12x36")).pinion
+    >>> elastic_model(read_case("nasa-12x36"), None).pinion
     Material(elastic_modulus=206000.0, poisson_ratio=0.3)
     """
     table = case.compliance
@@ -241,12 +258,6 @@ def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementToot
         foundation=foundation,
         condensed=None if teeth is None else (teeth[0].flank, teeth[1].flank),
     )
-
-
-def edges_touch(case: Case) -> bool:
-    """Whether tooth edges may touch beside the contact lines; by default with the accurate elastic models alone."""
-    chosen = case.contact.edge_contact
-    return case.compliance.model != "shell" if chosen is None else chosen
 
 
 def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:

@@ -4,7 +4,7 @@ The contact problem stands on its own: ``ContactProblem``, ``solve`` and ``certi
 """
 
 from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
-from .compliance.elastic_model import STEEL, ElasticModel
+from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
 from .harmonics import harmonics, peak_to_peak, rms
 from .line_contact.line_contact_solution import solve_line_contact
 from .lines.mesh_lines import MeshLines, lines_in_mesh
@@ -57,6 +57,7 @@ __all__ = [
     "read_problems",
     "rms",
     "root_stress",
+    "solid_shells",
     "solve",
     "solve_line_contact",
     "solve_many",

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
-from ..core.errors import GeometryError
+from ..core.errors import GeometryError, InputError
 from ..geometry.pair.gear_pair import MEMBERS
 from .lines.flank_splines import FlankSplines, fit
 
@@ -99,7 +99,7 @@ def engagement(
     Parameters
     ----------
     loaded
-        Result of ``loaded_contact``.
+        Result of ``MeshCycle.loaded`` with contact on lines alone.
     splines
         From ``rolling_splines``.
     pinion_pitch
@@ -111,6 +111,8 @@ def engagement(
 
     Raises
     ------
+    InputError
+        If edges touch beside the lines: an edge sweeps no flank.
     GeometryError
         If a mesh position has no certified solution: its wear is not known.
 
@@ -124,11 +126,13 @@ def engagement(
     >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
     >>> motion = {name: value.reshape(9, 7) for name, value in vars(rolling(geometry.exact)).items()}
     >>> known = rolling_splines(geometry.ease_off, motion), cycle.pinion_pitch, 5
-    >>> light, heavy = (engagement(cycle.loaded([torque])[0], *known) for torque in (100.0, 200.0))
+    >>> light, heavy = (engagement(cycle.loaded([torque], edge_contact=False)[0], *known) for torque in (100.0, 200.0))
     >>> light.work < heavy.work
     True
     """
     here = loaded.isel(torque=torque)
+    if bool(here["overhang"].notnull().any()):
+        raise InputError("loaded: must have contact on lines alone for wear (edge_contact = False)")
     values = {n: here[n].transpose("mesh_position", "segment").values for n in ("force", "length", *GRID)}
     present = np.isfinite(values["length"])
     if not np.all(np.isfinite(values["force"][present])) or not np.all(present.any(axis=1)):

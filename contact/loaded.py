@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.checks import array
-from .compliance.elastic_model import ElasticModel, elastic_teeth, tooth_fields
+from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines
@@ -54,9 +54,9 @@ def loaded_contact(
     *,
     ratio: float,
     torques: Array,
-    model: ElasticModel | None = None,
+    model: ElasticModel,
     segments_per_line: int = 31,
-    edge_contact: bool = False,
+    edge_contact: bool = True,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
@@ -93,19 +93,18 @@ def loaded_contact(
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import lines_in_mesh
+    >>> from easeoff.contact import lines_in_mesh, solid_shells
     >>> from easeoff.geometry import pair_geometry
     >>> pair = gear_pair(read_case("nasa-12x36"))
     >>> geometry = pair_geometry(pair, (9, 7))
     >>> fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     >>> mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 2)
-    >>> loaded, cases = loaded_contact(fields, geometry.teeth, mesh, ratio=3.0, torques=np.array([100.0]))
+    >>> known = {"ratio": 3.0, "torques": np.array([100.0]), "model": solid_shells(pair)}
+    >>> loaded, cases = loaded_contact(fields, geometry.teeth, mesh, **known)
     >>> [case.solution.status.name for case in cases]
     ['CERTIFIED', 'CERTIFIED']
     """
-    model = model or ElasticModel()
-    on_lines = LineSegments(splines, mesh, elastic_teeth(teeth, model), segments_per_line)
-    segments = CycleSegments(splines, on_lines, model)
+    segments = CycleSegments(splines, LineSegments(splines, mesh, ElasticTeeth(teeth, model), segments_per_line))
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
-from .compliance.elastic_model import ElasticModel, ElasticTooth, elastic_teeth
+from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
 from .lines.closest_approach import SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations
@@ -75,7 +75,7 @@ class MeshCycle:
         geometry
             From ``geometry.pair_geometry``.
         model
-            Elastic model of the teeth; steel shells on elastic roots if left out.
+            Elastic model of the teeth; solid shells of steel if left out.
         mesh_positions
             Pinion rotations in one pitch.
         segments_per_line
@@ -86,12 +86,11 @@ class MeshCycle:
         GeometryError
             If no tooth pair can touch at any rotation.
         """
-        model = model or ElasticModel()
         pitch = geometry.pair.assembly.pinion_pitch
         fields = _fields(geometry)
         lines = lines_at(fields, pitch, mesh_rotations(pitch, mesh_positions))
-        on_lines = LineSegments(fields, lines, elastic_teeth(geometry.teeth, model), segments_per_line)
-        return cls(geometry, CycleSegments(fields, on_lines, model))
+        teeth = ElasticTeeth(geometry.teeth, model, geometry.pair)
+        return cls(geometry, CycleSegments(fields, LineSegments(fields, lines, teeth, segments_per_line)))
 
     @property
     def fields(self) -> FlankSplines:
@@ -105,8 +104,14 @@ class MeshCycle:
 
     @property
     def elastic(self) -> tuple[ElasticTooth, ElasticTooth]:
-        """Elastic teeth of pinion and gear."""
-        return self.segments.on_lines.elastic
+        """Elastic teeth of pinion and gear, built when they are first asked for.
+
+        Raises
+        ------
+        GeometryError
+            If a tooth cannot be made a solid shell.
+        """
+        return self.segments.on_lines.teeth.both
 
     @property
     def ratio(self) -> float:
@@ -136,7 +141,7 @@ class MeshCycle:
         self,
         torques: Sequence[float] | Array,
         *,
-        edge_contact: bool = False,
+        edge_contact: bool = True,
         solver: str = "auto",
         progress: Callable[[], None] | None = None,
         **options: Any,
@@ -148,7 +153,7 @@ class MeshCycle:
         torques
             Torques at the pinion (t) [N m].
         edge_contact
-            Whether edges of the teeth may touch beside the contact lines.
+            Whether edges of the teeth may touch beside the contact lines, or these alone.
         solver
             Name of the solver, see ``contact.available_solvers``.
         progress
@@ -165,6 +170,8 @@ class MeshCycle:
         ------
         InputError
             If a torque is not positive.
+        GeometryError
+            If a tooth cannot be made a solid shell.
         """
         return solve_cycle(self.segments, np.asarray(torques), self.ratio, edge_contact, solver, options, progress)
 

@@ -55,14 +55,14 @@ def root_stress(
     Raises
     ------
     InputError
-        If a tooth is a solid shell.
+        If a tooth is a solid shell, or cut by a blade without an edge radius: the stress in a sharp root has no limit.
 
     Examples
     --------
     >>> from easeoff.cases import read_case
     >>> from easeoff.study import CaseInMesh
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
-    >>> case = read_case("nasa-12x36")
+    >>> case = read_case("fm-11x41")
     >>> tables = {"contact": coarse, "compliance": {"model": "fe", "fineness": 0.3}}
     >>> changed = {name: getattr(case, name).model_copy(update=table) for name, table in tables.items()}
     >>> state = CaseInMesh.of(case.model_copy(update=changed))
@@ -87,7 +87,7 @@ def root_stress(
     along = np.full((shape[0], 2, LENGTHWISE_STATION_COUNT), np.nan)
     for member, tooth in enumerate(teeth):
         if tooth.root is None:
-            raise InputError('root stresses need finite elements: model = "fe" under [compliance]')
+            raise InputError(tooth.no_root)
         on_member = member_points(splines, MEMBERS[member], points)
         nodes, shares = flank_shares(tooth.flank.lengthwise, tooth.flank.profile, on_member)
         on_nodes = csc_array(

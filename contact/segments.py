@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import ElasticModel, ElasticTooth, whitened_loads
+from .compliance.elastic_model import ElasticTeeth, whitened_loads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_edges import edges_in_mesh
@@ -104,8 +104,8 @@ class LineSegments:
         Splines from ``loaded_splines``.
     lines
         Contact lines.
-    elastic
-        Pinion and gear from ``elastic_model.elastic_teeth``.
+    teeth
+        Elastic teeth.
     count
         Segments per line.
 
@@ -123,7 +123,7 @@ class LineSegments:
 
     fields: FlankSplines
     lines: MeshLines
-    elastic: tuple[ElasticTooth, ElasticTooth]
+    teeth: ElasticTeeth
     count: int
 
     @cached_property
@@ -141,7 +141,7 @@ class LineSegments:
         """Values of the segments by name, their number last; ``load`` has both teeth's whitened unit loads."""
         points, weights = self.quadrature
         mesh, lines = self.lines, self.lines.lines
-        load = whitened_loads(self.elastic, self.fields, np.reshape(points, (2, -1, weights.size)), weights)
+        load = whitened_loads(self.teeth.both, self.fields, np.reshape(points, (2, -1, weights.size)), weights)
         return {name: self.mean(values) for name, values in self.fields.evaluate(DEPTHS, points).items()} | {
             "position": np.repeat(mesh.position, self.count),
             "pair": np.repeat(mesh.pair, self.count),
@@ -167,8 +167,6 @@ class CycleSegments:
         Splines from ``loaded_splines``.
     on_lines
         Segments of the contact lines.
-    model
-        Elastic model of the teeth.
 
     Examples
     --------
@@ -183,7 +181,6 @@ class CycleSegments:
 
     fields: FlankSplines
     on_lines: LineSegments
-    model: ElasticModel
 
     @cached_property
     def closest(self) -> ClosestApproach:
@@ -206,7 +203,7 @@ class CycleSegments:
             "pair": edges.pair,
             "point": found.points,
             "searched": np.zeros(edges.pair.size, dtype=bool),
-            "load": whitened_loads(self.on_lines.elastic, self.fields, found.points[..., None], np.ones(1)),
+            "load": whitened_loads(self.on_lines.teeth.both, self.fields, found.points[..., None], np.ones(1)),
         }
         on_lines = self._on_lines
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
@@ -223,6 +220,7 @@ class CycleSegments:
 
     def _split(self, table: dict[str, Array], bending: list[ModalBasis] | None = None) -> list[Segments | None]:
         """Segments of a table by mesh position, with their bending where it is known."""
+        model = self.on_lines.teeth.model
         result: list[Segments | None] = [None] * self.on_lines.lines.rotations.size
         for i, (k, here) in enumerate(_parted(table).items()):
             depths = [np.maximum(here[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
@@ -231,9 +229,9 @@ class CycleSegments:
                 1.0 / np.maximum(here["curvature"], RELATIVE_CURVATURE_MINIMUM),
                 depths[0],
                 depths[1],
-                self.model.pinion,
-                self.model.gear,
-                self.model.foot_correction,
+                model.pinion,
+                model.gear,
+                model.foot_correction,
                 overhang=here["overhang"],
             )
             basis = bending[i] if bending is not None else _bending(here["pair"], here["load"])

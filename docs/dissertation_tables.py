@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 from dissertation_figures import error_of_a_pair, transfer
+from dissertation_method import by_its_method
 from tabulate import tabulate
 
 import easeoff
@@ -65,11 +66,11 @@ PANELS_3_7 = {
 
 @cache
 def analysed(position: tuple[float, float, float]) -> xr.DataTree:
-    """The pair fm-11x41 in a position of E, P [mm] and shaft angle [minutes]."""
+    """The pair fm-11x41, by the method of the dissertation, in a position of E, P [mm] and shaft angle [minutes]."""
     offset, pinion_axial, minutes = position
     errors = Misalignment(offset, pinion_axial, shaft_angle=math.radians(minutes / 60.0))
     torques = list(LOADED) if position == BASE else [min(LOADED)]
-    return easeoff.analyze("fm-11x41", torques=torques, misalignment=errors)
+    return easeoff.analyze(by_its_method("fm-11x41"), torques=torques, misalignment=errors)
 
 
 def named(position: tuple[float, float, float]) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from dissertation_method import by_its_method
 from dissertation_tables import table
 from efficiency_tables import AT, DESIGNS, DIRECTIONS, PRINTED, result, with_direction
 
-import easeoff
 from easeoff.study import CaseInMesh, contact_analysis
 
 
@@ -37,7 +37,7 @@ def chapter_four() -> str:
     """Table: greatest pressure of the pairs of chapter 4 at 200 N m."""
     rows: list[tuple[object, ...]] = []
     for name, printed in (("fh-12x41-45", "to 800"), ("fm-11x41", "to 1200, with a loaded edge")):
-        tree = contact_analysis(CaseInMesh.of(easeoff.read_case(name)), 200.0).tree
+        tree = contact_analysis(CaseInMesh.of(by_its_method(name)), 200.0).tree
         loaded = (with_direction(tree, direction)["loaded"].to_dataset() for direction in DIRECTIONS)
         pressures = (float(found["max_pressure"].sel(torque=200.0)) for found in loaded)
         rows.append((f"`{name}`", *(f"{pressure:.0f}" for pressure in pressures), printed))

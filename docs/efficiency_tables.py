@@ -7,11 +7,11 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from dissertation_method import by_its_method
 from dissertation_radius import whole_sliding, with_radius_along_line
 from dissertation_tables import table
 from numpy.typing import NDArray
 
-import easeoff
 from easeoff.friction import FrictionModel, Operation, friction, friction_feedback
 from easeoff.study import Analysis, CaseInMesh, contact_analysis
 from easeoff.study.plot.friction_maps import FlankMap, loaded_map, velocity_maps
@@ -44,8 +44,8 @@ MAPS = ("rolling_velocity", "sliding_velocity", "slide_to_roll", "equivalent_rad
 
 @cache
 def analysed(letter: str) -> Analysis:
-    """A design at three torques."""
-    return contact_analysis(CaseInMesh.of(easeoff.read_case(DESIGNS[letter])), TORQUES)
+    """A design at three torques, by the method of the dissertation."""
+    return contact_analysis(CaseInMesh.of(by_its_method(DESIGNS[letter])), TORQUES)
 
 
 @cache

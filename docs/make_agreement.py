@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from dissertation_method import by_its_method
 from tabulate import tabulate
 
-from easeoff.cases import read_case
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
 from easeoff.contact.solvers.polish import polished_answer
@@ -89,9 +89,9 @@ def random_problems() -> Iterator[ContactProblem]:
 
 
 def gear_problems() -> Iterator[ContactProblem]:
-    """Mesh positions of two shipped cases under three torques."""
+    """Mesh positions of two shipped cases under three torques, with shells on lines as in the problem library."""
     for name, torques in GEARS.items():
-        case = read_case(name)
+        case = by_its_method(name)
         case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": MESH_POSITIONS})})
         for solved in contact_analysis(CaseInMesh.of(case), torques).cases:
             yield solved.problem

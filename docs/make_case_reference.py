@@ -44,12 +44,14 @@ MEANINGS = {
     "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "edge_contact": (
-        "whether tooth edges may touch beside the contact lines, see [finite elements](finite_elements.md#edges); with "
-        "`fe` and `solid_shell` alone if left out",
+        "whether tooth edges may touch beside the contact lines, see [finite elements](finite_elements.md#edges)",
         "",
     ),
     "torques": ("torques at the pinion, one or more", "N m"),
-    "model": ("`fe` and `solid_shell` for accuracy instead of speed, see [finite elements](finite_elements.md)", ""),
+    "model": (
+        "see [finite elements](finite_elements.md); `plate` to `root_factor` go with `shell`, the dissertation's",
+        "",
+    ),
     "plate": (
         "`fitted` follows the tooth's thickness over the height and the fanning of its heights; `even` is the "
         "dissertation's",

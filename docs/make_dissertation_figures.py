@@ -15,6 +15,7 @@ from dissertation_figures import (
     save_small,
     unloaded_error,
 )
+from dissertation_method import by_its_method
 from dissertation_tables import (
     BASE,
     EDGE_SHARE,
@@ -68,7 +69,7 @@ def figure_5_3() -> str:
     """The section on designs A and B with its picture, empty while they are not shipped."""
     if not set(DESIGNS) <= set(shipped_cases()):
         return ""
-    trees = {name: easeoff.analyze(name, torques=[500.0]) for name in DESIGNS}
+    trees = {name: easeoff.analyze(by_its_method(name), torques=[500.0]) for name in DESIGNS}
     panels, maps = [], []
     rows: list[tuple[object, ...]] = []
     for name, (letter, design) in DESIGNS.items():

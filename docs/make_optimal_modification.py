@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from dissertation_figures import save_small, title
+from dissertation_method import by_its_method
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -53,10 +54,10 @@ def programmes(tree: xr.DataTree) -> str:
 
 def fitted_cells(name: str, tree: xr.DataTree) -> tuple[str, list[str]]:
     """What machine settings leave [um], and the figures of the case cut with them."""
-    fitted, fit = fit_modification(easeoff.read_case(name), recorded_modification(tree))
+    fitted, fit = fit_modification(by_its_method(name), recorded_modification(tree))
     loaded = easeoff.analyze(fitted)["loaded"].to_dataset()
     load = (loaded["force"] / loaded["length"]).transpose("torque", "mesh_position", "segment").values
-    number = np.arange(load.shape[-1]) % easeoff.read_case(name).contact.segments_per_line
+    number = np.arange(load.shape[-1]) % fitted.contact.segments_per_line
     at_end = load[..., (number == 0) | (number == number.max())]
     values = {
         "max_line_load": np.nanmax(load, axis=(1, 2)),
@@ -124,7 +125,7 @@ def draw(before: xr.DataTree, after: xr.DataTree, path: Path) -> None:
 def trade(name: str, free: xr.DataTree) -> list[tuple[float, float]]:
     """Peak to peak [urad] and line load over that before, worst torque, under one limit after the other and none."""
     reached = []
-    for tree in (*(easeoff.optimize(name, transmission_error=limit) for limit in LIMITS), free):
+    for tree in (*(easeoff.optimize(by_its_method(name), transmission_error=limit) for limit in LIMITS), free):
         record = tree["optimization"].to_dataset().isel(assembly=0)
         load, after = record["max_line_load"], record.sel(stage="after")
         ratio = (load.sel(stage="after") / load.sel(stage="before")).max().item()
@@ -151,12 +152,12 @@ def main() -> None:
     for name in CASES:
         made = {}
         for label, options in RUNS:
-            made[label] = easeoff.optimize(name, **options)
+            made[label] = easeoff.optimize(by_its_method(name), **options)
             print(name, label, cells(made[label], "after"), programmes(made[label]), flush=True)
         tables.append(table(name, made))
         if name == CASES[0]:
             free = made[RUNS[0][0]]
-            draw(easeoff.analyze(name), free, IMAGES / "optimal_modification.png")
+            draw(easeoff.analyze(by_its_method(name)), free, IMAGES / "optimal_modification.png")
             draw_trade(trade(name, free), IMAGES / "optimal_modification_trade.png")
     begin, end = "<!-- begin generated: figures -->", "<!-- end generated: figures -->"
     made_text = "\n\n".join(tables)

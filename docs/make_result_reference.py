@@ -30,7 +30,7 @@ def coarse_analysis() -> xr.DataTree:
     That is more than one result ever has: the variables of any, with few numbers.
     """
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
-    case = easeoff.read_case("nasa-12x36").model_copy(update=changed)
+    case = easeoff.read_case("fm-11x41").model_copy(update=changed)
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from dissertation_method import by_its_method
 from tabulate import tabulate
 
 import easeoff
@@ -39,16 +41,18 @@ def harmonics(loaded: xr.Dataset, torque: float) -> str:
 
 
 def against_the_dissertation() -> str:
-    """Loaded error of fm-11x41 beside the dissertation's; draws the pictures of the README."""
-    tree = easeoff.analyze("fm-11x41", torques=TORQUES)
-    write_pictures(tree, HERE / "images")
-    loaded = tree["loaded"].to_dataset()
+    """Loaded error of fm-11x41 beside the dissertation's, by its method and ours; draws the pictures of the README."""
+    default = easeoff.analyze("fm-11x41", torques=TORQUES)
+    write_pictures(default, HERE / "images")
+    trees = {"its": easeoff.analyze(by_its_method("fm-11x41"), torques=TORQUES), "default": default}
     rows: list[tuple[object, ...]] = []
-    for i, torque in enumerate(TORQUES):
+    for method, i in itertools.product(trees, range(len(TORQUES))):
+        loaded, torque = trees[method]["loaded"].to_dataset(), TORQUES[i]
         mean, peak, amplitudes = THESIS[torque]
         own_mean, own_peak = float(loaded["mean_level"][i]), float(loaded["peak_to_peak"][i])
         rows.append(
             (
+                method,
                 f"{torque:g}",
                 f"{own_mean:.0f}",
                 mean,
@@ -62,6 +66,7 @@ def against_the_dissertation() -> str:
             )
         )
     headers = [
+        "method",
         "torque [N m]",
         "mean TE, ours [urad]",
         "dissertation",
@@ -116,25 +121,27 @@ def conventional() -> tuple[str, str]:
 
 
 def convergence() -> str:
-    """Loaded error and greatest pressure of fm-11x41 against grid, segments and modes, at low and high torque."""
-    case = easeoff.read_case("fm-11x41")
+    """Loaded error and greatest pressure of fm-11x41 against grid, segments and teeth, at low and high torque."""
 
-    def run(changes: dict[str, int]) -> tuple[np.ndarray, np.ndarray]:
-        tables: dict[str, dict[str, int]] = {"contact": {}, "compliance": {}}
+    def run(changes: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+        modes = any(key.endswith("modes") for key in changes)
+        case = by_its_method("fm-11x41") if modes else easeoff.read_case("fm-11x41")
+        tables: dict[str, dict[str, Any]] = {"contact": {}, "compliance": {}}
         for key, value in changes.items():
-            tables["compliance" if key.endswith("modes") else "contact"][key] = value
+            tables["compliance" if modes or key == "fineness" else "contact"][key] = value
         changed = case.model_copy(
             update={name: getattr(case, name).model_copy(update=values) for name, values in tables.items()}
         )
         loaded = easeoff.analyze(changed, torques=[50.0, 500.0])["loaded"].to_dataset()
         return loaded["transmission_error"].values, loaded["max_pressure"].values
 
-    studies: list[tuple[str, list[dict[str, int]]]] = [
+    studies: list[tuple[str, list[dict[str, Any]]]] = [
         (
             "grid of the flank",
             [{"lengthwise_nodes": a, "profile_nodes": b} for a, b in ((9, 7), (13, 9), (21, 15), (31, 21), (61, 41))],
         ),
         ("segments of a line", [{"segments_per_line": n} for n in (8, 16, 31, 62, 248)]),
+        ("fineness of the solid shells", [{"fineness": f} for f in (0.5, 0.7, 1.0, 1.4)]),
         ("shell modes along the face", [{"lengthwise_modes": n} for n in (7, 11, 15, 21, 31)]),
         ("shell modes up the profile", [{"profile_modes": n} for n in (3, 4, 5, 6, 9)]),
     ]

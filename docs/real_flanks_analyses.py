@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 import xarray as xr
+from dissertation_method import by_its_method
 
 import easeoff
 
@@ -34,9 +35,9 @@ def files(example: str, members: tuple[str, ...] = MEMBERS) -> dict[str, str]:
 
 @cache
 def analysed(example: str, members: tuple[str, ...] = MEMBERS, deviated: str = "ease_off") -> xr.DataTree:
-    """The pair of an example with the deviations of these members."""
+    """The pair of an example with the deviations of these members, by the method of the dissertation."""
     options: Any = {"deviations": files(example, members), "deviated": deviated}
-    return easeoff.analyze(CASES[example], torques=[TORQUE], **options)
+    return easeoff.analyze(by_its_method(CASES[example]), torques=[TORQUE], **options)
 
 
 def ours(tree: xr.DataTree) -> tuple[Row, Row]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from dissertation_method import by_its_method
 from dissertation_tables import HEADS, table
 from real_flanks_analyses import CASES, MEMBERS, PRINTED, TORQUE, analysed, files, ours, pressures
 
@@ -68,7 +69,7 @@ def swing(name: str, deviations: dict[str, Deviation], way: str) -> float:
     """Unloaded peak to peak [urad]; NaN if the flanks have no line contact somewhere."""
     options: Any = {"deviations": deviations, "deviated": way}
     try:
-        return ours(easeoff.analyze(name, torques=[TORQUE], **options))[0][0]
+        return ours(easeoff.analyze(by_its_method(name), torques=[TORQUE], **options))[0][0]
     except GeometryError:
         return float("nan")
 
@@ -102,10 +103,10 @@ def shortcut() -> str:
 def own_wear() -> str:
     """The pair worn by our own law at 200 N m until the pinion is as deep as the dissertation's."""
     law = WearLaw(1e-12, 1e-12, revolutions=1e12, largest_step=0.5, largest_depth=10.0)
-    history = wear(CASES["worn"], law, torque=TORQUE)
+    history = wear(by_its_method(CASES["worn"]), law, torque=TORQUE)
     last = history.isel(step=-1)
     left: Any = {member: last[["deviation"]].sel(member=member) for member in MEMBERS}
-    tree = easeoff.analyze(CASES["worn"], torques=[TORQUE], deviations=left)
+    tree = easeoff.analyze(by_its_method(CASES["worn"]), torques=[TORQUE], deviations=left)
     before, after = ours(analysed("worn", ())), ours(tree)
     theirs = PRINTED["worn"]
     rows: list[tuple[object, ...]] = [
@@ -139,9 +140,9 @@ def wear_by_torque() -> str:
     ):
         left: Any = {}
         if cycle is not None:
-            last = wear(CASES["worn"], law, torque=cycle).isel(step=-1)
+            last = wear(by_its_method(CASES["worn"]), law, torque=cycle).isel(step=-1)
             left = {member: last[["deviation"]].sel(member=member) for member in MEMBERS}
-        tree = easeoff.analyze(CASES["worn"], torques=TORQUES, deviations=left)
+        tree = easeoff.analyze(by_its_method(CASES["worn"]), torques=TORQUES, deviations=left)
         swings = [ours(tree)[0][0], *map(float, tree["loaded"].to_dataset()["peak_to_peak"])]
         rows.append((name, *(f"{swing:.1f}" for swing in swings)))
     return table(rows, ["peak to peak [µrad]", "unloaded", *(f"{t:g} N m" for t in TORQUES)])

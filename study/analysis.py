@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ..cases.conversion import edges_touch
 from ..cases.schema.case_schema import Case
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.loaded_cases import LoadedCase
@@ -110,7 +109,8 @@ def contact_analysis(
     ['CERTIFIED', 'CERTIFIED']
     """
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
-    load, edges = case_torques(case, torques), edges_touch(case) if edge_contact is None else edge_contact
+    load = case_torques(case, torques)
+    edges = case.contact.edge_contact if edge_contact is None else edge_contact
     if state.deviations:
         require_line_contact(cycle.lost_contact, state.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
@@ -126,7 +126,11 @@ def contact_analysis(
         "/loaded": with_loaded_numbers(cycle, loaded, cases),
     }
     if state.teeth is not None and case.compliance.model == "fe":
-        groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
+        sharp = [tooth.no_root for tooth in state.teeth if tooth.root is None]
+        if sharp:
+            groups["/"].attrs["root_stress_left_out"] = "; ".join(sharp)
+        else:
+            groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
     return Analysis(xr.DataTree.from_dict(groups), cases)
 
 
@@ -150,6 +154,7 @@ def analyze(
     friction_model: FrictionModel | None = None,
     friction_feedback: bool | None = None,
     progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
     **options: Any,
 ) -> xr.DataTree:
     """Analyse a case from machine settings to certified loaded contact.
@@ -175,8 +180,7 @@ def analyze(
     modification
         Added to the ease-off.
     edge_contact
-        Whether tooth edges may touch beside the contact lines; as the case says, or with ``fe`` and ``solid_shell``, if
-        left out.
+        Whether tooth edges may touch beside the contact lines; as the case says if left out.
     marking
         Thickness of the marking compound of the unloaded pattern [um]; ``contact.separation`` of the case if left out.
     solver
@@ -194,6 +198,8 @@ def analyze(
         not if left out.
     progress
         Called after every solved torque and mesh position.
+    stage
+        Called with the name of what takes long before it begins: each elastic tooth, then the loaded contact.
     **options
         Passed to the solver.
 
@@ -201,8 +207,8 @@ def analyze(
     -------
     xr.DataTree
         Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``light_load`` (1 % of the greatest torque),
-        ``loaded``; with finite elements ``root_stress``, and if a speed is given ``friction``; where it came from in
-        the attributes.
+        ``loaded``; with finite elements ``root_stress``, unless a blade has no edge radius (the attribute
+        ``root_stress_left_out`` says which); if a speed is given ``friction``; where it came from in the attributes.
 
     Raises
     ------
@@ -248,7 +254,10 @@ def analyze(
         deviated=deviated,
         interpolation=interpolation,
         modification=modification,
+        stage=stage,
     )
+    if stage is not None:
+        stage("loaded contact")
     found = contact_analysis(
         state, torques, edge_contact=edge_contact, marking=marking, solver=solver, progress=progress, **options
     )

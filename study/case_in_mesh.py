@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -91,11 +91,12 @@ class CaseInMesh:
         deviated: Deviated = "ease_off",
         interpolation: Method = "spline",
         modification: Modification | None = None,
+        stage: Callable[[str], None] | None = None,
     ) -> CaseInMesh:
         """Compute geometry, elastic teeth and contact lines of a case; arguments and raises as of ``analyze``."""
         pair, settings = prepared_pair(case, flank, misalignment), case.contact
         departures = flank_deviations(pair, deviations or {}, interpolation)
-        teeth = finite_elements(case, pair)
+        teeth = finite_elements(case, pair, stage)
         geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
         cycle = MeshCycle.of(
             geometry,

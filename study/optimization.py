@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import elastic_model
+from ..cases.conversion import materials
 from ..cases.schema.case_schema import Case
 from ..contact.modification.convex_programme import (
     Goal,
@@ -55,8 +55,12 @@ def optimize(
     programmes: int = 40,
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
 ) -> xr.DataTree:
     """Find the modification of a case's ease-off that is best under load, and analyse the case with it.
+
+    The contact is that on lines alone, whatever the case says of edges: the convex programmes know no others. It keeps
+    loads off the ends of the lines, where edges begin (``end_load``); ``analyze`` shows what edges carry.
 
     Parameters
     ----------
@@ -87,6 +91,8 @@ def optimize(
         Name of the contact solver.
     progress
         Called after every programme.
+    stage
+        Called with the name of what takes long before it begins: each elastic tooth, then the convex programmes.
 
     Returns
     -------
@@ -121,9 +127,10 @@ def optimize(
     whole("programmes", programmes, 1)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
-    # The convex programmes know the contact lines alone; what they promise holds for an analysis of the same.
-    own = CaseInMesh.of(checked, flank=flank)
-    loaded, _ = own.cycle.loaded(case_torques(checked, torques), solver=solver)
+    own = CaseInMesh.of(checked, flank=flank, stage=stage)
+    if stage is not None:
+        stage("convex programmes")
+    loaded, _ = own.cycle.loaded(case_torques(checked, torques), edge_contact=False, solver=solver)
     torque = loaded["torque"].values
     states = [own, *(own.misaligned(other) for other in misalignments)]
     contacts = [ModifiedContact(state.cycle, torque, names, solver) for state in states]
@@ -148,6 +155,7 @@ def optimize(
     record = _compared(checked, start, found, loaded, [state.pair for state in states])
     record.attrs |= {
         "objective": chosen,
+        "edge_contact": 0,
         "transmission_error_limit_urad": math.inf if transmission_error is None else transmission_error,
         "end_load_limit_N_per_mm": goal.end_load,
         "largest_modification_um": largest,
@@ -192,8 +200,7 @@ def _compared(
     def both(of: Callable[[LoadResponse], Array]) -> Array:
         return np.stack([of(loads).reshape(shape) for loads in stages])
 
-    model = elastic_model(case)
-    flexibility = 1.0 / model.pinion.plane_strain_modulus + 1.0 / model.gear.plane_strain_modulus
+    flexibility = sum(1.0 / material.plane_strain_modulus for material in materials(case))
     grid = ("stage", "assembly", "torque")
     # Were the load even along all contact lines of the worst mesh position, no surface could do better.
     arms = (before["lever_arm"] * before["length"]).sum("segment")

@@ -47,8 +47,12 @@ def wear(
     interpolation: Method = "spline",
     solver: str = "auto",
     progress: Callable[[float], None] | None = None,
+    stage: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Wear of both flanks of a pair, at one torque or a duty cycle.
+
+    The contact is that on lines alone, whatever the case says of edges: an edge sweeps no flank, so that Archard's law
+    has no depth for it. Peak to peak and pressure can differ from those of ``analyze`` by what its edges carry.
 
     Parameters
     ----------
@@ -62,6 +66,8 @@ def wear(
         As in ``analyze``; deviations are those at the start.
     progress
         Called after every step with the pinion's revolutions.
+    stage
+        Called with the name of what takes long before it begins: each elastic tooth, then the wear.
 
     Returns
     -------
@@ -72,7 +78,7 @@ def wear(
         of the loaded contact at every torque. Attribute ``stop`` says why it ended, and ``completed`` is 1 if as
         ``law`` has it. If the worn flanks have no line contact any more, or their contact could not be solved, it is 0,
         ``stop`` begins with "contact lost" or "contact not solved", and the history ends before that.
-        ``position`` (member, lengthwise, profile, xyz) [mm] is the
+        Attribute ``edge_contact`` is 0. ``position`` (member, lengthwise, profile, xyz) [mm] is the
         designed flank: what ``flank_deviations`` knows a file of it by.
 
     Raises
@@ -95,7 +101,10 @@ def wear(
     checked, shares = checked_case(case), duty_cycle(torque)
     pair = prepared_pair(checked, flank, misalignment)
     start = flank_deviations(pair, deviations or {}, interpolation)
-    run = _Run(CaseInMesh.of(checked, flank=flank, misalignment=misalignment), law, shares, solver, start)
+    designed = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
+    if stage is not None:
+        stage("wear")
+    run = _Run(designed, law, shares, solver, start)
     history, completed = [run.state()], True
     while run.stop is None:
         try:
@@ -117,6 +126,7 @@ def wear(
         "completed": int(completed),
         "title": checked.title,
         "flank": flank,
+        "edge_contact": 0,
         **of_pair,
         **_attributes(law),
     }
@@ -175,7 +185,7 @@ class _Run:
                 f"{CONTACT_LOST}: at {100 * lost:.1f} % of the points of the contact lines the worn flanks bend over "
                 "too short a way for a line contact"
             )
-        self.loaded, _ = cycle.loaded(list(self.shares), solver=self.solver)
+        self.loaded, _ = cycle.loaded(list(self.shares), edge_contact=False, solver=self.solver)
         bad = int(np.count_nonzero(self.loaded["status"].values != Status.CERTIFIED))
         if bad and self.revolutions > 0.0:
             raise GeometryError(

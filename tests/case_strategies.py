@@ -123,9 +123,10 @@ def cases(draw: st.DrawFn) -> Case:
     data["contact"] = draw(
         some(torques=st.lists(number(0.0, 1e7), min_size=1, max_size=3, unique=True), separation=number(0.0, 1e3))
     )
-    data["compliance"] = draw(
-        some(root=st.sampled_from(["weber", "odonnell", "clamped"]), shear_factor=number(0.0, 1.0))
-    )
+    roots = st.sampled_from(["weber", "odonnell", "clamped"])
+    shell = some(root=roots, shear_factor=number(0.0, 1.0)).map(lambda keys: keys | {"model": "shell"})
+    bricks = some(model=st.sampled_from(["solid_shell", "fe"]), fineness=number(0.2, 4.0))
+    data["compliance"] = draw(st.one_of(shell, bricks))
     data["target"] = draw(some(drive=some(bias=number(-99.0, 99.0))))
     data["pinion"]["hand_of_spiral"] = draw(st.sampled_from(["left", "right"]))
     for member, drive, coast in (("pinion", "concave", "convex"), ("gear", "convex", "concave")):

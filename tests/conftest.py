@@ -15,9 +15,10 @@ from hypothesis import HealthCheck, settings
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 # Condensed teeth of the tests are not the user's.
-CACHE = tempfile.mkdtemp(prefix="easeoff-cache-")
-atexit.register(shutil.rmtree, CACHE, ignore_errors=True)
-os.environ["EASEOFF_CACHE"] = CACHE
+if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker takes the folder of the process that started it
+    CACHE = tempfile.mkdtemp(prefix="easeoff-cache-")
+    atexit.register(shutil.rmtree, CACHE, ignore_errors=True)
+    os.environ["EASEOFF_CACHE"] = CACHE
 
 # No test is judged by the clock. ``make random`` takes the second profile: other examples, and more of them.
 CALM: dict[str, Any] = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
+from easeoff.cases import Case, read_case
+from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.geometry import (
     Assembly,
     Blade,
@@ -16,6 +19,16 @@ from easeoff.geometry import (
     Member,
     conjugate_pinion,
 )
+
+
+def by_the_dissertation(name: str, **contact: Any) -> Case:
+    """A shipped case by the dissertation's method, shells and contact on lines alone; with other keys of [contact]."""
+    case = read_case(name)
+    update = {"edge_contact": False, **contact}
+    return case.model_copy(
+        update={"compliance": ComplianceTable(model="shell"), "contact": case.contact.model_copy(update=update)}
+    )
+
 
 # A face-milled 11 x 41 hypoid pair with offset 20 and a Formate gear: rounded ISO 23509 Method 1 blanks.
 PINION_BLANK = BlankSection(

@@ -74,6 +74,26 @@ MISTAKES = {
         '[compliance]\nshell_form = "thesis"\n[contact]',
         ["compliance.shell_form = 'thesis': is not a key of [compliance]; known are: fineness, lengthwise_modes"],
     ),
+    "a key of the shell without it": (
+        r"^\[contact\]$",
+        '[compliance]\nplate = "even"\n[contact]',
+        ['compliance: plate = \'even\': must go with model = "shell"; it is "solid_shell", the default'],
+    ),
+    "a key of the shell with finite elements": (
+        r"^\[contact\]$",
+        '[compliance]\nmodel = "fe"\nroot_factor = 0.8\n[contact]',
+        ['root_factor = 0.8: must go with model = "shell"; it is "fe"'],
+    ),
+    "depth of the body with the shell": (
+        r"^\[contact\]$",
+        '[compliance]\nmodel = "shell"\nrim_depth = 8.0\n[contact]',
+        ['rim_depth = (8.0, 8.0): must go with model = "solid_shell" or "fe"; it is "shell"'],
+    ),
+    "edges by another word": (
+        r"^\[contact\]$",
+        '[contact]\nedge_contact = "none"',
+        ["contact.edge_contact = 'none': must be true or false"],
+    ),
     "negative tooth count": (
         r"^number_of_teeth = 12$",
         "number_of_teeth = -12",
@@ -259,3 +279,16 @@ def test_mistakes_in_basic_data_name_the_key(name: str) -> None:
         parse_case(text, "mycase.toml")
     for word in ["mycase.toml", *words]:
         assert word in str(caught.value), str(caught.value)
+
+
+def test_a_case_takes_solid_shells_and_edges_unless_it_says_otherwise() -> None:
+    """Shells and lines alone on asking, with their keys; a case in full is a case again."""
+    case = read_case("fm-11x41")
+    assert case.compliance.model == "solid_shell"
+    assert case.contact.edge_contact
+    text = case_text("fm-11x41") + "\n[contact]\nedge_contact = false\n"
+    shells = parse_case(text + '\n[compliance]\nmodel = "shell"\nplate = "fitted"\nroot = "odonnell"\n')
+    assert shells.compliance.plate == "fitted"
+    assert not shells.contact.edge_contact
+    for whole in (case, shells):
+        assert Case.model_validate(whole.model_dump()) == whole

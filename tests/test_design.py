@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from pairs import by_the_dissertation
 
 from easeoff import EaseoffError, analyze
 from easeoff.cases import (
@@ -292,7 +293,7 @@ def test_hobbed_pairs_are_certified_from_50_to_500_newton_metres(name: str, side
 
 def test_errors_of_the_wide_offset_pair_are_near_the_dissertations() -> None:
     """Table 4.4: 36.9 urad unloaded and 23.9 urad at 200 N m, peak to peak; an equivalent design, not the same one."""
-    tree = analyze("fh-12x41-45", torques=[200.0])
+    tree = analyze(by_the_dissertation("fh-12x41-45"), torques=[200.0])
     assert tree["unloaded"].attrs["peak_to_peak"] == pytest.approx(36.9, rel=0.25)
     loaded = tree["loaded"].to_dataset()
     assert float(loaded["peak_to_peak"][0]) == pytest.approx(23.9, rel=0.25)

@@ -11,13 +11,13 @@ import pytest
 
 from easeoff import analyze, read_case
 from easeoff.cases import Case, gear_pair
-from easeoff.cases.conversion import edges_touch
 from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
 from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry, solve_flank
+from easeoff.study import CaseInMesh
 from easeoff.verification import flank_gap, flanks_in_mesh
 
 PAIRS = {
@@ -183,12 +183,23 @@ def changed(name: str, **contact: object) -> Case:
     return case.model_copy(update={"contact": case.contact.model_copy(update=contact)})
 
 
-def test_accurate_models_take_edges_in_and_the_shell_when_asked() -> None:
-    case = read_case("fm-11x41")
-    assert not edges_touch(case)
-    for model in ("solid_shell", "fe"):
-        assert edges_touch(case.model_copy(update={"compliance": case.compliance.model_copy(update={"model": model})}))
-    assert edges_touch(changed("fm-11x41", edge_contact=True))
+@pytest.mark.parametrize("model", ["shell", "solid_shell"])
+def test_edges_touch_with_every_model_unless_lines_alone_are_asked_for(model: str) -> None:
+    """By the case, by the argument, and by the cycle."""
+    few = changed("fm-11x41", mesh_positions=4, segments_per_line=15)
+    case = few.model_copy(update={"compliance": few.compliance.model_copy(update={"model": model})})
+    lines = case.model_copy(update={"contact": case.contact.model_copy(update={"edge_contact": False})})
+
+    def on_edges(tree: Any) -> tuple[int, bool]:
+        return tree.attrs["edge_contact"], float(tree["loaded/edge_share"].max()) > 0.03
+
+    assert on_edges(analyze(case, torques=[500.0])) == (1, True)
+    assert on_edges(analyze(case, torques=[500.0], edge_contact=False)) == (0, False)
+    assert on_edges(analyze(lines, torques=[500.0])) == (0, False)
+    assert on_edges(analyze(lines, torques=[500.0], edge_contact=True)) == (1, True)
+    cycle = CaseInMesh.of(case).cycle
+    assert float(cycle.loaded([500.0])[0]["edge_share"].max()) > 0.03
+    assert float(cycle.loaded([500.0], edge_contact=False)[0]["edge_share"].max()) == 0.0
 
 
 def test_one_word_in_the_case_lets_edges_touch() -> None:
@@ -237,9 +248,10 @@ def test_edges_alone_hold_a_pair_without_a_line() -> None:
         "ratio": misaligned(name).assembly.ratio,
         "torques": np.array([20.0]),
         "segments_per_line": 15,
+        "model": ElasticModel(),
     }
-    bare, _ = loaded_contact(fields, geometry.teeth, gap, **known)
-    held, cases = loaded_contact(fields, geometry.teeth, gap, edge_contact=True, **known)
+    bare, _ = loaded_contact(fields, geometry.teeth, gap, edge_contact=False, **known)
+    held, cases = loaded_contact(fields, geometry.teeth, gap, **known)
     assert bare["status"].values[0].nonzero()[0].tolist() == [2]
     assert np.all(held["status"] == 0)
     turned = 1e-6 * held["transmission_error"].values[0]

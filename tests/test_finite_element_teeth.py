@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, ContactTable, gear_pair, read_case
-from easeoff.contact import STEEL, ElasticModel
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.contact import STEEL, ElasticModel, root_stress
 from easeoff.contact.compliance.elastic_model import elastic_teeth, shells
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
@@ -31,10 +32,19 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
     square_root,
 )
 from easeoff.contact.compliance.finite_elements.stress_response import StressResponse, by_station, stress_functionals
-from easeoff.geometry import GearPair, LatticeSize, ToothLattice, pair_geometry, solve_flank, tooth_lattice
+from easeoff.geometry import (
+    GearPair,
+    LatticeSize,
+    ToothLattice,
+    deviated_pair,
+    deviation_from_formula,
+    pair_geometry,
+    solve_flank,
+    tooth_lattice,
+)
 from easeoff.geometry.pair.gear_pair import bodies
 from easeoff.geometry.tooth.lattice_spacing import graded
-from easeoff.study import result_summary
+from easeoff.study import CaseInMesh, plausibility, result_summary
 
 Array = NDArray[Any]
 COARSE = LatticeSize(7, 4, 2, 1, 1, 2)
@@ -235,6 +245,8 @@ def test_store_survives_damage_and_a_folder_that_cannot_be_written(
 ) -> None:
     calls = []
 
+    shapes: store.Shapes = {"a": (3,)}
+
     def make() -> dict[str, Array]:
         calls.append(1)
         return {"a": np.arange(3.0)}
@@ -243,21 +255,64 @@ def test_store_survives_damage_and_a_folder_that_cannot_be_written(
     key = store.key_of(np.arange(4), "x", 1.0)
     assert key == store.key_of(np.arange(4), "x", 1.0) != store.key_of(np.arange(4.0), "x", 1.0)
     for _ in range(2):
-        np.testing.assert_array_equal(store.kept(key, make)["a"], np.arange(3.0))
+        np.testing.assert_array_equal(store.kept(key, shapes, make)["a"], np.arange(3.0))
     assert len(calls) == 1
-    (tmp_path / f"{key}.npz").write_bytes(b"PK\x03\x04 cut off")
-    store.kept(key, make)
-    assert len(calls) == 2
-    store.kept(key, make)
-    assert len(calls) == 2
+    file, whole = tmp_path / f"{key}.npz", {"a": np.arange(3.0), store.KEY_NAME: np.array(key)}
+
+    def damage(arrays: dict[str, Any]) -> bytes:
+        np.savez(tmp_path / "other.npz", **arrays)
+        return (tmp_path / "other.npz").read_bytes()
+
+    content = damage(whole)
+    assert b"\x00\x40" in content
+    damaged = {
+        "cut off": b"PK\x03\x04 cut off",
+        "one bit": content.replace(b"\x00\x40", b"\x00\x41", 1),
+        "empty": b"",
+        "without its array": damage({store.KEY_NAME: np.array(key)}),
+        "of another pair": damage(whole | {store.KEY_NAME: np.array(store.key_of("another"))}),
+        "without a key": damage({"a": np.arange(3.0)}),
+        "another shape": damage(whole | {"a": np.arange(4.0)}),
+        "another kind": damage(whole | {"a": np.arange(3)}),
+        "not finite": damage(whole | {"a": np.array([0.0, np.nan, 2.0])}),
+        "one more": damage(whole | {"b": np.arange(3.0)}),
+    }
+    for number, (what, content) in enumerate(damaged.items(), start=2):
+        file.write_bytes(content)
+        np.testing.assert_array_equal(store.kept(key, shapes, make)["a"], np.arange(3.0), err_msg=what)
+        assert len(calls) == number, what
+    made = len(calls)
+    store.kept(key, shapes, make)
+    assert len(calls) == made
     monkeypatch.setenv(store.FOLDER_VARIABLE, "")
-    store.kept(key, make)
-    assert len(calls) == 3
+    store.kept(key, shapes, make)
+    assert len(calls) == made + 1
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv(store.FOLDER_VARIABLE, str(blocked))
     with pytest.warns(UserWarning, match="not kept"):
-        assert store.kept(key, make)["a"].size == 3
+        assert store.kept(key, shapes, make)["a"].size == 3
+
+
+def test_keys_go_by_values() -> None:
+    """Of dataclasses with arrays inside, too; and no two parts run into each other."""
+    pinion = pair().pinion
+    assert store.key_of(pinion) == store.key_of(replace(pinion))
+    moved = replace(pinion, section=replace(pinion.section, face_width=pinion.section.face_width * (1.0 + 1e-15)))
+    assert store.key_of(pinion) != store.key_of(moved)
+    deviation = deviation_from_formula(pair().gear.section, lambda t, h: 1e-3 * t * h)
+    bent = [deviated_pair(pair(), gear=replace(deviation, value=k * deviation.value)).gear for k in (1.0, 1.0 + 1e-12)]
+    assert len({store.key_of(bent[0]), store.key_of(bent[1]), store.key_of(pair().gear)}) == 3
+    assert store.key_of("ab", "c") != store.key_of("a", "bc") != store.key_of(("a", "b"), "c")
+    assert store.key_of(1, None) != store.key_of(1.0, None)
+    with pytest.raises(TypeError, match="no key"):
+        store.key_of(object())
+
+
+def test_another_code_finds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = store.key_of("tooth")
+    monkeypatch.setattr(store, "code_digest", lambda: "another release")
+    assert store.key_of("tooth") != before
 
 
 def test_store_lets_go_of_what_was_not_asked_for_the_longest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -265,7 +320,7 @@ def test_store_lets_go_of_what_was_not_asked_for_the_longest(tmp_path: Path, mon
     keys = [store.key_of(number) for number in range(4)]
 
     def ask(number: int, time: float) -> None:
-        store.kept(keys[number], lambda: {"a": np.zeros(1000)})
+        store.kept(keys[number], {"a": (None,)}, lambda: {"a": np.zeros(1000)})
         os.utime(tmp_path / f"{keys[number]}.npz", (time, time))
 
     for time, number in enumerate((0, 1, 2), start=1):
@@ -307,7 +362,8 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     tree = quick_analysis("fm-11x41")
     loaded = tree["loaded"].to_dataset()
     assert np.all(loaded["status"] == 0)
-    shell = easeoff.analyze(read_case("fm-11x41").model_copy(update={"contact": QUICK}))["loaded"].to_dataset()
+    shells = {"contact": QUICK, "compliance": ComplianceTable(model="shell")}
+    shell = easeoff.analyze(read_case("fm-11x41").model_copy(update=shells))["loaded"].to_dataset()
     assert loaded["mean_level"].item() == pytest.approx(shell["mean_level"].item(), rel=0.1)
     assert not np.allclose(loaded["mean_level"], shell["mean_level"], rtol=1e-6)
     stress = tree["root_stress"].to_dataset()
@@ -320,6 +376,22 @@ def test_one_word_of_the_case_file_is_enough() -> None:
     shown = [line.split() for line in result_summary(tree).splitlines()]
     for member, value in zip(stress["member"].values, stress["max_root_stress"].values[0], strict=True):
         assert ["greatest", "root", "stress,", str(member), "[MPa]", f"{value:.0f}"] in shown
+
+
+def test_a_blade_without_edge_radius_has_no_root_stress() -> None:
+    """The contact is analysed; the function refuses, and the result says why it has no such group."""
+    tree = quick_analysis("nasa-12x36")
+    assert np.all(tree["loaded/status"] == 0)
+    assert "root_stress" not in tree.children
+    for words in ("pinion's concave flank", "gear's convex flank", "tool_edge_radius = 0", "give the edge radius"):
+        assert words in tree.attrs["root_stress_left_out"]
+    (note,) = [note for note in plausibility(tree) if "root stress" in note]
+    assert note in result_summary(tree)
+    state = CaseInMesh.of(with_elements("nasa-12x36"))
+    assert state.teeth is not None
+    loaded, cases = state.cycle.loaded([100.0])
+    with pytest.raises(InputError, match=r"tool_edge_radius = 0 of the pinion's concave flank: must be above 0 mm"):
+        root_stress(state.cycle.fields, state.teeth, cases, loaded)
 
 
 def test_condensed_teeth_stand_in_for_the_shells() -> None:

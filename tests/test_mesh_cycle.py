@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +13,22 @@ from deviations import GEAR_ERRORS, PINION_ERRORS
 
 from easeoff import InputError, analyze
 from easeoff.cases import Case, gear_pair, read_case
-from easeoff.contact import MeshCycle, lines_in_mesh, loaded_contact, loaded_splines
+from easeoff.contact import (
+    ElasticModel,
+    MeshCycle,
+    Shell,
+    lines_in_mesh,
+    loaded_contact,
+    loaded_splines,
+    solid_shells,
+)
+from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.geometry import (
     Misalignment,
     Modification,
     PairGeometry,
     deviated_ease_off,
+    deviated_pair,
     deviation_from_formula,
     exact_ease_off,
     modified_ease_off,
@@ -129,10 +140,25 @@ def test_cycle_is_its_parts_put_together() -> None:
     geometry = cycle.geometry
     fields = loaded_splines(geometry.flanks, geometry.ease_off, geometry.teeth)
     lines = lines_in_mesh(fields, cycle.pinion_pitch, 4)
-    by_hand, _ = loaded_contact(
-        fields, geometry.teeth, lines, ratio=cycle.ratio, torques=np.array(TORQUES), segments_per_line=9
-    )
+    torques: dict[str, Any] = {"ratio": cycle.ratio, "torques": np.array(TORQUES)}
+    model = solid_shells(geometry.pair)
+    by_hand, _ = loaded_contact(fields, geometry.teeth, lines, **torques, model=model, segments_per_line=9)
     require_same(cycle.loaded(TORQUES)[0], by_hand)
+
+
+def test_teeth_are_solid_shells_unless_another_model_is_given() -> None:
+    """Those of the case, whatever the assembly and the deviations of the flanks; plain shells on asking."""
+    name = "fm-11x41"
+    of_case = CaseInMesh.of(small(name)).cycle
+    for pair in (of_case.geometry.pair, of_case.geometry.pair.misaligned(AWAY)):
+        for own, other in zip(of(pair_geometry(pair, NODES)).elastic, of_case.elastic, strict=True):
+            assert isinstance(own, FlankCompliance)
+            assert isinstance(other, FlankCompliance)
+            np.testing.assert_array_equal(own.factor, other.factor)
+    pair = of_case.geometry.pair
+    worn = deviated_pair(pair, gear=deviation_from_formula(pair.gear.section, GEAR_ERRORS))
+    np.testing.assert_array_equal(solid_shells(worn).condensed[1].factor, of_case.elastic[1].factor)  # type: ignore[index, union-attr]
+    assert all(isinstance(tooth, Shell) for tooth in MeshCycle.of(of_case.geometry, ElasticModel()).elastic)
 
 
 def test_one_position_alone_has_the_lines_of_the_cycle() -> None:

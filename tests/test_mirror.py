@@ -11,7 +11,7 @@ import xarray as xr
 from test_face_hobbing import hobbed_pair
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
-from easeoff.contact import lines_in_mesh, loaded_contact, loaded_splines, unloaded_contact
+from easeoff.contact import lines_in_mesh, loaded_contact, loaded_splines, solid_shells, unloaded_contact
 from easeoff.friction import Operation, friction
 from easeoff.geometry import (
     EaseOffTarget,
@@ -70,8 +70,8 @@ def analysed(pair: GearPair) -> dict[str, xr.Dataset]:
         mesh,
         ratio=pair.assembly.ratio,
         torques=np.array([60.0, 250.0]),
+        model=solid_shells(pair),
         segments_per_line=15,
-        edge_contact=True,
     )
     contact = xr.DataTree.from_dict({"ease_off": geometry.ease_off, "loaded": loaded})
     return {

@@ -95,12 +95,26 @@ def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path:
     """The work offset of the pinion with the other sign still cuts a tooth, and every position is certified."""
     data = coarse("fm-11x41").model_dump()
     data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
+    data["compliance"] = {"model": "shell"}
     write_case(Case.model_validate(data), tmp_path / "slip.toml")
     out = tmp_path / "slip.nc"
     done = CliRunner().invoke(main, ["run", str(tmp_path / "slip.toml"), "-o", str(out)])
     assert done.exit_code == 0, done.output
     assert "Note: the ease-off reaches" in done.output
     assert "Note: the ease-off reaches" in CliRunner().invoke(main, ["show", str(out)]).output
+
+
+def test_a_lost_sign_that_leaves_a_pointed_tooth_is_refused_by_the_solid_shell(tmp_path: Path) -> None:
+    """Which tooth, why, and what needs no whole tooth; nothing is written."""
+    data = coarse("fm-11x41").model_dump()
+    data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
+    write_case(Case.model_validate(data), tmp_path / "slip.toml")
+    out = tmp_path / "slip.nc"
+    done = CliRunner().invoke(main, ["run", str(tmp_path / "slip.toml"), "-o", str(out)])
+    assert done.exit_code == 2
+    for words in ("the pinion's tooth is pointed", "of the face", '[compliance] model = "shell"'):
+        assert words in done.output
+    assert not out.exists()
 
 
 def test_departures_from_the_design_are_in_report_and_small_print() -> None:
@@ -121,5 +135,6 @@ def test_show_says_that_a_closest_approach_was_searched_for() -> None:
     assert note not in unwrapped(plain())
     found = unwrapped(changed("loaded", lambda loaded: loaded.assign_attrs(searched_segments=3)))
     assert note in found
-    segments = int(np.isfinite(plain()["loaded"].to_dataset()["length"].values[0]).sum())
+    loaded = plain()["loaded"].to_dataset().isel(torque=0)
+    segments = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum())  # of lines: edges are no closer
     assert f"at 3 of {segments} segments" in found

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from easeoff import InputError
 from easeoff.cases import read_case, shipped_cases
+from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import ContactProblem, read_labels, read_problems, solve, write_problems
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh, contact_analysis
@@ -99,8 +100,9 @@ def test_answers_ship_with_the_package() -> None:
 
 def test_problem_is_that_of_the_analysis(real: ContactProblem) -> None:
     source = BASES[BASE]
-    state = CaseInMesh.of(read_case(source.case), flank=source.flank, misalignment=Misalignment())
-    analysis = contact_analysis(state, [source.torque])
+    shells = read_case(source.case).model_copy(update={"compliance": ComplianceTable(model="shell")})
+    state = CaseInMesh.of(shells, flank=source.flank, misalignment=Misalignment())
+    analysis = contact_analysis(state, [source.torque], edge_contact=False)
     assert read_case(source.case).contact.mesh_positions == MESH_POSITIONS
     assert read_case(source.case).contact.segments_per_line == source.segments_per_line
     (case,) = [case for case in analysis.cases if case.mesh_position == source.mesh_position]

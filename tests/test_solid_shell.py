@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case, ContactTable, case_toml, gear_pair, parse_case, read_case
 from easeoff.cases.conversion import finite_elements
+from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import STEEL, root_stress
 from easeoff.contact.compliance.finite_elements import array_store as store
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
@@ -32,7 +34,8 @@ from easeoff.contact.compliance.finite_elements.solid_shell import (
     tooth_stiffness,
 )
 from easeoff.contact.compliance.trial_polynomials import legendre
-from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
+from easeoff.geometry import LatticeSize, Misalignment, ToothLattice, tooth_lattice
+from easeoff.study import CaseInMesh, WearLaw, wear
 
 Array = NDArray[Any]
 REFERENCE = Path(__file__).parent / "data" / "finite_element_teeth.npz"
@@ -255,8 +258,59 @@ def test_a_solid_shell_too_large_for_a_full_matrix_is_refused() -> None:
 
 
 def test_root_stress_wants_finite_elements() -> None:
-    lattice = SMALL
-    tooth = members.FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, np.eye(9)), None)
-    tree = easeoff.analyze(read_case("fm-11x41").model_copy(update={"contact": QUICK}))
+    state = CaseInMesh.of(read_case("fm-11x41").model_copy(update={"contact": QUICK}))
+    assert state.teeth is not None
+    loaded, cases = state.cycle.loaded([200.0])
     with pytest.raises(InputError, match='model = "fe"'):
-        root_stress(None, (tooth, tooth), [], tree["loaded"].to_dataset())  # type: ignore[arg-type]
+        root_stress(state.cycle.fields, state.teeth, cases, loaded)
+
+
+@pytest.mark.parametrize(("model", "teeth"), [("solid_shell", "solid shell"), ("shell", None)])
+def test_every_stage_is_named_before_it_begins(model: Any, teeth: str | None) -> None:
+    case = read_case("fm-11x41").model_copy(update={"contact": QUICK, "compliance": ComplianceTable(model=model)})
+    said: list[str] = []
+    easeoff.analyze(case, torques=[100.0], stage=said.append, progress=lambda: said.append("step"))
+    named = [] if teeth is None else [f"{teeth} of the pinion", f"{teeth} of the gear"]
+    assert said[: len(named) + 1] == [*named, "loaded contact"]
+    assert said.count("step") == len(said) - len(named) - 1 == QUICK.mesh_positions
+    for study, last in ((easeoff.optimize, "convex programmes"), (wear, "wear")):
+        said.clear()
+        options: dict[str, Any] = {"stage": said.append}
+        if study is wear:
+            wear(case, WearLaw(1e-12, 1e-12, revolutions=1e4), torque=100.0, **options)
+        else:
+            easeoff.optimize(case, torques=[100.0], order=2, programmes=1, **options)
+        assert said == [*named, last]
+
+
+def test_a_stored_tooth_is_found_without_its_lattice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In any assembly; but not that of another blade, thickness, material, size or depth."""
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path))
+    pair = gear_pair(read_case("fm-11x41"))
+    made = members.solid_shell_tooth(pair, "gear", STEEL, fineness=0.4).flank
+
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError("made again")
+
+    monkeypatch.setattr(members, "tooth_lattice", refused)
+    again = members.solid_shell_tooth(pair.misaligned(Misalignment(offset=0.2)), "gear", STEEL, fineness=0.4).flank
+    for name in ("lengthwise", "profile", "factor"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(made, name))
+    # The pinion fills the slot that this gear leaves, so that it is another tooth; the gear does not know the pinion.
+    thinner = replace(pair, gear=replace(pair.gear, mean_thickness=5.0))
+    blade = replace(pair.gear.loaded, blade=replace(pair.gear.loaded.blade, point_radius=94.0))
+    others: list[tuple[Any, dict[str, Any]]] = [
+        (thinner, {}),
+        (replace(pair, gear=replace(pair.gear, loaded=blade)), {}),
+        (pair, {"fineness": 0.5}),
+        (pair, {"rim_depth": 9.0}),
+    ]
+    for other, changed in others:
+        with pytest.raises(AssertionError, match="made again"):
+            members.solid_shell_tooth(other, "gear", STEEL, **{"fineness": 0.4, **changed})
+    with pytest.raises(AssertionError, match="made again"):
+        members.solid_shell_tooth(pair, "gear", replace(STEEL, poisson_ratio=0.29), fineness=0.4)
+    same = replace(pair, pinion=replace(pair.pinion, mean_thickness=8.0))
+    np.testing.assert_array_equal(
+        members.solid_shell_tooth(same, "gear", STEEL, fineness=0.4).flank.factor, made.factor
+    )

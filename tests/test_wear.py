@@ -43,7 +43,7 @@ def moving_fields() -> FlankSplines:
 def one_engagement(mesh_positions: int) -> tuple[Engagement, xr.Dataset]:
     case = small_case(mesh_positions)
     pair = prepared_pair(case, "drive", None)
-    tree = easeoff.analyze(case, torques=[200.0])
+    tree = easeoff.analyze(case, torques=[200.0], edge_contact=False)
     loaded = tree["loaded"].to_dataset()
     return engagement(loaded, moving_fields(), pair.assembly.pinion_pitch, SEGMENTS), loaded
 
@@ -179,3 +179,16 @@ def test_bad_input_is_refused() -> None:
     pair = prepared_pair(small_case(), "drive", None)
     with pytest.raises(GeometryError, match="not solved at every mesh position"):
         engagement(unsolved, moving_fields(), pair.assembly.pinion_pitch, SEGMENTS)
+
+
+def test_edges_are_refused_by_the_law_and_left_out_of_the_study() -> None:
+    """An edge sweeps no flank; the study takes lines alone whatever the case says, and its file says so."""
+    loaded = easeoff.analyze(small_case(), torques=[500.0])["loaded"].to_dataset()
+    assert float(loaded["edge_share"].max()) > 0.0
+    pitch = prepared_pair(small_case(), "drive", None).assembly.pinion_pitch
+    with pytest.raises(InputError, match=r"loaded: must have contact on lines alone .*edge_contact = False"):
+        engagement(loaded, moving_fields(), pitch, SEGMENTS)
+    history = wear(small_case(), WearLaw(1e-12, 1e-12, 1e5), torque=500.0)
+    assert history.attrs["edge_contact"] == 0
+    lines = easeoff.analyze(small_case(), torques=[500.0], edge_contact=False)["loaded/peak_to_peak"]
+    assert float(history["peak_to_peak"][0, 0]) == pytest.approx(float(lines[0]), rel=1e-9)

@@ -107,6 +107,7 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
     assert done.exit_code == 0, done.output
     assert "all revolutions done" in done.output
     assert "peak to peak at 200 N m" in done.output
+    assert "contact on lines alone, without tooth edges" in done.output
     with xr.open_dataset(out, engine="netcdf4") as stored:
         first = stored.load()
     assert first["wear_depth"].attrs["units"] == "um"

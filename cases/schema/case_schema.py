@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from ..mistakes import written
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
@@ -122,7 +123,7 @@ class ContactTable(Table):
     torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = (50.0, 250.0, 500.0)
     mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
     segments_per_line: Integer = number("segments of a contact line", "1", default=31, ge=3, le=2000)
-    edge_contact: bool | None = None
+    edge_contact: bool = True
     lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
     profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
     separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, gt=0, lt=1000)
@@ -145,10 +146,14 @@ Depth = Annotated[Number, Field(gt=0, lt=1000)]
 Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field(strict=False)]
 
 
+SHELL_KEYS = frozenset({"plate", "profile_modes", "lengthwise_modes", "shear_factor", "root", "root_factor"})
+BRICK_KEYS = frozenset({"rim_depth", "fineness"})
+
+
 class ComplianceTable(Table):
     """Models of the elastic tooth."""
 
-    model: Literal["shell", "solid_shell", "fe"] = "shell"
+    model: Literal["shell", "solid_shell", "fe"] = "solid_shell"
     plate: Literal["even", "fitted"] = "even"
     profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
     lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
@@ -168,6 +173,18 @@ class ComplianceTable(Table):
         ge=0.2,
         le=4,
     )
+
+    @model_validator(mode="after")
+    def _of_one_model(self) -> Self:
+        foreign, wanted = (BRICK_KEYS, '"solid_shell" or "fe"') if self.model == "shell" else (SHELL_KEYS, '"shell"')
+        chosen = "model" in self.model_fields_set
+        for key in sorted(foreign & self.model_fields_set):
+            value = getattr(self, key)
+            # With the model itself given, a key of another model at its default is that of a table written in full.
+            if not chosen or value != type(self).model_fields[key].default:
+                here = f'it is "{self.model}"' + ("" if chosen else ", the default")
+                raise ValueError(f"{key} = {written(value)}: must go with model = {wanted}; {here}")
+        return self
 
 
 class TargetTable(Table):

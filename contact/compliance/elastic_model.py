@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
 from . import ElasticFoundation, Material, Shell, ToothDimensions
+from .finite_elements.finite_element_tooth import solid_shell_tooth
 from .finite_elements.flank_compliance import FlankCompliance
 
 Array = NDArray[Any]
@@ -23,7 +25,7 @@ DEFAULT_FOUNDATION = ElasticFoundation()
 
 @dataclass(frozen=True)
 class ElasticModel:
-    """Elastic model of both teeth: shells on elastic roots, or finite elements.
+    """Elastic model of both teeth: shells on elastic roots, or solid shells or finite elements.
 
     Parameters
     ----------
@@ -37,7 +39,7 @@ class ElasticModel:
     foundation
         Springs along the root; ``None`` clamps it.
     condensed
-        Pinion and gear by finite elements, instead of the shells.
+        Pinion and gear as solid shells (``solid_shells``) or by finite elements, instead of the shells.
     foot_correction
         Added to the line contact, see ``WeberLineContact``.
 
@@ -57,6 +59,36 @@ class ElasticModel:
     foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
     condensed: tuple[FlankCompliance, FlankCompliance] | None = None
     foot_correction: float = 0.0
+
+
+def solid_shells(pair: GearPair, pinion: Material = STEEL, gear: Material = STEEL) -> ElasticModel:
+    """Elastic model of the teeth of a pair as solid shells, made once and kept on disk.
+
+    Deviations of the flanks are left out: they are no part of how a tooth bends.
+
+    Parameters
+    ----------
+    pair
+        The gear pair; its misalignment has no part in it.
+    pinion, gear
+        Materials.
+
+    Raises
+    ------
+    GeometryError
+        If a tooth cannot be filled with bricks: pointed, undercut, cut through by its own fillets.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> model = solid_shells(gear_pair(read_case("nasa-12x36")))
+    >>> model.pinion == STEEL, [tooth.profile.shape[1] for tooth in model.condensed]
+    (True, [11, 11])
+    """
+    of_pinion, of_gear = (replace(member, loaded=member.loaded.designed) for member in (pair.pinion, pair.gear))
+    designed = replace(pair, pinion=of_pinion, gear=of_gear)
+    teeth = solid_shell_tooth(designed, "pinion", pinion).flank, solid_shell_tooth(designed, "gear", gear).flank
+    return ElasticModel(pinion, gear, condensed=teeth)
 
 
 def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") -> ToothDimensions:
@@ -96,8 +128,48 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
 
 
 def elastic_teeth(teeth: xr.Dataset, model: ElasticModel) -> tuple[ElasticTooth, ElasticTooth]:
-    """Pinion and gear by finite elements if the model has them, else as shells."""
+    """Pinion and gear as the model has them, else as shells."""
     return shells(teeth, model) if model.condensed is None else model.condensed
+
+
+@dataclass(frozen=True)
+class ElasticTeeth:
+    """Elastic teeth of a pair, built when they are first asked for: unloaded contact does without them.
+
+    Parameters
+    ----------
+    plates
+        The geometry's ``teeth``.
+    given
+        Elastic model; ``None`` for solid shells of steel.
+    pair
+        The gear pair; it may be ``None`` with a model.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> [type(tooth).__name__ for tooth in ElasticTeeth(geometry.teeth, None, geometry.pair).both]
+    ['FlankCompliance', 'FlankCompliance']
+    """
+
+    plates: xr.Dataset
+    given: ElasticModel | None
+    pair: GearPair | None = None
+
+    @cached_property
+    def model(self) -> ElasticModel:
+        """Elastic model of both."""
+        if self.given is not None:
+            return self.given
+        assert self.pair is not None
+        return solid_shells(self.pair)
+
+    @cached_property
+    def both(self) -> tuple[ElasticTooth, ElasticTooth]:
+        """Pinion and gear."""
+        return elastic_teeth(self.plates, self.model)
 
 
 def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:

@@ -51,7 +51,7 @@ SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the latti
 CORNER_SHARE = 0.6
 DEPTH_GROWTH = 1.7  # every brick of the body than the one above
 OVERHANG_PER_DEPTH = 0.75  # of the body beyond toe and heel, over its depth
-SHELL_HINT = 'the shell (model = "shell" in [compliance]) needs no whole tooth'
+SHELL_HINT = '[compliance] model = "shell" needs no whole tooth (in Python ElasticModel())'
 
 
 def tooth_lattice(
@@ -102,7 +102,7 @@ def tooth_lattice(
     try:
         tooth = tooth_surface(pair, member, (t, SURFACE_NODES[1]), SURFACE_NODES[0])
     except GeometryError as error:
-        raise GeometryError(f"{error}; {SHELL_HINT}") from error
+        raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
     sections = _sections(blank, t, turn, tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])
     pitch = 2.0 * np.pi / named_member(pair, member).teeth

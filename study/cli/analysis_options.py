@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -41,7 +41,7 @@ _ANALYSIS = (
         "--edge-contact/--lines-only",
         "edge_contact",
         default=None,
-        show_default="from the case; edges with the models fe and solid_shell",
+        show_default="edges, unless the case says lines only",
         help="Contact of tooth edges beside the contact lines, or of the lines only.",
     ),
     click.option(
@@ -97,9 +97,16 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
     return options | {name: value for name, value in own.items() if options[name] is None}
 
 
+class Progress(NamedTuple):
+    """What to call as the work goes on: after every step, and with the name of a stage before it."""
+
+    step: Callable[[], None]
+    stage: Callable[[str], None]
+
+
 @contextmanager
-def progress_bar(case: Case, torques: Any) -> Iterator[Callable[[], None]]:
-    """Show a progress bar on a terminal; yields the function to call at every step.
+def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
+    """Show a progress bar on a terminal, with the name of the stage.
 
     Parameters
     ----------
@@ -111,9 +118,16 @@ def progress_bar(case: Case, torques: Any) -> Iterator[Callable[[], None]]:
     from tqdm import tqdm
 
     total = len(torques or case.contact.torques) * case.contact.mesh_positions
-    with tqdm(total=total, desc="loaded contact", unit="solve", disable=None, leave=False) as bar:
-        yield lambda: _step(bar)
+    with tqdm(total=total, desc="geometry", unit="solve", disable=None, leave=False) as bar:
+        yield Progress(lambda: _step(bar), lambda name: show_stage(bar, name))
 
 
 def _step(bar: Any) -> None:
     bar.update(1)
+
+
+def show_stage(bar: Any, name: str) -> None:
+    """Name the stage on a progress bar, and measure the time from here."""
+    if not bar.disable:
+        bar.reset()
+    bar.set_description_str(name)

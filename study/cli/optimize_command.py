@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from .analysis_options import show_stage
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, misalignment, output_option, torques
 
@@ -73,7 +74,8 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) -> None:
     """Optimise the ease-off of CASE under load.
 
-    The result is a modification of low order: the addition to the ease-off.
+    The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
+    without tooth edges.
     """
     from tqdm import tqdm
 
@@ -91,7 +93,7 @@ def optimize(case: str, output: Path, fitted_case: Path | None, **options: Any) 
     checked = read_case(case)
     bar: Any
     with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
-        tree = optimized(checked, progress=bar.update, **options)
+        tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
     click.echo(optimization_report(tree))
     click.echo(f"\nwrote {output}")

@@ -112,8 +112,9 @@ def run(
             "--friction-model, --clamp-temperature and --friction-feedback must go with --speed or a table [friction]"
         )
     friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
-    with progress_bar(checked, options["torques"]) as step:
-        tree = analyze(checked, **with_defaults(options), **friction, marking=marking, progress=step)
+    with progress_bar(checked, options["torques"]) as shown:
+        told = {"progress": shown.step, "stage": shown.stage}
+        tree = analyze(checked, **with_defaults(options), **friction, **told, marking=marking)
     write_result(tree, output)
     click.echo(f"wrote {output}")
     if plots is not None:

@@ -31,9 +31,10 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     checked = read_case(case)
     require_solver(solver)
-    state = CaseInMesh.of(checked, **with_defaults(options))
-    with progress_bar(checked, torques) as step:
-        analysis = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=step)
+    with progress_bar(checked, torques) as shown:
+        state = CaseInMesh.of(checked, **with_defaults(options), stage=shown.stage)
+        shown.stage("loaded contact")
+        analysis = contact_analysis(state, torques, edge_contact=edge_contact, solver=solver, progress=shown.step)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .analysis_options import pair_options, with_defaults
+from .analysis_options import pair_options, show_stage, with_defaults
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import coefficients, duty_cycle, output_option
 
@@ -57,8 +57,9 @@ def wear(
 ) -> None:
     """Wear the flanks of CASE step by step.
 
-    The file holds depth and contact of every step. The worn flanks are deviations: '--deviation pinion=FILE
-    --deviation gear=FILE' continues the wear, or analyses the worn pair in 'easeoff run'.
+    The file holds depth and contact of every step; the contact is that on lines alone, without tooth edges. The worn
+    flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
+    in 'easeoff run'.
     """
     from tqdm import tqdm
 
@@ -71,7 +72,12 @@ def wear(
     bar: Any
     with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
         history = worn(
-            case, law, torque=torque, progress=lambda done: bar.update(done - bar.n), **with_defaults(options)
+            case,
+            law,
+            torque=torque,
+            progress=lambda done: bar.update(done - bar.n),
+            stage=lambda name: show_stage(bar, name),
+            **with_defaults(options),
         )
     with whole_file(output) as temporary:
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
@@ -81,6 +87,7 @@ def wear(
         f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps"
     )
     click.echo(f"largest depth: {depths}")
+    click.echo("contact on lines alone, without tooth edges")
     for torque_value in torque:
         both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
         click.echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")

@@ -43,6 +43,7 @@ def optimization_report(tree: xr.DataTree) -> str:
         parts.append(
             tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
         )
+    parts.append("Contact on lines alone, without tooth edges: 'easeoff run' shows what edges carry")
     return "\n\n".join([*parts, *notes(tree)])
 
 

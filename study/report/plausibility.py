@@ -16,6 +16,8 @@ COMMON_FLANK_LIMIT = 0.3
 def plausibility(tree: xr.DataTree) -> list[str]:
     """Notes on the plausibility of a result: one each for ease-off, pressure and common flank.
 
+    One more says why root stresses are left out, if they were asked for.
+
     Parameters
     ----------
     tree
@@ -24,7 +26,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     Returns
     -------
     list of str
-        No notes if all values are plausible.
+        No notes if all values are plausible and none is left out.
 
     Examples
     --------
@@ -53,4 +55,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
             f"Note: the flanks share {100 * common:.0f} % of the gear flank, less than "
             f"{100 * COMMON_FLANK_LIMIT:.0f} %: are blanks, settings and misalignment right?"
         )
+    left_out = tree.attrs.get("root_stress_left_out")
+    if left_out:
+        notes.append(f"Note: no root stress. {left_out}")
     return notes

@@ -134,7 +134,8 @@ def flank_response(
         pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICK_RATIO)
     )
     key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
-    found = kept(key, lambda: _response(lattice, material, member))
+    shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}
+    found = kept(key, shapes, lambda: _response(lattice, material, member))
     return FlankResponse(found["lengthwise"], found["profile"], found["beyond_half_space"])
 
 

@@ -8,6 +8,8 @@ import os
 import warnings
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +21,15 @@ from ....core.errors import InputError
 from ....core.files import whole_file
 
 Array = NDArray[Any]
+#: Shape of every array by name; ``None`` stands for any length.
+Shapes = Mapping[str, tuple[int | None, ...]]
+
 FOLDER_VARIABLE = "EASEOFF_CACHE"
 FOLDER_SIZE_LIMIT = 500e6  # [bytes], about fifty pairs
 KEY_LENGTH = 40
+KEY_NAME = "key"  # of the key within its file
+#: Folders of the package whose code makes the arrays.
+CODE = ("geometry", "contact/compliance")
 
 
 def cache_folder() -> Path | None:
@@ -33,27 +41,59 @@ def cache_folder() -> Path | None:
 
 
 def key_of(*parts: Any) -> str:
-    """Hexadecimal key of arrays by their values and of anything else by its ``repr``."""
-    digest = hashlib.sha256()
+    """Hexadecimal key of numbers, texts, arrays, and dataclasses, tuples and lists of these, by their values.
+
+    The code that makes the arrays is part of it: another release finds nothing that this one kept.
+    """
+    digest = hashlib.sha256(code_digest().encode())
     for part in parts:
-        if isinstance(part, np.ndarray):
-            digest.update(f"{part.dtype.str}{part.shape}".encode())
-            digest.update(np.ascontiguousarray(part).tobytes())
-        else:
-            digest.update(repr(part).encode())
+        _add(digest, part)
     return digest.hexdigest()[:KEY_LENGTH]
 
 
-def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
+def _add(digest: Any, part: Any) -> None:
+    if isinstance(part, np.ndarray):
+        digest.update(f"array {part.dtype.str}{part.shape}".encode())
+        digest.update(np.ascontiguousarray(part).tobytes())
+    elif is_dataclass(part) and not isinstance(part, type):
+        digest.update(f"{type(part).__qualname__} {len(fields(part))}".encode())
+        for field in fields(part):
+            digest.update(field.name.encode())
+            _add(digest, getattr(part, field.name))
+    elif isinstance(part, tuple | list):
+        digest.update(f"list {len(part)}".encode())
+        for entry in part:
+            _add(digest, entry)
+    elif part is None or isinstance(part, str | int | float | np.generic):
+        value = part.item() if isinstance(part, np.generic) else part
+        digest.update(f"{type(value).__name__} {value!r};".encode())
+    else:
+        raise TypeError(f"{type(part).__name__} has no key by its value")
+
+
+@cache
+def code_digest() -> str:
+    """Digest of the code in ``CODE``."""
+    root, digest = Path(__file__).parents[3], hashlib.sha256()
+    for folder in CODE:
+        for file in sorted((root / folder).rglob("*.py")):
+            digest.update(f"{file.relative_to(root).as_posix()} ".encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     """Arrays by name, read from disk if they are there, else made and kept.
 
-    Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file that cannot be read is
-    made anew. If it cannot be written, a warning says so, and the arrays are returned all the same.
+    Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file that cannot be read, or
+    holds anything but finite arrays of these names and shapes under this key, is made anew. If it cannot be written, a
+    warning says so, and the arrays are returned all the same.
 
     Parameters
     ----------
     key
         From ``key_of``, of everything the arrays depend on.
+    shapes
+        Shapes of the arrays.
     make
         Makes them.
     """
@@ -61,21 +101,35 @@ def kept(key: str, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     if folder is None:
         return dict(make())
     path = folder / f"{key}.npz"
-    try:
-        with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-        with contextlib.suppress(OSError):  # of a folder that can only be read
-            os.utime(path)
-        return arrays
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
-        pass
+    stored = _read(path, key, shapes)
+    if stored is not None:
+        return stored
     arrays = dict(make())
     try:
         with whole_file(path) as temporary, open(temporary, "wb") as stream:
-            np.savez(stream, allow_pickle=False, **arrays)
+            np.savez(stream, allow_pickle=False, **arrays, **{KEY_NAME: np.array(key)})
         _make_room(folder, path)
     except InputError as error:
         warnings.warn(f"the tooth's compliance is not kept: {error}; set {FOLDER_VARIABLE}", stacklevel=2)
+    return arrays
+
+
+def _read(path: Path, key: str, shapes: Shapes) -> dict[str, Array] | None:
+    """Arrays of a file, or ``None`` if they are not all there as they must be."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+    except (OSError, ValueError, EOFError, KeyError, TypeError, zipfile.BadZipFile):
+        return None
+    if str(arrays.pop(KEY_NAME, "")) != key or arrays.keys() != shapes.keys():
+        return None
+    for name, shape in shapes.items():
+        found = arrays[name]
+        fits = len(shape) == found.ndim and all(n in (None, m) for n, m in zip(shape, found.shape, strict=True))
+        if not fits or found.dtype != float or not np.all(np.isfinite(found)):
+            return None
+    with contextlib.suppress(OSError):  # of a folder that can only be read
+        os.utime(path)
     return arrays
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +14,7 @@ from scipy.sparse import hstack
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....geometry.pair.gear_pair import GearPair
-from ....geometry.tooth.tooth_flanks import MemberName, named_member
+from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (
     DEPTH_PER_HEIGHT,
     SHELL_HINT,
@@ -23,7 +24,7 @@ from ....geometry.tooth.tooth_lattice import (
     usual_depth,
 )
 from ..material import Material
-from .array_store import kept, key_of
+from .array_store import Shapes, kept, key_of
 from .elastic_body import elastic_body
 from .flank_compliance import FlankCompliance, flank_loads, foot_displacements, square_root
 from .solid_shell import Counts, solid_shell
@@ -33,8 +34,6 @@ Array = NDArray[Any]
 BRICKS_PER_HEIGHT = 4.4  # along the face, per usual depth of the body
 LENGTHWISE_BRICK_LIMITS = (8, 32)
 THROUGH_BRICK_LIMITS = (4, 8)
-STORE_VERSION = 3  # of the arrays kept on disk; raise it when the same input gives other arrays
-SOLID_SHELL_STORE_VERSION = 1
 SOLID_SHELL_BRICK_SHARE = 0.7  # bricks of a solid shell's body along the face over the usual number
 FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 7  # trial functions of a solid shell
 UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
@@ -49,11 +48,14 @@ class FiniteElementTooth:
     flank
         Compliance of its loaded flank.
     root
-        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough.
+        Stress in its root; ``None`` for a solid shell, which has no fillets fine enough, and for a sharp root.
+    no_root
+        Why there is no stress; empty if there is.
     """
 
     flank: FlankCompliance
     root: StressResponse | None
+    no_root: str = ""
 
 
 def usual_size(pair: GearPair, member: MemberName) -> LatticeSize:
@@ -109,11 +111,28 @@ def finite_element_tooth(
         If a number is out of range.
     """
     _check(fineness)
-    lattice = tooth_lattice(pair, member, _long_enough(usual_size(pair, member).finer(fineness)), rim_depth)
-    key = key_of(STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
-    found = kept(key, lambda: _condensed(lattice, material, member))
-    flank = FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"])
-    return FiniteElementTooth(flank, StressResponse(found["stations"], found["stress"]))
+    size = _long_enough(usual_size(pair, member).finer(fineness))
+    key = key_of("finite elements", _tooth(pair, member), size, rim_depth, material)
+    of_flank = _flank_arrays(size)
+    found = kept(
+        key,
+        {**of_flank, "stations": (None,), "stress": (None, None, 6, of_flank["factor"][1])},
+        lambda: _condensed(tooth_lattice(pair, member, size, rim_depth), material, member),
+    )
+    reason = _sharp_root(pair, member)
+    root = None if reason else StressResponse(found["stations"], found["stress"])
+    return FiniteElementTooth(_flank(found), root, reason)
+
+
+def _sharp_root(pair: GearPair, member: MemberName) -> str:
+    """Why the root of the loaded side has no stress to compute; empty if it has a fillet."""
+    surface = named_member(pair, member).loaded
+    if surface.blade.edge_radius > 0.0:
+        return ""
+    return (
+        f"tool_edge_radius = 0 of the {member}'s {side(surface)} flank: must be above 0 mm for a root stress, as the "
+        "stress in a sharp root has no limit; give the edge radius of its blade"
+    )
 
 
 def solid_shell_size(pair: GearPair, member: MemberName, fineness: float = 1.0) -> tuple[LatticeSize, Counts]:
@@ -154,19 +173,38 @@ def solid_shell_tooth(
             f"fineness = {fineness!r}: must be smaller, as the {member} would have {unknowns} unknowns as a solid "
             f'shell, and {UNKNOWNS_LIMIT} are allowed; or take model = "fe"'
         )
-    lattice = tooth_lattice(pair, member, size, rim_depth)
-    body = lattice.nodes, lattice.held, lattice.flank_normal
-    key = key_of("solid shell", SOLID_SHELL_STORE_VERSION, *body, counts, material)
-    found = kept(key, lambda: {"factor": _condensed_shell(lattice, material, counts, member)})
-    return FiniteElementTooth(FlankCompliance(lattice.lengthwise, lattice.profile, found["factor"]), None)
+    key = key_of("solid shell", _tooth(pair, member), size, rim_depth, material, counts)
+    found = kept(
+        key,
+        _flank_arrays(size),
+        lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member),
+    )
+    return FiniteElementTooth(_flank(found), None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
 
-def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, member: str) -> Array:
+def _tooth(pair: GearPair, member: MemberName) -> tuple[Any, ...]:
+    """What decides the shape of a tooth; the other member and the assembly do so by its thickness alone."""
+    one = named_member(pair, member)
+    return one.teeth, one.section, one.loaded, one.opposite, tooth_angle(pair, member)
+
+
+def _flank_arrays(size: LatticeSize) -> Shapes:
+    """Shapes of the arrays of a compliance."""
+    along, up = 2 * size.lengthwise + 1, 2 * size.upward + 1
+    return {"lengthwise": (along,), "profile": (along, up), "factor": (None, along * up)}
+
+
+def _flank(found: Mapping[str, Array]) -> FlankCompliance:
+    return FlankCompliance(found["lengthwise"], found["profile"], found["factor"])
+
+
+def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, member: str) -> dict[str, Array]:
     try:
         shell = solid_shell(lattice, material, counts)
     except GeometryError as error:
         raise unfilled(member, error) from error
-    return square_root(shell.response(flank_loads(lattice), foot_displacements(lattice, in_tooth=True)))
+    factor = square_root(shell.response(flank_loads(lattice), foot_displacements(lattice, in_tooth=True)))
+    return {"lengthwise": lattice.lengthwise, "profile": lattice.profile, "factor": factor}
 
 
 def _check(fineness: float) -> None:
@@ -191,4 +229,5 @@ def _condensed(lattice: ToothLattice, material: Material, member: str) -> dict[s
     response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
     count = feet.shape[1]
     root = by_station(response[count:], station)
-    return {"factor": square_root(response[:count]), "stations": root.lengthwise, "stress": root.stress}
+    on_flank = {"lengthwise": lattice.lengthwise, "profile": lattice.profile, "factor": square_root(response[:count])}
+    return on_flank | {"stations": root.lengthwise, "stress": root.stress}
