@@ -16,7 +16,7 @@ from test_mirror import mirrored
 import easeoff
 from easeoff import InputError, analyze, read_case, read_result, write_result
 from easeoff.cases import Case, gear_pair, shipped_cases
-from easeoff.contact import MeshCycle, Status
+from easeoff.contact import ElasticModel, MeshCycle, Status
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.contact_ratio import contact_time, loaded_contact_ratio, roll_limits
 from easeoff.contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
@@ -360,7 +360,7 @@ def test_mirror_image_has_the_same_numbers(flank: easeoff.geometry.FlankName) ->
     pair = gear_pair(read_case("fm-11x41"), flank).misaligned(Misalignment(0.05, -0.02, 0.01, 0.0))
     numbers = []
     for one in (pair, mirrored(pair)):
-        cycle = MeshCycle.of(pair_geometry(one, (17, 13)), mesh_positions=4, segments_per_line=15)
+        cycle = MeshCycle.of(pair_geometry(one, (17, 13)), ElasticModel(), mesh_positions=4, segments_per_line=15)
         loaded = with_loaded_numbers(cycle, *cycle.loaded([60.0, 300.0], edge_contact=True))
         unloaded = with_unloaded_numbers(cycle, cycle.unloaded())
         numbers.append([found[n].values for found in (loaded, unloaded) for n in NEW if n in found])
