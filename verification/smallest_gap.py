@@ -240,9 +240,9 @@ class _Flanks:
         gaps, places, coordinates, valid = [], [], [], []
         for part, (lattice, side) in zip(self.parts, self.lattices, strict=True):
             seen, ahead = self._in_gear(part, lattice, turned)
-            seen = np.where(ahead > 0.0, seen, np.nan)
-            seeds = cKDTree(np.stack([seen[2], np.hypot(seen[0], seen[1])]).T)
-            start = lattice[:, seeds.query(np.where(usable, target, 1.0).T)[1]]
+            facing = ahead > 0.0
+            seeds = cKDTree(np.stack([seen[2], np.hypot(seen[0], seen[1])])[:, facing].T)
+            start = lattice[:, facing][:, seeds.query(np.where(usable, target, 1.0).T)[1]]
             parameters, solved = self._met(part, start, np.where(usable, target, 1.0), turned)
             own, _, coordinate = part.evaluate(parameters)
             fractions = np.stack(self.pinion.section.fractions(own[2], np.hypot(own[0], own[1])))

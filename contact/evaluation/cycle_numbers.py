@@ -77,7 +77,7 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
-    >>> with_loaded_numbers(cycle, *cycle.loaded([100.0]))["mesh_stiffness"].dims
+    >>> with_loaded_numbers(cycle, *cycle.loaded([100.0], edge_contact=False))["mesh_stiffness"].dims
     ('torque', 'mesh_position')
     """
     by_torque = [loaded.isel(torque=i) for i in range(loaded.sizes["torque"])]

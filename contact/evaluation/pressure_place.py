@@ -60,7 +60,7 @@ class PressurePlace:
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=9)
-    >>> loaded, _ = cycle.loaded([100.0])
+    >>> loaded, _ = cycle.loaded([100.0], edge_contact=False)
     >>> PressurePlace.of(loaded.isel(torque=0), cycle.fields).line_end.name
     'PINION_TIP'
     """

@@ -126,10 +126,9 @@ def run(
             "--friction-model, --film-heating, --clamp-temperature and --friction-feedback must go with --speed or a "
             "table [friction]"
         )
-    friction = {**conditions, "friction_model": model, "friction_feedback": friction_feedback}
+    arguments = {**conditions, "friction_model": model, "friction_feedback": friction_feedback, "marking": marking}
     with progress_bar(checked, options["torques"]) as shown:
-        given = {**with_defaults(options), **friction, "marking": marking}
-        tree = analyze(checked, **given, progress=shown.step, stage=shown.stage)
+        tree = analyze(checked, **with_defaults(options), **arguments, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     click.echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:
