@@ -82,8 +82,10 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     'urad'
     """
     source = Path(path)
-    if source.suffix == ".toml" or (str(path) in CASE.names() and not os.path.exists(path)):
+    if not os.path.exists(path) and str(path) in CASE.names():
         raise InputError(f"{source} is a case, not a result: make one with 'easeoff run {source} -o FILE'")
+    if source.suffix == ".toml":
+        raise InputError(f"{source} is not a netCDF file; of a case make a result: 'easeoff run {source} -o FILE'")
     with netcdf_reading(source), xr.open_datatree(source, engine="netcdf4") as opened:
         tree = opened.load()
     found = faults(tree)

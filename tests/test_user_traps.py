@@ -207,7 +207,10 @@ def test_mistakes_in_a_case_file_show_what_to_write(old: str, new: str, words: s
     [
         (["run", "nasa-12x36"], "Missing option '-o' / '--output'. netCDF file to write."),
         (["show", "nasa-12x36"], "nasa-12x36 is a case, not a result: make one with 'easeoff run nasa-12x36 -o FILE'"),
-        (["plot", "mine.toml", "p"], "mine.toml is a case, not a result"),
+        (
+            ["plot", "mine.toml", "p"],
+            "mine.toml is not a netCDF file; of a case make a result: 'easeoff run",
+        ),
         (["design", "nasa-12x36", "-o", "x.toml"], "nasa-12x36 is a case already: analyse it with 'easeoff run"),
         (["show", "{tmp}/empty.nc"], "empty.nc is empty"),
         (["run", "{tmp}/empty.toml", "-o", "x.nc"], "empty.toml is empty"),
