@@ -96,7 +96,7 @@ def test_report_warns_of_what_is_doubtful() -> None:
     """The shipped designs are sound; tips off the root cone and a fit without freedom are told."""
     for name in NAMES:
         assert made(name)[1].warnings == ()
-    straying = design_case(parse_design(changed(r"^follow_root = true$", "")))[1].warnings
+    straying = design_case(parse_design(changed(r"^follow_root = true$", "follow_root = false")))[1].warnings
     assert any("mm from its root cone" in warning and "follow_root" in warning for warning in straying)
     poor = changed(r'^hand_of_spiral = "left"$', 'hand_of_spiral = "left"\nfree_settings = ["point_radius"]')
     warnings = design_case(parse_design(poor))[1].warnings
