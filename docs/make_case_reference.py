@@ -41,7 +41,7 @@ MEANINGS = {
         "",
     ),
     "follow_root": ("whether the tips of the pinion's blades shall run along its root cone", ""),
-    "free_settings": ("pinion settings the fit may move, see below; the eight usual ones if left out", ""),
+    "free_settings": ("pinion settings the fit may move, see below; the usual ones if left out", ""),
     "hand_of_spiral": ("hand of the pinion's spiral; the gear has the other one; `[pinion]` only", ""),
     "edge_contact": (
         "whether tooth edges may touch beside the contact lines, see [finite elements](finite_elements.md#edges)",

@@ -1,0 +1,198 @@
+"""Generated gears, and what a design does without being asked: crown-gear start, fillet, torques, root line."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from easeoff import GeometryError, InputError
+from easeoff.cases import case_text, case_toml, design_text, gear_pair, parse_case, parse_design, read_case
+from easeoff.cases.schema.usual_torques import usual_torques
+from easeoff.geometry import (
+    Assembly,
+    BlankDesign,
+    EaseOffTarget,
+    GearPair,
+    Member,
+    blank_dimensions,
+    blank_section,
+    exact_ease_off,
+    generated_gear,
+)
+from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
+from easeoff.geometry.design.edge_radius import usual_edge_radius
+from easeoff.geometry.design.pair_design import design_pair, residual_limits, target_range
+from easeoff.geometry.pair.gear_pair import grid
+from easeoff.geometry.tooth.tooth_surface import tooth_surface
+from easeoff.study.case_design import _off_the_root
+from easeoff.study.cli import main
+
+
+def bevel(teeth: tuple[int, int], spiral: float, module: float = 4.0, *, hobbed: bool = False) -> BlankDesign:
+    """A spiral bevel pair at right angles with teeth of the usual depth."""
+    diameter = module * teeth[1]
+    outer = diameter / 2.0 / math.sin(math.atan2(teeth[1], teeth[0]))
+    width = min(0.3 * outer, 10.0 * module)
+    return BlankDesign(
+        method=0,
+        process="face_hobbed" if hobbed else "face_milled",
+        number_of_teeth=teeth,
+        mean_spiral_angle=math.radians(spiral),
+        gear_outer_pitch_diameter=diameter,
+        gear_face_width=width,
+        cutter_radius=outer - width / 2.0,
+        number_of_blade_groups=7 if hobbed else None,
+        nominal_drive_pressure_angle=math.radians(20.0),
+        nominal_coast_pressure_angle=math.radians(20.0),
+        gear_mean_addendum_factor=0.21 + 0.29 / (teeth[1] / teeth[0]) ** 2,
+        depth_factor=2.0,
+        clearance_factor=0.125,
+        thickness_factor=0.0,
+        depth_taper="uniform" if hobbed else "standard",
+    )
+
+
+def assembly_of(design: BlankDesign) -> Assembly:
+    return Assembly(*design.number_of_teeth, "left", design.shaft_angle, design.hypoid_offset)
+
+
+def crown_gear_spread(design: BlankDesign, side: int) -> tuple[float, float]:
+    """Range of the ease-off of gear and crown-gear pinion [mm], and the share of the gear flank that they share."""
+    blank, assembly = blank_dimensions(design), assembly_of(design)
+    gears = generated_gear(blank, design.cutter_radius, assembly.gear_hand, design.number_of_blade_groups or 0)
+    height = blank.gear.mean_dedendum + blank.pinion.mean_dedendum
+    azimuth = pitch_point_azimuth(blank, design.hypoid_offset)
+    surface = crown_gear_pinion(gears[side], assembly, height, azimuth)
+    pinion = Member(assembly.pinion_teeth, blank_section(blank.pinion, blank.clearance), surface)
+    gear = Member(assembly.gear_teeth, blank_section(blank.gear, blank.clearance), gears[side])
+    pair = GearPair(pinion, gear, assembly)
+    found = exact_ease_off(pair.gear.flank(*grid((9, 7))), surface, pinion.section, assembly)
+    known = np.isfinite(found.angle)
+    gap, lever = (found.angle * found.lever_arm)[known], found.lever_arm[known]
+    left = gap - lever * float(lever @ gap) / float(lever @ lever)
+    return float(np.ptp(left)), float(known.mean())
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("hobbed", [False, True])
+@pytest.mark.parametrize(("teeth", "spiral"), [((20, 20), 30.0), ((20, 25), 25.0), ((12, 36), 35.0)])
+def test_pinion_of_the_common_crown_gear_is_conjugate(
+    teeth: tuple[int, int], spiral: float, hobbed: bool, side: int
+) -> None:
+    """Three bodies with one instantaneous axis: no ease-off, on every node that both flanks have."""
+    spread, share = crown_gear_spread(bevel(teeth, spiral, hobbed=hobbed), side)
+    assert spread < 1e-6
+    assert share > 0.7
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_small_spiral_angles_stay_on_the_tooth(side: int) -> None:
+    """The envelope of a Zerol cutter folds twice within reach of the search: no node comes from beyond."""
+    spread, share = crown_gear_spread(bevel((16, 20), 0.0), side)
+    assert spread < 1e-6
+    assert share > 0.5
+
+
+def test_hypoid_crown_gear_is_nearer_at_the_pitch_point() -> None:
+    """Turned to the pitch point it leaves a fraction of what it leaves in the plane of the gear axis."""
+    design = replace(bevel((12, 36), 35.0), method=1, hypoid_offset=10.0)
+    blank = blank_dimensions(design)
+    azimuth = pitch_point_azimuth(blank, 10.0)
+    assert 0.0 < azimuth < math.pi / 2
+    assert pitch_point_azimuth(blank, 0.0) == 0.0
+    assert crown_gear_spread(design, 0)[0] < 0.1
+
+
+def test_formate_gear_has_no_crown_gear() -> None:
+    pair = gear_pair(read_case("fm-11x41"))
+    with pytest.raises(GeometryError, match="Formate"):
+        crown_gear_pinion(pair.gear.loaded, pair.assembly, 10.0)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("teeth", "spiral", "module"), [((18, 36), 0.0, 3.0), ((20, 25), 35.0, 0.5), ((25, 25), 30.0, 4.0)]
+)
+def test_generated_gears_reach_their_target(teeth: tuple[int, int], spiral: float, module: float) -> None:
+    """Fitted to some micrometres, on the root cone, with fillets in the slot, for gears that are no plane wheels."""
+    design = bevel(teeth, spiral, module)
+    target = EaseOffTarget(lengthwise_crowning=4e-3 * module, profile_crowning=1.3e-3 * module)
+    designed = design_pair(design, assembly_of(design), {"drive": target, "coast": target}, generated=True)
+    for fit in designed.pinion.values():
+        assert fit.largest_residual < residual_limits(target)[0] * 1.5
+        assert np.all(np.abs(fit.root_gap) < designed.blank.clearance)
+    for name in ("pinion", "gear"):
+        tooth_surface(designed.pair(), name, (9, 7))
+
+
+def test_a_fit_far_off_is_refused() -> None:
+    design = bevel((12, 36), 35.0)
+    target = EaseOffTarget(lengthwise_crowning=0.05)
+    with pytest.raises(
+        GeometryError, match=r"drive: no pinion near the target .* range is 50.0 um and 25.0 um would do"
+    ):
+        design_pair(
+            design, assembly_of(design), {"drive": target, "coast": target}, generated=True, free=["cradle_angle"]
+        )
+    assert target_range(target) == pytest.approx(0.05)
+
+
+def test_lost_root_is_told_and_does_not_hide_the_rest() -> None:
+    told = _off_the_root(np.array([math.nan, 1.44, 0.1]), 0.86, True)
+    assert len(told) == 2
+    assert "1.44 mm" in told[0]
+    assert "0.86 mm" in told[0]
+    assert "toe" in told[1]
+    assert _off_the_root(np.array([0.1, -0.2, 0.1]), 0.86, True) == []
+
+
+def test_edge_radius_is_that_of_the_basic_rack_where_it_fits() -> None:
+    wide = blank_dimensions(bevel((25, 60), 30.0))
+    assert usual_edge_radius(wide, wide.gear) == pytest.approx(0.25 * wide.mean_normal_module, abs=1e-4)
+    tight = blank_dimensions(replace(bevel((25, 60), 30.0), clearance_factor=0.05))
+    limit = tight.clearance / (1.0 - math.sin(math.radians(20.0)))
+    assert usual_edge_radius(tight, tight.gear) == pytest.approx(limit, abs=1e-4)
+
+
+def test_a_design_makes_no_tooth_without_fillet() -> None:
+    with pytest.raises(InputError, match=r"pinion.tool_edge_radius = 0.0: must be greater than 0"):
+        parse_design(design_text("fm-11x41").replace("tool_edge_radius = 0.8", "tool_edge_radius = 0.0"))
+    design = parse_design(
+        design_text("fm-11x41").replace("tool_edge_radius = 0.8", "").replace("follow_root = true", "")
+    )
+    assert design.pinion.tool_edge_radius is None
+    assert design.pinion.follow_root
+
+
+def test_old_spiral_angle_key_says_its_new_names() -> None:
+    old = design_text("fm-11x41").replace("pinion_mean_spiral_angle", "mean_spiral_angle")
+    with pytest.raises(InputError, match=r"mean_spiral_angle: is now pinion_mean_spiral_angle in method 1"):
+        parse_design(old)
+    with pytest.raises(InputError, match=r"gear_mean_spiral_angle = 40.5: method 1 takes pinion_mean_spiral_angle"):
+        parse_design(design_text("fm-11x41").replace("pinion_mean", "gear_mean"))
+    with pytest.raises(InputError, match=r"pinion_mean_spiral_angle is missing: method 1 needs it"):
+        parse_design(design_text("fm-11x41").replace("pinion_mean_spiral_angle = 40.5", ""))
+
+
+def test_torques_grow_with_the_cube_of_the_size() -> None:
+    small, large = usual_torques(2.0, 20.0, 15), usual_torques(20.0, 200.0, 15)
+    assert [big / little for big, little in zip(large, small, strict=True)] == pytest.approx([1000.0] * 3)
+
+
+def test_a_case_without_torques_takes_those_of_its_size() -> None:
+    text = case_text("nasa-12x36").replace("torques = [50.0, 150.0, 300.0]", "")
+    case = parse_case(text)
+    assert case.contact.torques[1] == pytest.approx(150.0, rel=0.3)
+    assert parse_case(case_toml(case)).contact.torques == case.contact.torques
+
+
+def test_command_refuses_the_old_key(tmp_path: Path) -> None:
+    (tmp_path / "old.toml").write_text(design_text("fm-11x41").replace("pinion_mean_", "mean_"))
+    outcome = CliRunner().invoke(main, ["design", str(tmp_path / "old.toml"), "-o", str(tmp_path / "case.toml")])
+    assert outcome.exit_code == 2
+    assert "is now pinion_mean_spiral_angle" in outcome.output
