@@ -35,6 +35,7 @@ from easeoff.geometry import (
     GlobalErrors,
     Misalignment,
     PairGeometry,
+    Relief,
     deviated_ease_off,
     deviated_pair,
     deviation_from_formula,
@@ -295,6 +296,23 @@ def test_fine_envelope_is_that_of_a_direct_search() -> None:
     wanted = 1e6 * (found.closing_angle - geometry.ease_off.attrs["first_contact_rad"])
     np.testing.assert_allclose(fine, wanted, rtol=0, atol=1e-3)
     assert cycle.unloaded().attrs["peak_to_peak"] == pytest.approx(np.ptp(wanted), abs=1e-3)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("relief", ["flankrem", "toprem"])
+def test_envelope_of_a_relieved_pinion_is_that_of_a_direct_search(relief: str) -> None:
+    """Its flank has two parts, each with a surface of its own."""
+    pair = gear_pair(read_case("nasa-12x36" if relief == "flankrem" else "fh-design-a"))
+    blade = pair.pinion.loaded.blade
+    if relief == "flankrem":
+        blade = replace(blade, flankrem=Relief(7.0, math.radians(1.0)))
+    else:
+        blade = replace(blade, toprem=Relief(1.5, math.radians(1.0)))
+    loaded = replace(pair.pinion.loaded, blade=blade)
+    geometry = pair_geometry(replace(pair, pinion=replace(pair.pinion, loaded=loaded)))
+    assert set(geometry.exact.part.tolist()) == {0, 1}
+    own, wanted = envelopes(geometry, 3)
+    np.testing.assert_allclose(own["transmission_error_envelope"].values, wanted, rtol=0, atol=1e-3)
 
 
 def test_point_of_contact_lies_on_its_edge() -> None:
