@@ -349,7 +349,8 @@ def test_derivatives_of_the_gap_are_those_of_differences(nasa: tuple[GearPair, P
         ahead, behind = converged(points + step, 0.05), converged(points - step, 0.05)
         np.testing.assert_allclose((ahead.gap - behind.gap) / 2e-4, here.slope[k], atol=1e-8)
         np.testing.assert_allclose((ahead.slope - behind.slope) / 2e-4, here.bend[:, k], atol=1e-6)
-        np.testing.assert_allclose((ahead.margins - behind.margins) / 2e-4, here.margin_slopes[:, k], atol=1e-6)
+        margins = (ahead.margins[:-1] - behind.margins[:-1]) / 2e-4  # the last one is infinite: no part lies above
+        np.testing.assert_allclose(margins, here.margin_slopes[:-1, k], atol=1e-6)
     left = 0.003
     expanded = exact.angle + exact.separation_curvature * left**2 / 2 + exact.separation_skew * left**3 / 6
     zero = geometry.ease_off.attrs["first_contact_rad"]
