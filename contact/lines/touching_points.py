@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...geometry.pair.gear_pair import PairGeometry
 from .closest_approach import gap_beside, still_opens
 from .opposite_points import PASSING_FIELDS, PINION_FRACTIONS
-from .turned_flanks import TurnedFlanks, TurnedGap
+from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 
 Array = NDArray[Any]
 
@@ -34,6 +34,7 @@ LAST_STEP, LAST_PROMISE = 1e-3, 1e-11  # [fraction of the flank], [rad]; a step 
 BOUND_TOLERANCE = 1e-7  # fraction of the flank
 MISS_TOLERANCE = 0.01  # [mm]; the gap is extrapolated over it to second order
 DAMPING_MINIMUM = 1e-6  # least curvature of the gap that a step reckons with, by the greatest one
+PINION_BLADE, JOINT = BOUNDS.index("pinion_blade"), BOUNDS.index("pinion_joint")
 _EXPANSION_FIELDS = ("roll_angle", "ease_off_angle", "separation_curvature", "separation_skew")
 _SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
 
@@ -75,7 +76,10 @@ def touching_points(flanks: TurnedFlanks, rotations: Array) -> TouchingPoints:
     exact, members = flanks.geometry.exact, flanks.geometry.members
     count = members.profile.size
     points = np.stack([members.lengthwise[node // count], members.profile[node % count]])
-    parameters, part = exact.pinion_parameters[:, node], exact.part[node]
+    # The lowest point of a pinion flank of several parts is that of one of them.
+    parts = len(exact.motion.surface.flank_parts)
+    row, node, points = np.repeat(row, parts), np.repeat(node, parts), np.repeat(points, parts, axis=1)
+    parameters, part = exact.pinion_parameters[:, node], (np.arange(row.size) % parts).astype(np.int8)
     for _ in range(APPROACH_ITERATIONS):
         parameters = flanks.opposite(points, rotations[row], parameters, part)
     return least(refined(flanks, points, rotations[row], parameters, part), row, rotations.size)
@@ -149,6 +153,7 @@ def refined(
         step, promised = _bounded_step(here, damping[active])
         inside = np.min(here.margins, axis=0)
         edge = np.where(inside < BOUND_TOLERANCE, np.argmin(here.margins, axis=0), -1)
+        edge[(edge == JOINT) | ((edge == PINION_BLADE) & (part[active] > 0))] = -1
         sure = (inside > -BOUND_TOLERANCE) & (here.miss < MISS_TOLERANCE)
         short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
         done = sure & (short | (np.abs(promised) < PROMISE_TOLERANCE))

@@ -30,11 +30,14 @@ from .flank_splines import FlankSplines, fit
 Array = NDArray[Any]
 
 SAME_EASE_OFF_LIMIT = 1e-12  # [rad]; a change of the ease-off by less is that of a zero alone
-#: Bounds of the flanks, in the order of ``margins``; the last two are where the edge radius of the blade begins to cut.
+#: Bounds of the flanks, in the order of ``margins``. After the edges come the places where the edge radius of a blade
+#: begins to cut or, on an upper flank part of the pinion, where the part below ends.
+#: The last is where that part ends itself.
 BOUNDS = (
     *(f"{member}_{edge}" for member in ("gear", "pinion") for edge in ("toe", "heel", "root", "tip")),
     "gear_blade",
     "pinion_blade",
+    "pinion_joint",
 )
 _OWN_FIELDS = ["closing", "later", "blade"]
 
@@ -132,14 +135,14 @@ class TurnedFlanks:
         t, h = points
         one, none = np.ones_like(t), np.zeros_like(t)
         of_gear = [[one, none], [-one, none], [none, one], [none, -one]]
-        lengthwise, profile, blade = _chain(met.bound_slopes, along)
+        lengthwise, profile, blade, joint = _chain(met.bound_slopes, along)
         return TurnedGap(
             gap=np.mod(met.azimuth + value["closing"] + np.pi, 2.0 * np.pi) - np.pi,
             slope=slopes["closing"] + _chain(met.slope, along) - met.ahead * slopes["later"],
             bend=own_bend + _chain(_chain(met.bend, along).swapaxes(0, 1), along),
-            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), value["blade"], met.bounds[2]]),
+            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), value["blade"], *met.bounds[2:]]),
             margin_slopes=np.stack(
-                [*map(np.stack, of_gear), lengthwise, -lengthwise, profile, -profile, slopes["blade"], blade]
+                [*map(np.stack, of_gear), lengthwise, -lengthwise, profile, -profile, slopes["blade"], blade, joint]
             ),
             parameters=met.parameters,
             following=_chain(met.following, along),
@@ -183,8 +186,8 @@ class _Met:
     ahead
         Its derivative by the pinion rotation (n).
     bounds, bound_slopes
-        Lengthwise and profile fraction and distance along the blade, as a fraction of the flank's depth (3, n), and
-        their derivatives (3, 2, n).
+        Lengthwise and profile fraction, and distances along the blade from both ends of the section that cuts, as
+        fractions of the flank's depth (4, n), and their derivatives (4, 2, n).
     parameters, following
         Surface parameters (2, n) and their derivatives (2, 2, n).
     miss
@@ -219,13 +222,16 @@ def _met(
         bounds = section.fractions(own[2], np.sqrt(own[0] ** 2 + own[1] ** 2))
         return np.stack([z, radial, share * normal[2], by_radial, *bounds, coordinate / depth, x, y, *normal])
 
+    cut = surface.section
+    begin = cut.begin if surface.part != motion.surface.flank_parts[0].part else 0.0
+
     with np.errstate(all="ignore"):
         value, (first, second) = complex_steps(seen, parameters)
         inverse = np.stack([cramers_rule(first[:2], second[:2], unit) for unit in np.eye(2)], axis=1)
         away = place - value[:2]
         slopes = first[:, None] * inverse[0] + second[:, None] * inverse[1]
         bend, bound_slopes = slopes[2:4], slopes[4:7]
-        slope = value[2:4] + _along(bend, away)
+        slope, bounds = value[2:4] + _along(bend, away), value[4:7] + _along(bound_slopes, away)
         x, y, z = value[7], value[8], value[0]
         here = np.stack([x, y, z + motion.assembly.gear_origin[2]])
         azimuth = motion.pinion_sense * np.arctan2(y, x) + turned / motion.assembly.ratio
@@ -234,8 +240,8 @@ def _met(
             slope=slope,
             bend=bend,
             ahead=-motion.closing_velocity(here, value[9:12]),
-            bounds=value[4:7] + _along(bound_slopes, away),
-            bound_slopes=bound_slopes,
+            bounds=np.stack([*bounds[:2], bounds[2] - begin / depth, cut.end / depth - bounds[2]]),
+            bound_slopes=np.concatenate([bound_slopes, -bound_slopes[2:]]),
             parameters=parameters + _along(inverse, away),
             following=inverse,
             miss=np.max(np.abs(away), axis=0),
