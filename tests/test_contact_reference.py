@@ -78,6 +78,7 @@ def test_solid_shell(kept: Any) -> None:
         assert abs(found.peak) < 5.0
 
 
+@pytest.mark.thorough
 def test_the_default(kept: Any) -> None:
     """Solid shells whose edges may touch, as every case has them that says nothing else.
 
