@@ -42,7 +42,7 @@ def reference(name: str) -> xr.Dataset:
 
 @cache
 def analysed(name: str, model: str, fineness: float = 1.0, edge_contact: bool | None = None) -> xr.DataTree:
-    """The same by line contact, with the model ``fe``, ``solid_shell`` or ``shell``; edges as usual with the model."""
+    """The same by line contact, with the model ``fe``, ``solid_shell`` or ``shell``; edges as in the case."""
     case, torques, misalignment = setting(name)
     read = easeoff.read_case(case)
     compliance = read.compliance.model_copy(update={"model": model, "fineness": fineness})

@@ -60,7 +60,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "finer bricks": {"finer": True},
     "none beyond the lines": {"beyond_lines": False},
 }
-MODELS = (("fe", None), ("solid_shell", None), ("shell", None), ("shell, edges", True))  # and whether edges touch
+MODELS = (("fe", True), ("solid_shell", True), ("shell", False), ("shell, edges", True))  # and whether edges touch
 STATION = ("tooth", "lengthwise", "profile", "pressure", "line_load", "edge_distance")
 UNITS = dict(zip(STATION, ("1", "1", "1", "MPa", "N/mm", "mm"), strict=True))
 
@@ -94,7 +94,7 @@ def solved(
     case = setting(name)[0]
     flanks, mesh = in_mesh(name)
     # Of the shell's answer no more is taken than how small the cells should be.
-    near = analysed(name, "shell")["loaded"].to_dataset().sel(torque=torque)
+    near = analysed(name, "shell", edge_contact=False)["loaded"].to_dataset().sel(torque=torque)
     return contact_of_flanks(
         flanks,
         responses(case, finer),
@@ -215,17 +215,18 @@ def map_of(name: str, torque: float) -> PressureMap:
 
 
 def figure() -> None:
-    """Reference, finite elements and shell side by side."""
+    """Reference, finite elements with edges and shell on lines alone side by side."""
     rows = [("fm-11x41", 250.0), ("fm-11x41-toe", 50.0), ("fm-11x41-heel", 50.0), ("fh-12x41-45", 500.0)]
     views = [tooth_view(analysed(name, "fe")) for name, _ in rows]
     page = sheet(sum((WIDTH - 1.4) / 3.0 * view.aspect + 0.4 for view in views) + 0.7)
     grid = page.subplots(len(rows), 3)
     for r, ((name, torque), view) in enumerate(zip(rows, views, strict=True)):
-        models = ("fe", "shell")
+        models = (("fe", True), ("shell", False))
         maps = [map_of(name, torque)]
-        maps += [pressure_map(analysed(name, m)["loaded"].to_dataset().sel(torque=torque)) for m in models]
+        trees = [analysed(name, m, edge_contact=edges) for m, edges in models]
+        maps += [pressure_map(tree["loaded"].to_dataset().sel(torque=torque)) for tree in trees]
         peak = away_from_edges(reference(name).sel(torque=torque))
-        peaks = [peak, *(peak * (1.0 + 0.01 * difference(name, m, torque).peak) for m in models)]
+        peaks = [peak, *(peak * (1.0 + 0.01 * difference(name, m, torque, edge_contact=e).peak) for m, e in models)]
         levels = pressure_levels(max(one.peak for one in maps))
         shading = None
         for c, label in enumerate(("without the split", "finite elements", "shell")):
