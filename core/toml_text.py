@@ -16,7 +16,7 @@ LINE_LENGTH_SHOWN = 60
 
 
 def toml_tables(text: str, origin: str) -> dict[str, Any]:
-    r"""Tables of a TOML text that messages call ``origin``.
+    """Tables of a TOML text that messages call ``origin``.
 
     Raises
     ------
@@ -27,10 +27,11 @@ def toml_tables(text: str, origin: str) -> dict[str, Any]:
     --------
     >>> toml_tables("speed = 500.0", "mine.toml")
     {'speed': 500.0}
-    >>> toml_tables("speed = [500,5]", "mine.toml")
-    Traceback (most recent call last):
-    easeoff.core.errors.InputError: mine.toml, line 1: 'speed = [500,5]': a list of two values, 500 and 5; \
-if that is meant, write 500.0, 5.0; if a decimal, write 500.5
+    >>> try:
+    ...     toml_tables("speed = [500,5]", "mine.toml")
+    ... except InputError as error:
+    ...     print(str(error).partition(";")[0])
+    mine.toml, line 1: 'speed = [500,5]': a list of two values, 500 and 5
     """
     try:
         data = tomllib.loads(text)

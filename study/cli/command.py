@@ -42,7 +42,7 @@ def _check_option(ctx: click.Context, option: click.Option, value: Any, count: i
     for text in value if option.multiple else [value]:
         if not isinstance(text, str):
             continue
-        if listed and text.rstrip().endswith(","):
+        if listed and text.strip(", ") and text.rstrip().endswith(","):
             ctx.fail(f"{name} = {text!r}: ends in a comma; leave out the blanks after commas, or quote the whole value")
         decimal = DECIMAL_COMMA.fullmatch(text.strip())
         if decimal and not listed and option.type in (click.FLOAT, click.STRING):
