@@ -80,7 +80,7 @@ def is_table(content: str) -> bool:
 
     Examples
     --------
-    >>> is_table("# rows: root to tip\\n1,5;-2;0"), is_table("flank,row,column")
+    >>> is_table("# rows: root to tip\n1,5;-2;0"), is_table("flank,row,column")
     (True, False)
     """
     lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
