@@ -144,12 +144,15 @@ def verify(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 5, "edge_contact": False}
     >>> case = read_case("fm-11x41")
-    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> found = verify(case, torques=250.0)
-    >>> found.passed, found.outside[0].quantity
-    (False, 'grid of the flank: transmission error')
+    >>> contact, shells = (
+    ...     case.contact.model_copy(update=coarse),
+    ...     case.compliance.model_copy(update={"model": "shell"}),
+    ... )
+    >>> found = verify(case.model_copy(update={"contact": contact, "compliance": shells}), torques=250.0)
+    >>> found.passed, [row.quantity for row in found.outside][0]
+    (False, 'segments of a line: other numbers')
     """
     pair = VerifiedPair.of(checked_case(case), flank, misalignment, torques)
     steps = list(_steps(pair))

@@ -124,8 +124,9 @@ def exact_gap(flanks: FlanksInMesh, places: Array, rotation: Array) -> tuple[Arr
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.verification import flanks_in_mesh
     >>> flanks = flanks_in_mesh(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> gap, _ = exact_gap(flanks, np.array([[0.5], [0.5]]), flanks.splines("roll_angle", np.array([[0.5], [0.5]])))
-    >>> bool(abs(gap[0] - flanks.splines("ease_off_angle", np.array([0.5, 0.5]))) < 1e-5)
+    >>> middle = np.array([[0.5], [0.5]])
+    >>> gap, _ = exact_gap(flanks, middle, flanks.splines("roll_angle", middle))
+    >>> bool(abs(gap[0] - flanks.splines("ease_off_angle", middle)[0]) < 1e-5)
     True
     """
     gear, pinion = flanks.pair.gear, flanks.pair.pinion.section

@@ -104,16 +104,20 @@ def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> lis
         compared = f"polished, {certified} of {len(chosen)} contact problems certified"
         rows.append(VerificationRow(f"solver {name}", compared, apart, POLISHED_LIMIT, "1"))
         certified, apart = _apart(chosen, name, polish=False)
-        plain.append((apart, f"{name}, {certified} of {len(chosen)} contact problems certified"))
-    # An answer without a certificate is the least accurate of all.
-    apart, compared = max(plain, key=lambda one: np.nan_to_num(one[0], nan=np.inf), default=(float("nan"), "none"))
+        # Without polish a solver may miss its tolerance: such an answer is refused, and nobody gets it.
+        if certified:
+            plain.append((apart, f"{name}, {certified} of {len(chosen)} contact problems certified"))
+    apart, compared = max(plain, default=(float("nan"), "none"))
     if not plain:
-        return [*rows, not_applicable("solvers without polish", "no other solver takes these problems")]
+        return [*rows, not_applicable("solvers without polish", "no answer of another solver was certified")]
     return [*rows, VerificationRow("solvers without polish", compared, apart, UNPOLISHED_LIMIT, "1")]
 
 
 def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, float]:
-    """Number of certified answers of a solver, and its greatest difference in the rotation; NaN if one is missing."""
+    """Number of certified answers of a solver, and its greatest difference in the rotation.
+
+    With polish every answer must be certified: NaN if one is not.
+    """
     found = [solve(case.problem, name, polish=polish) for case in cases]
     ratios = [one.rotation / case.solution.rotation for one, case in zip(found, cases, strict=True) if one.certified]
-    return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) else float("nan")
+    return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")
