@@ -6,10 +6,11 @@ from pathlib import Path
 
 import click
 
+from .command import Command
 from .options import output_option
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option("--viscosity-40", type=float, required=True, metavar="V", help="Kinematic viscosity at 40 degC in mm2/s.")
 @click.option(
     "--viscosity-100", type=float, required=True, metavar="V", help="Kinematic viscosity at 100 degC in mm2/s."

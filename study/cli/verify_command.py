@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, misalignment, torques
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from ...geometry.pair.assembly import Misalignment
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("case")
 @flank_option
 @click.option(
