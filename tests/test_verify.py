@@ -309,6 +309,12 @@ def test_changes_of_key_numbers_by_group() -> None:
     assert found["other numbers"][0] == 0.0
 
 
+def test_a_pressure_that_a_finer_computation_finds_at_a_line_end_is_one_there() -> None:
+    fine = NUMBERS.copy(deep=True)
+    fine["max_pressure_line_end"].values[0] = 4
+    assert "greatest pressure" not in {group for group, _, _ in changes(NUMBERS, fine)}
+
+
 def test_a_number_that_is_missing_or_lost_is_no_convergence() -> None:
     lost = NUMBERS.copy(deep=True)
     lost["peak_to_peak"].values[0] = np.nan

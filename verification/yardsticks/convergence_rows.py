@@ -158,7 +158,7 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
         for place in np.ndindex(values.shape):
             own, finer = float(values.values[place]), float(other.values[place])
             change = 0.0 if np.isnan(own) and np.isnan(finer) else 100.0 * abs(finer - own) / float(scale[place])
-            group = _group(coarse, str(name), place)
+            group = _group((coarse, fine), str(name), place)
             # A change without a number is the worst of all, and stays so.
             if group not in worst or change > worst[group][0] or (np.isnan(change) and not np.isnan(worst[group][0])):
                 at = f" at {coarse['torque'].values[place[0]]:g} N m" if values.dims[:1] == ("torque",) else ""
@@ -168,12 +168,12 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
         yield group, value, label
 
 
-def _group(numbers: xr.Dataset, name: str, place: tuple[int, ...]) -> str:
-    """Group of a key number."""
-    values = numbers[name]
+def _group(both: tuple[xr.Dataset, xr.Dataset], name: str, place: tuple[int, ...]) -> str:
+    """Group of a key number; the greatest pressure is at a line's end if that of either computation is."""
+    values = both[0][name]
     if name == "max_pressure":
-        ends = numbers.get("max_pressure_line_end")
-        return PRESSURE if ends is None or int(ends.values[place]) == LineEnd.INSIDE else PRESSURE_AT_END
+        ends = [int(one["max_pressure_line_end"].values[place]) for one in both if "max_pressure_line_end" in one]
+        return PRESSURE if all(end == LineEnd.INSIDE for end in ends) else PRESSURE_AT_END
     unit = values.attrs.get("units", "1")
     if unit == "urad":
         return ERRORS if "torque" in values.dims else UNLOADED
