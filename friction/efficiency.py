@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
 from .formula_range import FLAGS, LossShares
+from .least_film import with_least_film
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
 from .lubricants.lubricant import lubricant
@@ -78,7 +79,7 @@ def friction(
     result = losses_dataset(contacts, operation, model, segments if keep else 0)
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
     result = result.assign_coords(coords).merge(velocities_dataset(potential, operation, model))
-    return labelled(result.assign_attrs(_provenance(operation, model)))
+    return with_least_film(labelled(result.assign_attrs(_provenance(operation, model))), loaded)
 
 
 def losses_dataset(

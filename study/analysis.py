@@ -264,14 +264,13 @@ def analyze(
     if operation is not None:
         from ..friction import friction
         from ..friction import friction_feedback as with_feedback
-        from ..friction.least_film import with_least_film
 
         losses = (
             with_feedback(found.tree, found.cases, operation, friction_model, solver=solver)
             if friction_feedback
             else friction(found.tree, operation, friction_model)
         )
-        found.tree["friction"] = xr.DataTree(with_least_film(losses, found.tree["loaded"].to_dataset()))
+        found.tree["friction"] = xr.DataTree(losses)
     return found.tree
 
 

@@ -660,8 +660,8 @@ def test_the_oil_of_a_case_is_not_written_over(tmp_path: Path) -> None:
     text = (Path(easeoff.cases.__file__).with_name("nasa-12x36.toml")).read_text(encoding="utf-8")
     (tmp_path / "case.toml").write_text(text + '\n[friction]\nspeed = 500\noil = "oil.toml"\n', encoding="utf-8")
     names = [str(tmp_path / name) for name in ("case.toml", "oil.toml")]
-    for command in ("run", "convert"):
-        found = CliRunner().invoke(main, [command, names[0], "-o", names[1]])
+    for command in (["run"], ["convert", "--force"]):
+        found = CliRunner().invoke(main, [*command, names[0], "-o", names[1]])
         assert found.exit_code == 2
         assert "is the file that is read" in found.output
         assert (tmp_path / "oil.toml").read_text(encoding="utf-8") == oil

@@ -283,10 +283,16 @@ def _turned(gear: Flank, point: Array, known: NDArray[np.bool_]) -> Array:
     return np.asarray(np.mod(turned - reference + np.pi, 2 * np.pi) - np.pi + reference)
 
 
+def _whole_turns(angles: Array) -> float:
+    """Number of whole turns in angles [rad] that are known; a section may cut nothing."""
+    known = angles[np.isfinite(angles)]
+    return round(float(np.median(known)) / (2.0 * np.pi)) if known.size else 0.0
+
+
 def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     """Ease-off with a pinion flank of several sections: at every node the section with the largest gap."""
     first = surfaces[0].angle
-    whole_turns = [np.round(np.nanmedian((s.angle - first) / (2 * np.pi))) for s in surfaces]
+    whole_turns = [_whole_turns(s.angle - first) for s in surfaces]
     angles = [s.angle - 2 * np.pi * turns for s, turns in zip(surfaces, whole_turns, strict=True)]
     parts = motion.surface.flank_parts
     choice = deepest(parts, [s.blade_distance for s in surfaces], angles)
