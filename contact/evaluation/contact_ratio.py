@@ -21,9 +21,9 @@ from .carrying_error import CarryingError
 from .tooth_passage import tooth_passage
 
 Array = NDArray[Any]
-SEARCH_GRID = (121, 61)
+SEARCH_GRID = (61, 31)
 PATH = ("path_lengthwise", "path_profile")
-ZOOM_ROUND_COUNT, ZOOM_GRID = 5, (41, 41)  # each round looks at a window of four cells of the round before
+ZOOM_ROUND_COUNT, ZOOM_GRID = 6, (21, 21)  # each round looks at a window of four cells of the round before
 
 
 def roll_limits(splines: FlankSplines) -> tuple[float, float]:
