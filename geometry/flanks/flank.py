@@ -122,9 +122,7 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     >>> np.allclose(gear.position[2], axial), np.allclose(np.hypot(*gear.position[:2]), radial)
     (True, True)
     """
-    target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
-    parts = surface.flank_parts
-    flanks = [_solve_part(part, section, target) for part in parts]
+    parts, flanks = surface.flank_parts, solve_parts(surface, section, axial, radial)
     if len(flanks) == 1:
         return flanks[0]
     # The deepest cut lies furthest into the tooth along the azimuth.
@@ -143,6 +141,12 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         pick([f.status for f in flanks], choice),
         choice,
     )
+
+
+def solve_parts(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> tuple[Flank, ...]:
+    """Every part of a flank by itself, as if its section of the blade had no ends; arguments as of ``solve_flank``."""
+    target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
+    return tuple(_solve_part(part, section, target) for part in surface.flank_parts)
 
 
 def into_tooth(position: Array, normal: Array) -> float:
