@@ -32,8 +32,8 @@ Array = NDArray[Any]
 
 MISS_LIMIT = 0.1  # [mm]; a pinion part whose point is farther from where it is looked for has none
 SAME_EASE_OFF_LIMIT = 1e-12  # [rad]; a change of the ease-off by less is that of a zero alone
-#: Bounds of the flanks, in the order of ``margins``. After the edges come, for either member, the places where its flank
-#: part begins, at the lowest part where the edge radius of the blade ends, where it ends, and where another cuts deeper.
+#: Bounds of the flanks, in the order of ``margins``. After the edges come, for either member, where its flank part
+#: begins, at the lowest part where the edge radius of the blade ends, where it ends, and where another cuts deeper.
 BOUNDS = (
     *(f"{member}_{edge}" for member in ("gear", "pinion") for edge in ("toe", "heel", "root", "tip")),
     *(f"{member}_{end}" for end in ("blade", "joint", "crease") for member in ("gear", "pinion")),
@@ -223,7 +223,9 @@ def _gear_cuts(parts: tuple[Flank, ...], each: list[list[dict[str, Array]]], dep
     return FlankCuts(value["closing"], slope["closing"], value["blade"], slope["blade"], *ends, known)
 
 
-def _pinion_cuts(parts: tuple[GeneratingSurface, ...], every: list[CirclesMet], along: Array, depth: float) -> FlankCuts:
+def _pinion_cuts(
+    parts: tuple[GeneratingSurface, ...], every: list[CirclesMet], along: Array, depth: float
+) -> FlankCuts:
     """What the parts of the pinion cut, from where they are met."""
     azimuth = np.stack([met.azimuth for met in every])
     azimuth = azimuth[0] + np.mod(azimuth - azimuth[0] + np.pi, 2.0 * np.pi) - np.pi

@@ -126,12 +126,14 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     if len(flanks) == 1:
         return flanks[0]
     # The deepest cut lies furthest into the tooth along the azimuth.
-    front = flanks[[part.part for part in parts].index("profile")]
-    turn = into_tooth(front.position, front.normal)
-    azimuth = [np.arctan2(f.position[1], f.position[0]) for f in flanks]
-    reference = np.nanmedian(azimuth[0])
-    depths = [turn * (np.mod(a - reference + np.pi, 2 * np.pi)) for a in azimuth]
-    choice = deepest(parts, [f.blade_distance for f in flanks], depths)
+    azimuth = np.stack([np.arctan2(f.position[1], f.position[0]) for f in flanks])
+    depths = np.full_like(azimuth, np.nan)
+    if np.any(np.isfinite(azimuth)):
+        turn = into_tooth(
+            *(np.concatenate(v, axis=1) for v in zip(*((f.position, f.normal) for f in flanks), strict=True))
+        )
+        depths = turn * np.mod(azimuth - np.nanmedian(azimuth) + np.pi, 2 * np.pi)
+    choice = deepest(parts, [f.blade_distance for f in flanks], list(depths))
     return Flank(
         surface,
         pick([f.parameters for f in flanks], choice),
