@@ -162,16 +162,20 @@ class TurnedFlanks:
         one, none = np.ones_like(t), np.zeros_like(t)
         gear_edges = [[one, none], [-one, none], [none, one], [none, -one]]
         lengthwise, profile, _ = _chain(met.bound_slopes, along)
-        cuts = [_gear_cuts(self.parts[1], each, _depth(self.geometry.pair.gear)).margins(of_gear)]
-        cuts += [_pinion_cuts(self.parts[0], every, along, _depth(self.geometry.pair.pinion)).margins(of_pinion)]
-        ends, end_slopes = (np.stack(both, axis=1).reshape(6, *both[0].shape[1:]) for both in zip(*cuts, strict=True))
+        depths = _depth(self.geometry.pair.gear), _depth(self.geometry.pair.pinion)
+        with np.errstate(invalid="ignore"):
+            ends = (
+                _gear_cuts(self.parts[1], each, depths[0]).margins(of_gear),
+                _pinion_cuts(self.parts[0], every, along, depths[1]).margins(of_pinion),
+            )
+        ends_and_slopes = [np.stack(both, axis=1).reshape(6, *both[0].shape[1:]) for both in zip(*ends, strict=True)]
         return TurnedGap(
             gap=np.mod(met.azimuth + value["closing"] + np.pi, 2.0 * np.pi) - np.pi,
             slope=slopes["closing"] + _chain(met.slope, along) - met.ahead * slopes["later"],
             bend=own_bend + _chain(_chain(met.bend, along).swapaxes(0, 1), along),
-            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), *ends]),
+            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), *ends_and_slopes[0]]),
             margin_slopes=np.stack(
-                [*map(np.stack, gear_edges), lengthwise, -lengthwise, profile, -profile, *end_slopes]
+                [*map(np.stack, gear_edges), lengthwise, -lengthwise, profile, -profile, *ends_and_slopes[1]]
             ),
             parameters=np.concatenate([m.parameters for m in every]),
             following=np.concatenate([_chain(m.following, along) for m in every]),
