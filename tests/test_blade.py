@@ -30,7 +30,7 @@ from easeoff.geometry import (
     solve_flank,
     work_rotation,
 )
-from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
+from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import rotate_z
 
