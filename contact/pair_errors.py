@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -58,18 +59,19 @@ class PairErrors:
         return self.table(self.touching.gap)
 
     def fine_envelope(self) -> Array:
-        """Smallest gap over all tooth pairs, at ENVELOPE_REFINEMENT times as many rotations [rad].
+        """Smallest gap over all tooth pairs, at ENVELOPE_REFINEMENT times as many rotations [rad]."""
+        count = self.mesh.rotations.size * ENVELOPE_REFINEMENT
+        return self.envelope_at(np.arange(count) / count)
 
-        The course of a pair has kinks where its contact moves onto an edge, and the envelope has one where the next
-        pair takes over; they lie between the mesh positions. Wherever a pair may carry its contact is found anew, from
-        the points at the positions before and after.
+    def envelope_at(self, ahead: Array) -> Array:
+        """Smallest gap over all tooth pairs (m), at rotations (m) beyond the first, as fractions of a pitch [rad].
+
+        The course of a pair bends where its contact moves onto an edge, and the envelope has a kink where the next pair
+        takes over; they lie between the mesh positions. Wherever a pair may carry its contact is found anew, from the
+        points at the positions before and after.
         """
-        pitch, positions = self.mesh.pinion_pitch, self.mesh.rotations.size
-        turned = (self.mesh.rotations[None, :] - self.pairs[:, None] * pitch).ravel()
-        order = np.argsort(turned)
-        course, turned = self.touching.at(order), turned[order]
-        ahead = np.arange(positions * ENVELOPE_REFINEMENT) / (positions * ENVELOPE_REFINEMENT) * pitch
-        wanted = self.mesh.rotations[0] + ahead[None, :] - self.pairs[:, None] * pitch
+        course, turned = self._course
+        wanted = self.mesh.rotations[0] + (ahead[None, :] - self.pairs[:, None]) * self.mesh.pinion_pitch
         before = np.clip(np.searchsorted(turned, wanted, side="right") - 1, 0, turned.size - 2)
         share = np.clip((wanted - turned[before]) / (turned[before + 1] - turned[before]), 0.0, 1.0)
         estimate, doubt = _between(course.gap, before, share)
@@ -79,6 +81,13 @@ class PairErrors:
         fine[pair, place] = self._found(course, before[pair, place], share[pair, place], wanted[pair, place])
         fine = np.where(np.isfinite(fine), fine, estimate)
         return smallest(fine)
+
+    @cached_property
+    def _course(self) -> tuple[TouchingPoints, Array]:
+        """Points of contact of all pairs in the order of their rotations, as of one pair, and these rotations."""
+        turned = (self.mesh.rotations[None, :] - self.pairs[:, None] * self.mesh.pinion_pitch).ravel()
+        order = np.argsort(turned)
+        return self.touching.at(order), turned[order]
 
     def _found(self, course: TouchingPoints, before: NDArray[np.int64], share: Array, wanted: Array) -> Array:
         """Gaps (n) at rotations (n) from those of a course (m) between which they lie."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..core.attributes import flag_attributes, labelled
 from ..geometry.pair.gear_pair import PairGeometry
-from .harmonics import harmonics, peak_to_peak, rms
+from .harmonics import continuous_range, harmonics, rms
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.contact_lines import ContactLines
 from .lines.flank_splines import FlankSplines
@@ -24,6 +24,7 @@ FLANK_ENDS = (
     "gear_root",
     "pinion_root",
 )  # at the end of the blade's profile the flank ends as at its root
+PEAK_TOLERANCE = 0.02  # [urad]; between the estimated peak of a kink and the error there
 CONTACT_EDGES = {-1: "no_contact", 0: "inside"} | {i + 1: name for i, name in enumerate(BOUNDS[:8])}
 
 
@@ -144,7 +145,7 @@ def unloaded_contact(
         attrs={
             "separation": separation,
             "attribute_units": "peak_to_peak, harmonics, rms: urad; separation: um",
-            "peak_to_peak": peak_to_peak(fine),
+            "peak_to_peak": continuous_range(fine, lambda ahead: 1e6 * errors.envelope_at(ahead), PEAK_TOLERANCE),
             "harmonics": amplitudes,
             "rms": rms(amplitudes),
         },

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from test_face_hobbing import GENERATED, GROUPS
 
 from easeoff import InputError
-from easeoff.cases import case_text, gear_pair, parse_case
+from easeoff.cases import case_text, gear_pair, parse_case, read_case
 from easeoff.geometry import (
     Assembly,
     Blade,
@@ -30,6 +30,7 @@ from easeoff.geometry import (
     solve_flank,
     work_rotation,
 )
+from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import rotate_z
 
@@ -360,3 +361,17 @@ def test_case_file_takes_a_whole_blade() -> None:
     assert solve_flank(
         gear_pair(parse_case(text)).gear.loaded, GEAR_BLANK, *GEAR_BLANK.points(np.array([0.5]), np.array([0.5]))
     ).inside.all()
+
+
+def test_a_part_does_not_stand_in_for_another() -> None:
+    """Where the profile has no point at the root, a flankrem high above cuts none either, far beyond its end."""
+    pair = gear_pair(read_case("fm-11x41"), "coast")
+    plain = pair.pinion.loaded
+    relieved = replace(plain, blade=replace(plain.blade, flankrem=Relief(5.76, math.radians(1.0))))
+    t, h = np.meshgrid(np.linspace(0.0, 0.2, 9), np.linspace(0.0, 0.3, 9), indexing="ij")
+    low = pair.pinion.section.points(t.ravel(), h.ravel())
+    before, after = (solve_flank(surface, pair.pinion.section, *low) for surface in (plain, relieved))
+    assert np.any(before.status == NodeStatus.NO_SOLUTION)
+    np.testing.assert_array_equal(after.status, before.status)
+    one = pair.pinion.section.points(np.array([0.0646]), np.array([0.0375]))
+    assert not solve_flank(relieved, pair.pinion.section, *one).inside.any()

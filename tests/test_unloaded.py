@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from pairs import conjugate_pair
+from scipy.optimize import brentq, minimize_scalar
 from test_ease_off import contact_path
 
 from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle, harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
+from easeoff.contact.harmonics import continuous_range
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import (
     POINTS_PER_LINE,
@@ -26,7 +28,7 @@ from easeoff.contact.lines.contact_lines import (
 )
 from easeoff.contact.lines.flank_splines import fit
 from easeoff.contact.lines.mesh_lines import gauss_points
-from easeoff.contact.lines.turned_flanks import TurnedFlanks, TurnedGap
+from easeoff.contact.lines.turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 from easeoff.contact.pair_errors import PairErrors
 from easeoff.contact.unloaded import CONTACT_EDGES
 from easeoff.geometry import (
@@ -42,6 +44,8 @@ from easeoff.geometry import (
     pair_geometry,
 )
 from easeoff.verification import smallest_envelope, smallest_gap
+
+PARTS = BOUNDS.index("gear_joint")  # the bounds from there on are infinite on a flank of one part
 
 
 @pytest.fixture(scope="module")
@@ -310,6 +314,111 @@ def test_envelope_of_a_relieved_pinion_is_that_of_a_direct_search() -> None:
     np.testing.assert_allclose(own["transmission_error_envelope"].values, wanted, rtol=0, atol=1e-3)
 
 
+def continuous_peak_to_peak(geometry: PairGeometry, samples: int) -> float:
+    """Of the direct search, from where it finds two pairs to touch at once, or one least or most, between samples."""
+    pitch = geometry.pair.assembly.pinion_pitch
+    rotations = np.arange(-1, samples + 2) * pitch / samples
+    found, carrying = smallest_envelope(geometry, rotations)
+
+    def of_pair(rotation: float, pair: int) -> float:
+        return float(smallest_gap(geometry, np.array([rotation - pair * pitch])).closing_angle[0])
+
+    def highest(sign: float, start: int) -> float:
+        first, second = carrying[start : start + 2].tolist()
+        begin, end = rotations[start : start + 2].tolist()
+        if first == second:
+            most = minimize_scalar(lambda r: -sign * of_pair(r, first), bounds=(begin, end), options={"maxiter": 12})
+            return float(-most.fun)
+        place = brentq(lambda r: of_pair(r, first) - of_pair(r, second), begin, end, xtol=1e-7)
+        return sign * of_pair(float(place), first)
+
+    extremes = []
+    for sign in (1.0, -1.0):
+        best = 1 + int(np.argmax(sign * found.closing_angle[1:-1]))
+        extremes.append(max(highest(sign, best - 1), highest(sign, best)))
+    return 1e6 * sum(extremes)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize("name", ["nasa-12x36", "fm-11x41"])
+def test_peak_to_peak_is_that_between_samples_too(name: str, flank: FlankName) -> None:
+    """The greatest error is at the kink where the next pair takes over, whatever the number of mesh positions."""
+    geometry = pair_geometry(gear_pair(read_case(name), flank))
+    wanted = continuous_peak_to_peak(geometry, 16)
+    for positions in (5, 32):
+        own = MeshCycle.of(geometry, mesh_positions=positions).unloaded().attrs["peak_to_peak"]
+        assert own == pytest.approx(wanted, abs=0.02)
+
+
+def relieved(
+    pair: GearPair, member: Literal["pinion", "gear"], *, toprem: Relief | None = None, flankrem: Relief | None = None
+) -> PairGeometry:
+    """The pair with a toprem or flankrem at a share of a member's depth, on the default grid."""
+    own = pair.pinion if member == "pinion" else pair.gear
+    ends = own.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
+    depth = float(np.linalg.norm(ends[:, 1] - ends[:, 0]))
+    low, high = (relief and replace(relief, height=relief.height * depth) for relief in (toprem, flankrem))
+    blade = replace(own.loaded.blade, toprem=low, flankrem=high)
+    changed = replace(own, loaded=replace(own.loaded, blade=blade))
+    return pair_geometry(replace(pair, pinion=changed) if member == "pinion" else replace(pair, gear=changed))
+
+
+ONE_DEGREE = math.radians(1.0)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize(
+    ("member", "reliefs"),
+    [
+        ("pinion", {"toprem": Relief(0.3, ONE_DEGREE)}),
+        ("pinion", {"flankrem": Relief(0.75, ONE_DEGREE)}),
+        ("gear", {"toprem": Relief(0.3, ONE_DEGREE)}),
+        ("gear", {"toprem": Relief(0.3, ONE_DEGREE), "flankrem": Relief(0.7, ONE_DEGREE)}),
+        ("gear", {"toprem": Relief(0.3, 0.0, 30.0), "flankrem": Relief(0.6, 0.0, 50.0)}),
+    ],
+)
+def test_envelope_of_relieved_flanks_is_that_of_a_direct_search(
+    member: Literal["pinion", "gear"], reliefs: dict[str, Relief], flank: FlankName
+) -> None:
+    """Every part has a surface of its own; at a kink the deeper cut counts, and contact may run along it."""
+    geometry = relieved(gear_pair(read_case("nasa-12x36"), flank), member, **reliefs)
+    parts = geometry.exact.part if member == "pinion" else geometry.members.gear.part
+    assert set(parts.tolist()) == set(range(len(reliefs) + 1))
+    own, wanted = envelopes(geometry, 4)
+    np.testing.assert_allclose(own["transmission_error_envelope"].values, wanted, rtol=0, atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("member", "name", "height", "angle"), [("gear", "toprem", 0.3, 1.0), ("pinion", "flankrem", 0.75, 1.0)]
+)
+def test_contact_along_a_kink_is_that_of_a_direct_search(
+    member: Literal["pinion", "gear"], name: str, height: float, angle: float
+) -> None:
+    """One position at which the smallest gap lies where two parts cut equally deep."""
+    pair = gear_pair(read_case("nasa-12x36"))
+    geometry = relieved(pair, member, **{name: Relief(height, math.radians(angle))})
+    cycle = MeshCycle.of(geometry, mesh_positions=6).at(5)
+    own = cycle.unloaded()
+    carrying = int(own["carrying_pair"].item())
+    found = smallest_gap(geometry, cycle.lines.rotations - carrying * cycle.pinion_pitch)
+    wanted = 1e6 * (found.closing_angle[0] - geometry.ease_off.attrs["first_contact_rad"])
+    assert found.edge.tolist() == [""]
+    assert own["transmission_error_envelope"].item() == pytest.approx(wanted, abs=0.02)
+
+
+def test_range_of_a_cycle_with_a_kink() -> None:
+    """The least of two sine waves, from a few samples."""
+
+    def cycle(x: np.ndarray) -> np.ndarray:
+        return np.minimum(np.sin(2 * np.pi * (x - 0.011)), 0.7 * np.cos(2 * np.pi * (x + 0.007)))
+
+    fine = cycle(np.arange(1_000_000) / 1_000_000)
+    assert continuous_range(cycle(np.arange(24) / 24), cycle, 1e-6) == pytest.approx(np.ptp(fine), abs=3e-6)
+    assert abs(np.ptp(cycle(np.arange(24) / 24)) - np.ptp(fine)) > 0.01
+
+
 def test_point_of_contact_lies_on_its_edge() -> None:
     """On an edge of the gear exactly, and that is said; every pair with a contact line has a point."""
     own = MeshCycle.of(assembled("fm-11x41", "drive", 0.1, -0.1, 0.05, 0.05), mesh_positions=16).unloaded()
@@ -344,8 +453,8 @@ def test_derivatives_of_the_gap_are_those_of_differences(nasa: tuple[GearPair, P
         ahead, behind = converged(points + step, 0.05), converged(points - step, 0.05)
         np.testing.assert_allclose((ahead.gap - behind.gap) / 2e-4, here.slope[k], atol=1e-8)
         np.testing.assert_allclose((ahead.slope - behind.slope) / 2e-4, here.bend[:, k], atol=1e-6)
-        margins = (ahead.margins[:-1] - behind.margins[:-1]) / 2e-4  # the last one is infinite: no part lies above
-        np.testing.assert_allclose(margins, here.margin_slopes[:-1, k], atol=1e-6)
+        margins = (ahead.margins[:PARTS] - behind.margins[:PARTS]) / 2e-4
+        np.testing.assert_allclose(margins, here.margin_slopes[:PARTS, k], atol=1e-6)
     left = 0.003
     expanded = exact.angle + exact.separation_curvature * left**2 / 2 + exact.separation_skew * left**3 / 6
     zero = geometry.ease_off.attrs["first_contact_rad"]

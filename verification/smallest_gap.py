@@ -35,6 +35,7 @@ PAIR_LIMIT = 12  # tooth pairs ahead of the followed one, and behind it, at most
 GAP_ABOVE_LEAST_LIMIT = 2e-4  # [rad]; what lies so far above the least value of all nodes needs no refinement
 STENCIL_STEPS = (0.02, 0.02, 0.01, 0.005, 0.005, 0.002, 0.001, 0.001)  # fractions of the flank
 ZOOM_ROUNDS, ZOOM_NODES = 7, 11
+CREASE_WIDTH, CREASE_ROUNDS, CREASE_SHRINKAGE = 0.02, 12, 0.4  # half-width of the first grid, of the flank
 NEWTON_ITERATIONS, NEWTON_TOLERANCE = 25, 1e-10  # [mm]
 FRACTION_TOLERANCE, BLADE_TOLERANCE = 1e-9, 1e-8  # [1], [mm]; by which a point may lie beyond an edge
 LIMIT_ITERATIONS = 12
@@ -175,6 +176,8 @@ class _Flanks:
             return []
         for step in STENCIL_STEPS:
             points = self._lower(points, step, rotation)
+        if len(self.parts) > 1 or len(self.gear.loaded.flank_parts) > 1:
+            points = np.stack([self._zoomed(point, rotation) for point in points.T], axis=1)
         value, pinion = self._closing(_flank(self.gear, points), rotation)
         within = _within(points)
         return [(float(v), points[:, k], pinion[:, k], "") for k, v in enumerate(value) if within[k]]
@@ -193,6 +196,19 @@ class _Flanks:
         way = np.where(bowl, way, 0.0)
         way = step * way / np.maximum(1.0, np.max(np.abs(way), axis=0) / 4.0)
         return np.asarray(np.clip(points + np.where(np.isfinite(way), way, 0.0), -0.02, 1.02))
+
+    def _zoomed(self, point: Array, rotation: float) -> Array:
+        """Lowest point (2) near another by ever finer grids: a paraboloid does not fit a valley along a kink."""
+        width = CREASE_WIDTH
+        for _ in range(CREASE_ROUNDS):
+            steps = width * np.linspace(-1.0, 1.0, ZOOM_NODES)
+            tried = point[:, None] + np.stack(np.meshgrid(steps, steps, indexing="ij")).reshape(2, -1)
+            tried = np.clip(tried, 0.0, 1.0)
+            value, _ = self._closing(_flank(self.gear, tried), rotation)
+            if np.any(np.isfinite(value)):
+                point = tried[:, np.nanargmin(value)]
+            width *= CREASE_SHRINKAGE
+        return point
 
     def _on_edge(self, member: str, name: str, value: Array, rotation: float, limit: float) -> list[Found]:
         """Minima along an edge of one member on the flank of the other, from the values (k) of its nodes."""

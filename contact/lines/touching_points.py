@@ -34,7 +34,8 @@ LAST_STEP, LAST_PROMISE = 1e-3, 1e-11  # [fraction of the flank], [rad]; a step 
 BOUND_TOLERANCE = 1e-7  # fraction of the flank
 MISS_TOLERANCE = 0.01  # [mm]; the gap is extrapolated over it to second order
 DAMPING_MINIMUM = 1e-6  # least curvature of the gap that a step reckons with, by the greatest one
-PINION_BLADE, JOINT = BOUNDS.index("pinion_blade"), BOUNDS.index("pinion_joint")
+BLADES = BOUNDS.index("gear_blade"), BOUNDS.index("pinion_blade")
+EDGE_COUNT = len(BLADES) + min(BLADES)  # bounds that are edges of a flank; the others lie between its parts
 _EXPANSION_FIELDS = ("roll_angle", "ease_off_angle", "separation_curvature", "separation_skew")
 _SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
 
@@ -50,9 +51,9 @@ class TouchingPoints:
     points
         Lengthwise and profile fractions (2, n) on the gear.
     parameters
-        Parameters (2, n) of the pinion point.
+        Parameters (2 p, n) of the pinion point on each of the p parts of the pinion flank.
     part
-        Index (n) of the pinion's flank part.
+        Index (n) of the parts that touch, as of ``TurnedFlanks.at``.
     bound
         Index (n) into ``BOUNDS`` of the edge on which the point lies, -1 inside.
     """
@@ -76,10 +77,11 @@ def touching_points(flanks: TurnedFlanks, rotations: Array) -> TouchingPoints:
     exact, members = flanks.geometry.exact, flanks.geometry.members
     count = members.profile.size
     points = np.stack([members.lengthwise[node // count], members.profile[node % count]])
-    # The lowest point of a pinion flank of several parts is that of one of them.
-    parts = len(exact.motion.surface.flank_parts)
+    # The lowest point of flanks of several parts is that of one of them on each member.
+    parts = flanks.part_count
     row, node, points = np.repeat(row, parts), np.repeat(node, parts), np.repeat(points, parts, axis=1)
-    parameters, part = exact.pinion_parameters[:, node], (np.arange(row.size) % parts).astype(np.int8)
+    parameters = np.tile(exact.pinion_parameters[:, node], (len(flanks.parts[0]), 1))
+    part = (np.arange(row.size) % parts).astype(np.int8)
     for _ in range(APPROACH_ITERATIONS):
         parameters = flanks.opposite(points, rotations[row], parameters, part)
     return least(refined(flanks, points, rotations[row], parameters, part), row, rotations.size)
@@ -93,7 +95,8 @@ def least(found: TouchingPoints, row: NDArray[Any], count: int) -> TouchingPoint
     best[row[order]] = order
     if not row.size:
         nothing = np.full((2, count), np.nan)
-        return TouchingPoints(nothing[0], nothing, nothing, best.astype(np.int8), best)
+        parameters = np.full((found.parameters.shape[0], count), np.nan)
+        return TouchingPoints(nothing[0], nothing, parameters, best.astype(np.int8), best)
     result = found.at(best)
     missing = best < 0
     result.gap[missing], result.points[:, missing], result.bound[missing] = np.nan, np.nan, -1
@@ -146,14 +149,16 @@ def refined(
     points, parameters = points.copy(), parameters.copy()
     gap, bound = np.full(count, np.nan), np.full(count, -1)
     damping = np.full(count, DAMPING_MINIMUM)
-    best = _Best.none(count)
+    best = _Best.none(count, parameters.shape[0])
     active = np.arange(count)
     for _ in range(ITERATION_LIMIT):
         here = flanks.at(points[:, active], rotations[active], parameters[:, active], part[active])
         step, promised = _bounded_step(here, damping[active])
         inside = np.min(here.margins, axis=0)
         edge = np.where(inside < BOUND_TOLERANCE, np.argmin(here.margins, axis=0), -1)
-        edge[(edge == JOINT) | ((edge == PINION_BLADE) & (part[active] > 0))] = -1
+        edge[edge >= EDGE_COUNT] = -1
+        for blade, index in zip(BLADES, np.divmod(part[active], len(flanks.parts[0])), strict=True):
+            edge[(edge == blade) & (index > 0)] = -1
         sure = (inside > -BOUND_TOLERANCE) & (here.miss < MISS_TOLERANCE)
         short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
         done = sure & (short | (np.abs(promised) < PROMISE_TOLERANCE))
@@ -177,7 +182,7 @@ def refined(
     level = np.isnan(gap) & (np.abs(best.promised) < LEVEL_PROMISE)
     gap[level], bound[level] = best.gap[level], best.bound[level]
     points[:, level], parameters[:, level] = best.points[:, level], best.parameters[:, level]
-    hole = flanks.own.in_hole(np.clip(points, 0.0, 1.0))
+    hole = flanks.in_hole(np.clip(points, 0.0, 1.0), part)
     return TouchingPoints(np.where(hole, np.nan, gap), points, parameters, part, bound)
 
 
@@ -192,9 +197,9 @@ class _Best:
     bound: NDArray[np.int64]
 
     @classmethod
-    def none(cls, count: int) -> _Best:
-        """Nothing found yet."""
-        nothing = np.full((6, count), np.nan)
+    def none(cls, count: int, rows: int) -> _Best:
+        """Nothing found yet, with so many rows of parameters."""
+        nothing = np.full((4 + rows, count), np.nan)
         return cls(np.full(count, np.inf), nothing[1], nothing[2:4], nothing[4:], np.full(count, -1))
 
     def keep(self, index: NDArray[Any], points: Array, gap: Array, promised: Array, bound: NDArray[Any]) -> None:

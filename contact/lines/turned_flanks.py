@@ -11,6 +11,7 @@ gap opens as that of the generated flanks does. That is right to the first order
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -19,25 +20,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.flanks.flank import Flank, solve_parts
 from ...geometry.flanks.flank_parts import pick
-from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule
-from ...geometry.pair.conjugate_motion import ConjugateMotion
-from ...geometry.pair.ease_off import EaseOff
+from ...geometry.newton import COLUMNS_PER_BLOCK
 from ...geometry.pair.gear_pair import Member, PairGeometry
-from ...geometry.vectors import column, rotate
+from .flank_cuts import FlankCuts
 from .flank_splines import FlankSplines, fit
+from .turned_pinion import CirclesMet, circles_met
 
 Array = NDArray[Any]
 
+MISS_LIMIT = 0.1  # [mm]; a pinion part whose point is farther from where it is looked for has none
 SAME_EASE_OFF_LIMIT = 1e-12  # [rad]; a change of the ease-off by less is that of a zero alone
-#: Bounds of the flanks, in the order of ``margins``. After the edges come the places where the edge radius of a blade
-#: begins to cut or, on an upper flank part of the pinion, where the part below ends.
-#: The last is where that part ends itself.
+#: Bounds of the flanks, in the order of ``margins``. After the edges come, for either member, where its flank part
+#: begins, at the lowest part where the edge radius of the blade ends, where it ends, and where another cuts deeper.
 BOUNDS = (
     *(f"{member}_{edge}" for member in ("gear", "pinion") for edge in ("toe", "heel", "root", "tip")),
-    "gear_blade",
-    "pinion_blade",
-    "pinion_joint",
+    *(f"{member}_{end}" for end in ("blade", "joint", "crease") for member in ("gear", "pinion")),
 )
 _OWN_FIELDS = ["closing", "later", "blade"]
 
@@ -57,9 +56,10 @@ class TurnedGap:
     margin_slopes
         Their derivatives by the fractions (b, 2, n).
     parameters
-        Parameters (2, n) of the pinion point opposite, by one step of Newton's method from the given ones.
+        Parameters (2 p, n) of the points opposite on the p parts of the pinion flank, by one step of Newton's method
+        from the given ones.
     following
-        Their derivatives by the fractions (2, 2, n).
+        Their derivatives by the fractions (2 p, 2, n).
     miss
         Distance (n) from the circle to the pinion point at the given parameters [mm]: everything is extrapolated over
         it.
@@ -88,20 +88,41 @@ class TurnedFlanks:
     geometry: PairGeometry
 
     @cached_property
-    def own(self) -> FlankSplines:
-        """Splines of what belongs to the gear flank: its azimuth less what is put in, a later roll angle, its blade."""
+    def parts(self) -> tuple[tuple[GeneratingSurface, ...], tuple[Flank, ...]]:
+        """Parts of the pinion flank, and those of the gear flank at the nodes."""
+        gear, known = self.geometry.pair.gear, self.geometry.members.gear
+        if len(gear.loaded.flank_parts) == 1:
+            return self.geometry.exact.motion.surface.flank_parts, (known,)
+        t, h = np.meshgrid(self.geometry.members.lengthwise, self.geometry.members.profile, indexing="ij")
+        parts = solve_parts(gear.loaded, gear.section, *gear.section.points(t.ravel(), h.ravel()))
+        return self.geometry.exact.motion.surface.flank_parts, parts
+
+    @cached_property
+    def own(self) -> tuple[FlankSplines, ...]:
+        """Splines of every gear part's azimuth less what is put in, of a later roll angle, and of its blade."""
         geometry, exact = self.geometry, self.geometry.exact
-        gear, members = geometry.members.gear, geometry.members
+        known, members = geometry.members.gear, geometry.members
         put_in, later = (
             _change(geometry.ease_off[name].transpose("lengthwise", "profile").values.ravel(), values)
             for name, values in (("ease_off_angle", exact.angle), ("roll_angle", exact.roll_angle))
         )
-        azimuth = np.arctan2(gear.position[1], gear.position[0])
-        middle = np.nanmedian(azimuth)
-        azimuth = np.mod(azimuth - middle + np.pi, 2.0 * np.pi) - np.pi + middle
-        values = (put_in - exact.motion.pinion_sense * azimuth, later, gear.blade_distance / _depth(geometry.pair.gear))
-        grid = {name: np.reshape(v, geometry.nodes) for name, v in zip(_OWN_FIELDS, values, strict=True)}
-        return fit(members.lengthwise, members.profile, grid)
+        middle = np.nanmedian(np.arctan2(known.position[1], known.position[0]))
+        splines = []
+        for part in self.parts[1]:
+            # A part that exists on a lesser share of the flank is continued by what the others cut.
+            alone = np.isfinite(part.position[0]) | (np.mean(np.isfinite(part.position[0])) >= 0.5)
+            x, y = np.where(alone, part.position, known.position)[:2]
+            blade = np.where(alone, part.blade_distance, known.blade_distance)
+            azimuth = np.mod(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi + middle
+            values = (put_in - exact.motion.pinion_sense * azimuth, later, blade / _depth(geometry.pair.gear))
+            grid = {name: np.reshape(v, geometry.nodes) for name, v in zip(_OWN_FIELDS, values, strict=True)}
+            splines.append(fit(members.lengthwise, members.profile, grid))
+        return tuple(splines)
+
+    @property
+    def part_count(self) -> int:
+        """Number of combinations of a pinion part and a gear part."""
+        return len(self.parts[0]) * len(self.parts[1])
 
     def at(self, points: Array, rotations: Array, parameters: Array, part: NDArray[np.int8]) -> TurnedGap:
         """Gap at points of the gear at pinion rotations.
@@ -113,9 +134,9 @@ class TurnedFlanks:
         rotations
             Pinion rotations (n) [rad], counted as the roll angle.
         parameters
-            Pinion parameters (2, n) near the point opposite.
+            Parameters (2 p, n) near the points opposite, on each of the p parts of the pinion flank.
         part
-            Index (n) of the pinion's flank part on which it lies.
+            Index (n) of the parts that touch: of the pinion's, and p times that of the gear's.
         """
         if rotations.size > COLUMNS_PER_BLOCK:
             starts = range(0, rotations.size, COLUMNS_PER_BLOCK)
@@ -123,36 +144,53 @@ class TurnedFlanks:
             found = [self.at(points[:, c], rotations[c], parameters[:, c], part[c]) for c in cuts]
             joined = (np.concatenate([getattr(f, one.name) for f in found], axis=-1) for one in fields(TurnedGap))
             return TurnedGap(*joined)
-        value, by_t, by_h, by_tt, by_th, by_hh = (
-            self.own.evaluate(_OWN_FIELDS, points, d) for d in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-        )
+        of_gear, of_pinion = np.divmod(part, len(self.parts[0]))
+        each = [
+            [spline.evaluate(_OWN_FIELDS, points, d) for d in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))]
+            for spline in self.own
+        ]
+        taken = each[0] if len(each) == 1 else [_picked(values, of_gear) for values in zip(*each, strict=True)]
+        value, by_t, by_h, by_tt, by_th, by_hh = taken
         slopes = {name: np.stack([by_t[name], by_h[name]]) for name in _OWN_FIELDS}
         place, along, twist = self._circles(points)
-        met = self._met(parameters, rotations - value["later"], place, part)
+        every = self._met(parameters, rotations - value["later"], place)
+        met = every[0] if len(every) == 1 else _of_parts(every, of_pinion)
 
         mixed = np.sum(met.slope * twist, axis=0) + by_th["closing"]
         own_bend = np.stack([np.stack([by_tt["closing"], mixed]), np.stack([mixed, by_hh["closing"]])])
         t, h = points
         one, none = np.ones_like(t), np.zeros_like(t)
-        of_gear = [[one, none], [-one, none], [none, one], [none, -one]]
-        lengthwise, profile, blade, joint = _chain(met.bound_slopes, along)
+        gear_edges = [[one, none], [-one, none], [none, one], [none, -one]]
+        lengthwise, profile, _ = _chain(met.bound_slopes, along)
+        depths = _depth(self.geometry.pair.gear), _depth(self.geometry.pair.pinion)
+        with np.errstate(invalid="ignore"):
+            ends = (
+                _gear_cuts(self.parts[1], each, depths[0]).margins(of_gear),
+                _pinion_cuts(self.parts[0], every, along, depths[1]).margins(of_pinion),
+            )
+        ends_and_slopes = [np.stack(both, axis=1).reshape(6, *both[0].shape[1:]) for both in zip(*ends, strict=True)]
         return TurnedGap(
             gap=np.mod(met.azimuth + value["closing"] + np.pi, 2.0 * np.pi) - np.pi,
             slope=slopes["closing"] + _chain(met.slope, along) - met.ahead * slopes["later"],
             bend=own_bend + _chain(_chain(met.bend, along).swapaxes(0, 1), along),
-            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), value["blade"], *met.bounds[2:]]),
+            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), *ends_and_slopes[0]]),
             margin_slopes=np.stack(
-                [*map(np.stack, of_gear), lengthwise, -lengthwise, profile, -profile, slopes["blade"], blade, joint]
+                [*map(np.stack, gear_edges), lengthwise, -lengthwise, profile, -profile, *ends_and_slopes[1]]
             ),
-            parameters=met.parameters,
-            following=_chain(met.following, along),
+            parameters=np.concatenate([m.parameters for m in every]),
+            following=np.concatenate([_chain(m.following, along) for m in every]),
             miss=met.miss,
         )
 
     def opposite(self, points: Array, rotations: Array, parameters: Array, part: NDArray[np.int8]) -> Array:
-        """Parameters (2, n) of the pinion points opposite, by one step of Newton's method; arguments as of ``at``."""
-        place, later = self._circles(points)[0], self.own("later", points)
-        return self._met(parameters, rotations - later, place, part).parameters
+        """Parameters (2 p, n) of the points opposite, by one step of Newton's method; arguments as of ``at``."""
+        place, of_gear = self._circles(points)[0], part // len(self.parts[0])
+        later = pick([spline("later", points) for spline in self.own], of_gear)
+        return np.concatenate([met.parameters for met in self._met(parameters, rotations - later, place)])
+
+    def in_hole(self, points: Array, part: NDArray[np.int8]) -> NDArray[np.bool_]:
+        """Whether points (2, n) lie in a cell of the gear's grid with a node without a value; ``part`` as of ``at``."""
+        return pick([spline.in_hole(points) for spline in self.own], part // len(self.parts[0]))
 
     def _circles(self, points: Array) -> tuple[Array, Array, Array]:
         """Axial and radial coordinate (2, n) [mm], their derivatives (2, 2, n), and the second, mixed one (2, 1)."""
@@ -163,104 +201,56 @@ class TurnedFlanks:
         twist = heel_tip - heel_root - toe_tip + toe_root
         return self.geometry.pair.gear.section.points(t, h), np.stack([by_t, by_h], axis=1), twist[:, None]
 
-    def _met(self, parameters: Array, rotations: Array, place: Array, part: NDArray[np.int8]) -> _Met:
+    def _met(self, parameters: Array, rotations: Array, place: Array) -> list[CirclesMet]:
+        near = np.split(parameters, len(self.parts[0]))
         exact = self.geometry.exact
-        depth = _depth(self.geometry.pair.pinion)
-        parts = exact.motion.surface.flank_parts
-        met = [_met(exact, surface, parameters, rotations, place, depth) for surface in parts]
-        if len(met) == 1:
-            return met[0]
-        return _Met(*(pick([getattr(m, one.name) for m in met], part) for one in fields(_Met)))
+        return [circles_met(exact, *one, rotations, place) for one in zip(self.parts[0], near, strict=True)]
 
 
-@dataclass(frozen=True)
-class _Met:
-    """Where circles (n) about the gear axis meet the pinion flank; derivatives by axial and radial coordinate.
-
-    Parameters
-    ----------
-    azimuth
-        In the drive sense of the gear, the gear turned by the ratio [rad].
-    slope, bend
-        Its derivatives (2, n) and (2, 2, n) [rad/mm, rad/mm^2].
-    ahead
-        Its derivative by the pinion rotation (n).
-    bounds, bound_slopes
-        Lengthwise and profile fraction, and distances along the blade from both ends of the section that cuts, as
-        fractions of the flank's depth (4, n), and their derivatives (4, 2, n).
-    parameters, following
-        Surface parameters (2, n) and their derivatives (2, 2, n).
-    miss
-        Distance (n) over which all this is extrapolated [mm].
-    """
-
-    azimuth: Array
-    slope: Array
-    bend: Array
-    ahead: Array
-    bounds: Array
-    bound_slopes: Array
-    parameters: Array
-    following: Array
-    miss: Array
+def _of_parts(every: list[CirclesMet], part: NDArray[np.int8]) -> CirclesMet:
+    """Of what was met on every part, that on the part of an index (n)."""
+    return CirclesMet(*(pick([getattr(met, one.name) for met in every], part) for one in fields(CirclesMet)))
 
 
-def _met(
-    exact: EaseOff, surface: GeneratingSurface, parameters: Array, rotations: Array, place: Array, depth: float
-) -> _Met:
-    """Circles at axial and radial coordinates (2, n) with the flank turned by rotations (n) and its parameters near."""
-    motion, section = exact.motion, exact.pinion_section
-    turned = rotations + motion.center
-
-    def seen(p: Array) -> Array:
-        own, own_normal, coordinate = surface.evaluate(p)
-        x, y, z, *normal = _in_space(motion, own, own_normal, np.tile(turned, p.shape[1] // turned.size))
-        radial = np.sqrt(x**2 + y**2)
-        # Along the surface the azimuth changes so that the step is at right angles to the normal.
-        share = -motion.pinion_sense / (x * normal[1] - y * normal[0])
-        by_radial = share * (x * normal[0] + y * normal[1]) / radial
-        bounds = section.fractions(own[2], np.sqrt(own[0] ** 2 + own[1] ** 2))
-        return np.stack([z, radial, share * normal[2], by_radial, *bounds, coordinate / depth, x, y, *normal])
-
-    cut = surface.section
-    begin = cut.begin if surface.part != motion.surface.flank_parts[0].part else 0.0
-
-    with np.errstate(all="ignore"):
-        value, (first, second) = complex_steps(seen, parameters)
-        inverse = np.stack([cramers_rule(first[:2], second[:2], unit) for unit in np.eye(2)], axis=1)
-        away = place - value[:2]
-        slopes = first[:, None] * inverse[0] + second[:, None] * inverse[1]
-        bend, bound_slopes = slopes[2:4], slopes[4:7]
-        slope, bounds = value[2:4] + _along(bend, away), value[4:7] + _along(bound_slopes, away)
-        x, y, z = value[7], value[8], value[0]
-        here = np.stack([x, y, z + motion.assembly.gear_origin[2]])
-        azimuth = motion.pinion_sense * np.arctan2(y, x) + turned / motion.assembly.ratio
-        return _Met(
-            azimuth=azimuth + np.sum((value[2:4] + 0.5 * _along(bend, away)) * away, axis=0),
-            slope=slope,
-            bend=bend,
-            ahead=-motion.closing_velocity(here, value[9:12]),
-            bounds=np.stack([*bounds[:2], bounds[2] - begin / depth, cut.end / depth - bounds[2]]),
-            bound_slopes=np.concatenate([bound_slopes, -bound_slopes[2:]]),
-            parameters=parameters + _along(inverse, away),
-            following=inverse,
-            miss=np.max(np.abs(away), axis=0),
-        )
+def _picked(values: tuple[dict[str, Array], ...], part: NDArray[np.int8]) -> dict[str, Array]:
+    return {name: pick([value[name] for value in values], part) for name in _OWN_FIELDS}
 
 
-def _in_space(motion: ConjugateMotion, position: Array, normal: Array, turned: Array) -> Array:
-    """Pinion points from the origin of the gear, and below them their normals (6, n), after the pinion has turned."""
-    assembly = motion.assembly
-    position, normal = assembly.pinion_to_global(position, normal)
-    origin = column(assembly.pinion_origin, position)
-    position = rotate(motion.pinion_axis, turned, position - origin) + origin
-    gear = column(assembly.gear_origin, position)
-    return np.concatenate([position - gear, rotate(motion.pinion_axis, turned, normal)])
+def _gear_cuts(parts: tuple[Flank, ...], each: list[list[dict[str, Array]]], depth: float) -> FlankCuts:
+    """What the parts of the gear cut, from the values and derivatives of their splines."""
+    value, by_t, by_h = (
+        {name: np.stack([spline[k][name] for spline in each]) for name in _OWN_FIELDS} for k in range(3)
+    )
+    slope = {name: np.stack([by_t[name], by_h[name]], axis=1) for name in _OWN_FIELDS}
+    ends = _ends([part.surface for part in parts], depth)
+    known = np.ones(value["blade"].shape, dtype=bool)
+    return FlankCuts(value["closing"], slope["closing"], value["blade"], slope["blade"], *ends, known)
 
 
-def _along(slopes: Array, way: Array) -> Array:
-    """Changes (k, n) over a way (2, n) of quantities with derivatives (k, 2, n)."""
-    return np.asarray(slopes[:, 0] * way[0] + slopes[:, 1] * way[1])
+def _pinion_cuts(
+    parts: tuple[GeneratingSurface, ...], every: list[CirclesMet], along: Array, depth: float
+) -> FlankCuts:
+    """What the parts of the pinion cut, from where they are met."""
+    azimuth = np.stack([met.azimuth for met in every])
+    azimuth = azimuth[0] + np.mod(azimuth - azimuth[0] + np.pi, 2.0 * np.pi) - np.pi
+    slopes = [_chain(np.stack([met.slope, met.bound_slopes[2] / depth]), along) for met in every]
+    with np.errstate(invalid="ignore"):
+        known = np.isfinite(azimuth) & (np.stack([met.miss for met in every]) < MISS_LIMIT)
+    return FlankCuts(
+        depth=azimuth,
+        depth_slope=np.stack([slope[0] for slope in slopes]),
+        coordinate=np.stack([met.bounds[2] for met in every]) / depth,
+        coordinate_slope=np.stack([slope[1] for slope in slopes]),
+        begin=_ends(parts, depth)[0],
+        end=_ends(parts, depth)[1],
+        known=known,
+    )
+
+
+def _ends(parts: Sequence[GeneratingSurface], depth: float) -> tuple[Array, Array]:
+    """Ends (p) of the blade sections, as fractions of a flank's depth; the lowest part begins with the flank."""
+    begin = [0.0, *(part.section.begin / depth for part in parts[1:])]
+    return np.array(begin), np.array([part.section.end / depth for part in parts])
 
 
 def _chain(outer: Array, inner: Array) -> Array:

@@ -122,18 +122,18 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     >>> np.allclose(gear.position[2], axial), np.allclose(np.hypot(*gear.position[:2]), radial)
     (True, True)
     """
-    target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
-    parts = surface.flank_parts
-    flanks = [_solve_part(part, section, target) for part in parts]
+    parts, flanks = surface.flank_parts, solve_parts(surface, section, axial, radial)
     if len(flanks) == 1:
         return flanks[0]
     # The deepest cut lies furthest into the tooth along the azimuth.
-    front = flanks[[part.part for part in parts].index("profile")]
-    turn = into_tooth(front.position, front.normal)
-    azimuth = [np.arctan2(f.position[1], f.position[0]) for f in flanks]
-    reference = np.nanmedian(azimuth[0])
-    depths = [turn * (np.mod(a - reference + np.pi, 2 * np.pi)) for a in azimuth]
-    choice = deepest(parts, [f.blade_distance for f in flanks], depths)
+    azimuth = np.stack([np.arctan2(f.position[1], f.position[0]) for f in flanks])
+    depths = np.full_like(azimuth, np.nan)
+    if np.any(np.isfinite(azimuth)):
+        turn = into_tooth(
+            *(np.concatenate(v, axis=1) for v in zip(*((f.position, f.normal) for f in flanks), strict=True))
+        )
+        depths = turn * np.mod(azimuth - np.nanmedian(azimuth) + np.pi, 2 * np.pi)
+    choice = deepest(parts, [f.blade_distance for f in flanks], list(depths))
     return Flank(
         surface,
         pick([f.parameters for f in flanks], choice),
@@ -143,6 +143,12 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         pick([f.status for f in flanks], choice),
         choice,
     )
+
+
+def solve_parts(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> tuple[Flank, ...]:
+    """Every part of a flank by itself, as if its section of the blade had no ends; arguments as of ``solve_flank``."""
+    target = np.stack([np.ravel(axial), np.ravel(radial)]).astype(float)
+    return tuple(_solve_part(part, section, target) for part in surface.flank_parts)
 
 
 def into_tooth(position: Array, normal: Array) -> float:

@@ -2,7 +2,8 @@
 
 At every node each section's surface is solved on its own. Those whose touched point lies within the section's ends are
 candidates. Where sections join without a kink exactly one is; at a kink, where the blade protrudes on both sides, both
-or neither may be, and the one that has removed more metal decides.
+or neither may be, and the one that has removed more metal decides. Where the section in question cuts no point there is
+no flank: the others do not reach beyond their ends.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def deepest(
     Returns
     -------
     NDArray
-        Index into ``parts`` (n).
+        Index into ``parts`` (n); of one that has no point where there is no flank.
     """
     depth = np.stack([np.where(np.isfinite(d), d, -np.inf) for d in depths])
     within = np.stack(
@@ -47,8 +48,17 @@ def deepest(
         ]
     )
     within &= np.isfinite(depth)
-    candidates = np.where(within | ~np.any(within, axis=0), depth, -np.inf)
-    return np.asarray(np.argmax(candidates, axis=0), dtype=np.int8)
+    # Where two sections join at a kink: beyond the end of the lower one, before the beginning of the upper one.
+    beyond = np.stack([c > part.section.end for c, part in zip(coordinates, parts, strict=True)])
+    before = np.stack([c < part.section.begin for c, part in zip(coordinates, parts, strict=True)])
+    gap = np.isfinite(depth[:-1]) & np.isfinite(depth[1:]) & beyond[:-1] & before[1:]
+    joint = np.zeros_like(within)
+    joint[:-1] |= gap
+    joint[1:] |= gap
+    candidates = np.where(within | (joint & ~np.any(within, axis=0)), depth, -np.inf)
+    missing = np.argmin(np.isfinite(depth), axis=0)
+    chosen = np.where(np.any(np.isfinite(candidates), axis=0), np.argmax(candidates, axis=0), missing)
+    return np.asarray(chosen, dtype=np.int8)
 
 
 def pick(values: Sequence[Array], choice: NDArray[np.int8]) -> Array:
