@@ -255,7 +255,8 @@ def _ends(parts: Sequence[GeneratingSurface], depth: float) -> tuple[Array, Arra
 
 def _chain(outer: Array, inner: Array) -> Array:
     """Derivatives (..., 2, n) by the fractions, from those by the coordinates (..., 2, n) and of these (2, 2, n)."""
-    return np.asarray(outer[..., 0, None, :] * inner[0] + outer[..., 1, None, :] * inner[1])
+    with np.errstate(invalid="ignore"):  # infinite where the pinion has no normal opposite
+        return np.asarray(outer[..., 0, None, :] * inner[0] + outer[..., 1, None, :] * inner[1])
 
 
 def _between(fractions: Array) -> list[Array]:

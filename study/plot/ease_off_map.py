@@ -53,7 +53,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     mapped = ease_off_map(view)
     levels = contour_levels(mapped[1][mapped[2]])
     step = levels[1] - levels[0]
-    figure = page(tree, "Ease-off, gear flank", (WIDTH - 0.8) * view.aspect + 0.63, f"contour lines every {step:g} µm")
+    figure = page(tree, "Ease-off, gear flank", (WIDTH - 0.8) * view.aspect + 0.63, f"contours every {step:g}\u00a0µm")
     axes = figure.subplots()
     draw_flank(axes, view)
     draw_map(axes, view, mapped, levels)

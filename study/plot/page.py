@@ -24,7 +24,7 @@ from ..report.model_name import model_name
 
 DPI = 160
 WIDTH = 8.6  # [in]
-HEADER, FOOTER = 0.60, 0.34  # heights [in]
+HEADER, FOOTER = 0.60, 0.40  # heights [in]
 SMALL_PRINT_LENGTH, SMALL_PRINT_HEIGHT = 145, 0.14  # of a line: characters, height [in]
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
