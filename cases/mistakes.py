@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from ..core.suggestion import suggestion
 
+VALUE_LENGTH = 80  # of a value in a message [characters]
 LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
@@ -60,13 +61,19 @@ def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:
 
 
 def _value(item: Any) -> str:
-    if item["type"] in ("missing", "value_error") or isinstance(item["input"], dict):
+    table = isinstance(item["input"], dict)
+    if item["type"] in ("missing", "value_error") or (table and item["type"] == "extra_forbidden"):
         return ""
-    return f" = {written(item['input'])}"
+    text = written(item["input"])
+    return f" = {text if len(text) <= VALUE_LENGTH else f'{text[: VALUE_LENGTH - 4]} ...'}"
 
 
 def written(value: Any) -> str:
     """A value as the file has it."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {written(entry)}' for key, entry in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(written, value))}]"
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from .errors import InputError
 
+SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
+
 
 def number(
     name: str,
@@ -279,15 +281,17 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
 
 
 def shown(value: Any) -> str:
-    """A value as messages show it: a number to twelve digits, an array by its shape, anything else in short.
+    """A value as messages show it: a number to twelve digits, a large array by its shape, anything else in short.
 
     Examples
     --------
     >>> shown(0.1 + 0.2), shown("drive")
     ('0.3', "'drive'")
     """
-    if isinstance(value, np.ndarray) and value.ndim:
-        return f"array of shape {value.shape}"
+    if isinstance(value, np.ndarray):
+        if value.ndim and (value.ndim > 1 or value.size > SHOWN_COUNT_LIMIT):
+            return f"array of shape {value.shape}"
+        value = value.tolist()
     return f"{float(value):.12g}" if _is_number(value) else reprlib.repr(value)
 
 

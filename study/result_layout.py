@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -57,7 +59,7 @@ FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     ("temperature",): ("temperature", "temperature_clamped"),
     ("roughness",): ("roughness", "roughness_pinion", "roughness_gear"),
 }
-#: Attributes by group, with whether they are a text, a number or a vector (of any length, or of that many numbers).
+#: Attributes by group, with whether they are a text, a number or a vector of that many numbers.
 ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "": {
         **dict.fromkeys(("title", "easeoff_version", "solver", "flank", "pinion_hand", "opposite_flanks"), "text"),
@@ -71,13 +73,51 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
         **dict.fromkeys(("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm"), 3),
         **dict.fromkeys(("ratio", "first_contact_rad"), "number"),
     },
-    "unloaded": {**dict.fromkeys(("peak_to_peak", "separation", "rms"), "number"), "harmonics": "vector"},
+    "unloaded": {**dict.fromkeys(("peak_to_peak", "separation", "rms"), "number"), "harmonics": 3},
     "friction": dict.fromkeys(("oil", "friction_coefficient", "film", "rolling_frame", "thermal_factor"), "text"),
 }
 OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
-    "": {"modification_um": "text"},
+    "": {
+        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out"), "text"),
+        **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
+        "modification_um": "table of numbers",
+    },
     "loaded": {"searched_segments": "number"},
+    "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
 }
+
+PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
+EVALUATION: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("torque",): (
+        *("contact_ratio", "max_load_share", "pinion_mean_level", "pinion_peak_to_peak", "mean_mesh_stiffness"),
+        *("max_pressure_position", "max_pressure_pair", "max_pressure_line_end"),
+        *("max_pressure_lengthwise", "max_pressure_profile", *PATTERN),
+    ),
+    LOADED: ("mesh_stiffness",),
+}
+#: Variables that a result need not have, by group; those of one set are there together.
+OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]] = {
+    "unloaded": (
+        {(): ("contact_ratio", "pinion_peak_to_peak", *PATTERN)},
+        {(): ("geometric_contact_ratio",)},
+        {PAIRS: ("contact_edge", "line_length")},
+        {GRID: ("least_gap",)},
+    ),
+    "loaded": (EVALUATION, {SEGMENTS: ("overhang",), LOADED: ("edge_share",)}, {("torque",): ("rms",)}),
+    "friction": (
+        {
+            CONDITIONS: ("film_thinning", "thinned_share", "extrapolated_share", "transition_share"),
+            ("formula_flag", *CONDITIONS): ("flagged_share",),
+            ("formula_flag",): ("formula_flag",),
+        },
+        {CONDITIONS[:3]: ("min_film_thickness", "min_film_lengthwise", "min_film_profile")},
+        {("mesh_position", "segment", "speed"): ("sliding_velocity", "rolling_velocity")},
+        {(*SEGMENTS, *CONDITIONS[1:]): ("lambda_ratio",)},
+        {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},
+    ),
+}
+#: The contact at light load has its own torque and segments.
+LIGHT_LOAD = {"torque", "segment"}
 
 
 def faults(tree: xr.DataTree) -> list[str]:
@@ -96,6 +136,10 @@ def faults(tree: xr.DataTree) -> list[str]:
     layout = dict(VARIABLES)
     if "friction" in tree.children:
         layout["friction"] = FRICTION
+    if "light_load" in tree.children:
+        layout["light_load"] = VARIABLES["loaded"] | {
+            dimensions: (*VARIABLES["loaded"][dimensions], *names) for dimensions, names in EVALUATION.items()
+        }
     found = [f"no group {name}" for name in layout if name not in tree.children]
     if found:
         return found
@@ -103,26 +147,24 @@ def faults(tree: xr.DataTree) -> list[str]:
     for name, variables in layout.items():
         group = tree[name].to_dataset()
         found += [f"{name}: {fault}" for fault in _variable_faults(group, variables)]
+        for together in OPTIONAL_VARIABLES.get(name, ()):
+            if any(variable in group.variables for names in together.values() for variable in names):
+                found += [f"{name}: {fault}" for fault in _variable_faults(group, together)]
         for dimension in {dimension for dimensions in variables for dimension in dimensions} & set(group.sizes):
-            shared = {} if dimension in OF_EACH_GROUP else sizes
+            alone = dimension in OF_EACH_GROUP or (name == "light_load" and dimension in LIGHT_LOAD)
+            shared = {} if alone else sizes
             size = shared.setdefault(dimension, group.sizes[dimension])
             if not size or size != group.sizes[dimension]:
                 found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
-    for name, attributes in ATTRIBUTES.items():
-        if not name or name in layout:
-            own = (tree[name] if name else tree).attrs
-            found += [
-                f"{name or 'root'}: no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
-                for key, kind in attributes.items()
-                if key not in own or not _is(kind, own[key])
-            ]
-    for name, attributes in OPTIONAL_ATTRIBUTES.items():
-        own = (tree[name] if name else tree).attrs
-        found += [
-            f"{name or 'root'}: no {kind} in the attribute {key!r}"
-            for key, kind in attributes.items()
-            if key in own and not _is(kind, own[key])
-        ]
+    for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
+        for name, attributes in table.items():
+            if not name or name in layout:
+                own = (tree[name] if name else tree).attrs
+                found += [
+                    f"{name or 'root'}: no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
+                    for key, kind in attributes.items()
+                    if (needed or key in own) and not _is(kind, own.get(key))
+                ]
     return found
 
 
@@ -140,10 +182,25 @@ def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[s
 
 
 def _is(kind: str | int, value: Any) -> bool:
-    """Whether an attribute is a text, a finite number or a vector."""
+    """Whether an attribute is a text, a finite number, a vector, or a text that holds a table of finite numbers."""
     if kind == "text":
         return isinstance(value, str)
+    if kind == "table of numbers":
+        return isinstance(value, str) and _is_table(value)
+    if value is None:
+        return False
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fiu" or not np.all(np.isfinite(numbers)):
         return False
-    return bool(numbers.size == 1) if kind == "number" else kind == "vector" or numbers.shape == (kind,)
+    return bool(numbers.ndim == 0) if kind == "number" else numbers.shape == (kind,)
+
+
+def _is_table(text: str) -> bool:
+    """Whether a text is a JSON object of finite numbers."""
+    try:
+        table = json.loads(text)
+    except ValueError:
+        return False
+    return isinstance(table, dict) and all(
+        isinstance(value, float | int) and math.isfinite(value) for value in table.values()
+    )

@@ -63,3 +63,10 @@ def test_infinity_is_a_value_where_it_is_allowed() -> None:
 def test_messages_name_argument_value_and_what_is_allowed(check: Callable[[], object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         check()
+
+
+def test_small_arrays_are_shown_by_their_numbers_and_large_ones_by_their_shape() -> None:
+    assert checks.shown(np.array(90.0)) == "90"
+    assert checks.shown(np.array([0.5, 2.0])) == "[0.5, 2.0]"
+    assert checks.shown(np.zeros(7)) == "array of shape (7,)"
+    assert checks.shown(np.zeros((2, 2))) == "array of shape (2, 2)"

@@ -107,10 +107,11 @@ def test_measured_coordinates_stand_for_the_deviations(tmp_path: Path) -> None:
     np.testing.assert_allclose(
         read_measured_grid(path)["deviation"].values, grid()["deviation"].values, rtol=0, atol=1e-9
     )
-    lines[-1] = ",".join([*lines[-1].split(",")[:9], "1.0", "2.0", "3.0"])
-    path.write_text("\n".join(lines))
-    with pytest.raises(InputError, match="beside the normals"):
-        read_measured_grid(path)
+    for mistake in ("1.0", "1e300"):
+        lines[-1] = ",".join([*lines[-1].split(",")[:9], mistake, "2.0", "3.0"])
+        path.write_text("\n".join(lines))
+        with pytest.raises(InputError, match="beside the normals"):
+            read_measured_grid(path)
 
 
 def test_millimetres_are_read_if_said_and_noticed_if_not(tmp_path: Path) -> None:

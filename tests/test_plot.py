@@ -40,7 +40,7 @@ from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
 from easeoff.study.plot.efficiency_chart import draw as draw_efficiency
 from easeoff.study.plot.friction_maps import GRID, loaded_map, roughness_name, velocity_maps
 from easeoff.study.plot.load_share_chart import mean_pairs_in_contact, share_passage
-from easeoff.study.plot.page import evenly_chosen, small_print
+from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 from easeoff.study.plot.transmission_error_chart import draw as draw_transmission_error
 from easeoff.study.plot.transmission_error_chart import two_cycles, unloaded_curves
@@ -573,3 +573,14 @@ def test_two_roughnesses_are_both_named(drive: xr.DataTree, lubricated: xr.DataT
     assert legend is not None
     assert {text.get_text() for text in legend.get_texts()} == {"0.8/0.4 µm", "0.5 µm", "0.2/0.4 µm"}
     assert [label.get_text() for label in over_roughness.get_xticklabels()] == ["0.2/0.4", "0.5", "0.8/0.4"]
+
+
+def test_small_print_has_even_lines_that_part_no_number_and_unit() -> None:
+    parts = ["12 x 36", "coast: pinion convex, gear concave", "solid shell, edges", "contact lines within 6 µm"]
+    for longest in (40, 60, 90):
+        lines = even_lines(parts, longest)
+        assert " ".join(lines) == " · ".join(parts)
+        assert max(map(len, lines)) <= longest
+        assert not any(line.endswith(" 6") for line in lines)
+    assert even_lines(parts, 90) == [" · ".join(parts[:2]) + " ·", " · ".join(parts[2:])]
+    assert even_lines([]) == []

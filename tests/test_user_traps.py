@@ -265,6 +265,13 @@ def test_an_oil_with_a_number_no_float_holds_is_refused(tmp_path: Path) -> None:
         lubricant(tmp_path / "oil.toml")
 
 
+def test_a_result_without_a_title_is_shown(results: tuple[Path, Path], tmp_path: Path) -> None:
+    path = Path(shutil.copy(results[0], tmp_path / "x.nc"))
+    with Dataset(path, "a") as file:
+        file.setncattr("title", "")
+    assert call("show", path).output.startswith("untitled\n========\n")
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -276,6 +283,13 @@ def test_an_oil_with_a_number_no_float_holds_is_refused(tmp_path: Path) -> None:
         (lambda file: file["ease_off"].setncattr("gear_axis", [1.0, 0.0]), "no vector in the attribute 'gear_axis'"),
         (lambda file: file["flanks/position"].__setitem__(..., 1e300), "'position' holds numbers beyond 1e+30"),
         (lambda file: file.renameGroup("teeth", "tooth"), "no group teeth"),
+        (lambda file: file.setncattr("edge_contact", "x"), "root: no number in the attribute 'edge_contact'"),
+        (lambda file: file.setncattr("largest_deviation_gear_um", [1.0, 2.0]), "'largest_deviation_gear_um'"),
+        (lambda file: file.setncattr("modification_um", "{"), "no table of numbers in the attribute 'modification_um'"),
+        (lambda file: file["unloaded"].setncattr("harmonics", -1.0), "no vector in the attribute 'harmonics'"),
+        (lambda file: file["unloaded"].renameVariable("contact_ratio", "x"), "unloaded: no numbers 'contact_ratio'"),
+        (lambda file: file["light_load"].renameVariable("pattern_length", "x"), "light_load: no numbers 'pattern_len"),
+        (lambda file: file["friction"].renameDimension("formula_flag", "x"), "friction: no numbers 'flagged_share'"),
     ],
 )
 def test_a_result_that_was_changed_is_refused_with_what_it_lacks(

@@ -6,7 +6,8 @@ Columns may be separated by semicolons or tabs, then also with decimal commas. A
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,7 @@ DEVIATION_COLUMN = "deviation"
 MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
 HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
 Points = dict[tuple[str, int, int], list[float]]
+Number = TypeVar("Number", int, float)
 
 
 def text(dataset: xr.Dataset) -> str:
@@ -80,11 +82,8 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
         raise InputError(
             f"{where}: {excerpt(line)}: {len(found)} values, expected {len(heading)} ({','.join(heading)}){hint}"
         )
-    try:
-        row, column = int(found[1]), int(found[2])
-        values = [float(cell) for cell in found[3:]]
-    except ValueError as error:
-        raise InputError(f"{where}: {excerpt(line)}: {error}") from error
+    row, column = (_read(int, where, name, cell) for name, cell in zip(heading[1:3], found[1:3], strict=True))
+    values = [_read(float, where, name, cell) for name, cell in zip(heading[3:], found[3:], strict=True)]
     one_of(f"{where}: flank", found[0], ("concave", "convex"))
     if min(row, column) < 1:
         raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
@@ -93,6 +92,15 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
         raise InputError(f"{where}: normal = ({', '.join(found[6:9])}): must be of length 1")
     return (found[0], row, column), values
+
+
+def _read(kind: Callable[[str], Number], where: str, name: str, cell: str) -> Number:
+    """Read a number from its column's cell."""
+    try:
+        return kind(cell)
+    except ValueError as error:
+        wanted = "whole number" if kind is int else "number"
+        raise InputError(f"{where}: {name} = {excerpt(cell)}: must be a {wanted}") from error
 
 
 def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:

@@ -22,8 +22,9 @@ import xarray as xr
 from ...core.checks import one_of
 from ...core.errors import InputError
 from . import csv_points as cmm_csv
+from .separated_text import excerpt
 
-LABEL_PATTERN = re.compile(r"(CONCAVE|CONVEX)\D+(\d+)\D+(\d+)")
+LABEL_PATTERN = re.compile(r"(CONCAVE|CONVEX)\D+(\d{1,6})\D+(\d{1,6})")
 FEATURE_PATTERN = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
 UNIT_LENGTHS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
 
@@ -111,7 +112,7 @@ def _numbers(cells: str, scale: float, where: str) -> list[float]:
     try:
         values = [float(cell) for cell in cells.split(",")]
     except ValueError as error:
-        raise InputError(f"{where}: {cells!r}: {error}") from error
+        raise InputError(f"{where}: {excerpt(cells)}: must be numbers separated by commas") from error
     if len(values) not in (3, 6):
         raise InputError(f"{where}: {len(values)} numbers: must be x,y,z,i,j,k")
     return [scale * v for v in values[:3]] + values[3:]

@@ -238,8 +238,9 @@ def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
     """Deviations from measured coordinates; a tooth turned in the measuring machine is not turned back."""
     way = (grid["measured_position"] - grid["position"]).transpose("flank", "row", "column", "xyz").values
     normal = grid["normal"].transpose("flank", "row", "column", "xyz").values
-    along = np.sum(way * normal, axis=-1)
-    aside = np.sqrt(np.maximum(np.sum(way**2, axis=-1) - along**2, 0.0))
+    with np.errstate(over="ignore", invalid="ignore"):  # a slip in a number: it is refused here or by _check_size
+        along = np.sum(way * normal, axis=-1)
+        aside = np.hypot.reduce(way - along[..., None] * normal, axis=-1)
     if np.max(aside) > SIDE_DISTANCE_LIMIT:
         raise InputError(
             f"{source}: measured points are up to {np.max(aside):.3g} mm beside the normals of their nominal points: "

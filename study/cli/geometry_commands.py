@@ -84,5 +84,8 @@ def correct(case: str, flank: Any, deviations: Any) -> None:
     from ..report.correction_report import correction_report
 
     pair = gear_pair(read_case(case), flank)
-    for name, deviation in flank_deviations(pair, deviations).items():
-        click.echo(correction_report(name, named_member(pair, name), deviation))
+    reports = [
+        correction_report(name, named_member(pair, name), deviation)
+        for name, deviation in flank_deviations(pair, deviations).items()
+    ]
+    click.echo("\n\n".join(reports))

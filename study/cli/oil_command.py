@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .command import Command
-from .options import output_option
+from .options import next_commands, output_option
 
 
 @click.command(cls=Command)
@@ -60,3 +60,4 @@ def oil(
             f"{1e9 * float(state.pressure_viscosity):.3g} / GPa (estimated)"
         )
     click.echo(f"wrote {output}")
+    next_commands(("run", "CASE", "-o", "RESULT.nc", "--speed", "SPEED", "--oil", output))

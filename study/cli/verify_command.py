@@ -51,9 +51,10 @@ def verify(
     without_split: bool,
     output: Path | None,
 ) -> None:
-    """Check CASE by independent methods, and print what was compared, how far apart it is, and the limit.
+    """Check CASE by independent methods, row by row.
 
-    The exit code is 1 if a difference is outside its limit.
+    A row of the table is a comparison: what was compared, the difference, and whether it is within the limit. The exit
+    code is 1 if a difference is outside its limit.
     """
     from tqdm import tqdm
 

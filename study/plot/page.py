@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,9 @@ DPI = 160
 WIDTH = 8.6  # [in]
 HEADER, FOOTER = 0.60, 0.40  # heights [in]
 SMALL_PRINT_LENGTH, SMALL_PRINT_HEIGHT = 145, 0.14  # of a line: characters, height [in]
+SEPARATOR = " · "
+HELD = "\0"  # a blank at which no line ends
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:µm|mm|MPa|N m|/ min|°C|%))")
 BODY_SIZE, SMALL_SIZE, HEADING_SIZE = 9.0, 7.5, 12.0  # [pt]
 
 # Okabe and Ito's colours, told apart by readers with any kind of colour vision.
@@ -51,11 +55,31 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     note
         Further small print.
     """
-    whole = " · ".join(part for part in (*small_print(tree.attrs), note) if part)
-    print_ = textwrap.wrap(whole, SMALL_PRINT_LENGTH)
+    print_ = even_lines([part for part in (*small_print(tree.attrs), *note.split(SEPARATOR)) if part])
     footer = FOOTER + SMALL_PRINT_HEIGHT * (len(print_) - 1)
     title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
     return titled_sheet(heading, title, "\n".join(print_), body_height, footer)
+
+
+def even_lines(parts: Sequence[str], longest: int = SMALL_PRINT_LENGTH) -> list[str]:
+    """Parts of the small print in as few lines as a greatest length [characters] allows, of about the same length.
+
+    A part stays on one line unless it is longer than half a line, and a number stays with its unit.
+
+    Examples
+    --------
+    >>> even_lines(["12 x 36", "easeoff 0.1.0", "gap within 6 mm"], 35)
+    ['12 x 36 · easeoff 0.1.0 ·', 'gap within 6 mm']
+    """
+    held = [BEFORE_UNIT.sub(HELD, part) if 2 * len(part) > longest else part.replace(" ", HELD) for part in parts]
+    text = f"{HELD}· ".join(held)
+    lines = textwrap.wrap(text, longest, break_on_hyphens=False)
+    for length in range(longest - 1, 0, -1):
+        shorter = textwrap.wrap(text, length, break_on_hyphens=False, break_long_words=False)
+        if len(shorter) > len(lines) or max(map(len, shorter), default=0) > length:
+            break
+        lines = shorter
+    return [line.replace(HELD, " ") for line in lines]
 
 
 def titled_sheet(heading: str, title: str, print_: str, body_height: float, footer: float = FOOTER) -> Figure:

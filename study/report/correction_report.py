@@ -15,6 +15,8 @@ from ...geometry.deviation.measurement import zeroed
 from ...geometry.pair.gear_pair import Member
 from ...geometry.tooth.tooth_flanks import side
 
+COLUMNS = ("left", "right", "right", "right")
+
 
 def correction_report(name: str, member: Member, deviation: Deviation) -> str:
     """Report of the global errors of a measured flank and the settings that cancel them.
@@ -50,13 +52,14 @@ def correction_report(name: str, member: Member, deviation: Deviation) -> str:
     return "\n".join(
         [
             f"{name}, {side(member.loaded)} flank: global errors, um of metal at the edges of the flank",
-            tabulate(errors, headers=["error", "um", "minutes"], disable_numparse=True),
+            tabulate(errors, headers=["error", "um", "minutes"], disable_numparse=True, colalign=COLUMNS[:3]),
             f"rms {found.rms_before:.2f} um, without these {found.rms:.2f} um",
             "",
             "corrective settings, mm and degrees",
-            tabulate(changes, headers=["setting", "designed", "change", "to set"], disable_numparse=True),
+            tabulate(
+                changes, headers=["setting", "designed", "change", "to set"], disable_numparse=True, colalign=COLUMNS
+            ),
             f"rms {1e3 * correction.rms_before:.2f} um, after the correction {1e3 * correction.rms:.2f} um; a rotation "
             "of the tooth is left out",
-            "",
         ]
     )

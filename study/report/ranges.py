@@ -74,7 +74,8 @@ def _formula(friction: xr.Dataset, named: bool) -> list[str]:
         for flag, share in zip(
             friction["formula_flag"].values, friction["flagged_share"].isel(place).values, strict=True
         ):
-            parts[INPUTS[int(flag)]] = parts.get(INPUTS[int(flag)], 0.0) + float(share)
+            name = INPUTS.get(int(flag), "another input")
+            parts[name] = parts.get(name, 0.0) + float(share)
         largest = sorted(parts, key=lambda name: -round(parts[name], 4))  # alike but for rounding stay in order
         told = [name for name in largest if parts[name] >= TOLD_SHARE]
         inputs = [name for name in told if name != "coefficient"] or told or largest[:1]

@@ -182,7 +182,7 @@ def result_summary(tree: xr.DataTree) -> str:
     pair          12 x 36, left-hand pinion, drive flanks
     """
     attrs, numbers = tree.attrs, key_numbers(tree)
-    title = textwrap.wrap(attrs["title"], WIDTH)
+    title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
     parts = ["\n".join(title), "=" * max(len(line) for line in title), "", _head(tree, numbers), ""]
     parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
     parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
