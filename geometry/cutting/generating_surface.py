@@ -19,7 +19,7 @@ from ..vectors import cos_sin, cross, dot
 from .blade import Blade
 from .blade_sections import BladeSection, SectionName
 from .machine import IncrementSense, MachineSettings
-from .machine_pose import machine_pose
+from .machine_pose import MachinePose, machine_pose
 from .meshing import Velocity, circular_edge, on_arc, straight_edge
 
 Array = NDArray[Any]
@@ -97,6 +97,38 @@ class GeneratingSurface:
             Position (3, n) [mm] and outward unit normal (3, n) in the member frame, and the blade coordinate (n): mm
             along it from the end of its edge radius, see ``blade_sections``.
         """
+        pose, tip, plane, velocities = self._blade(parameters)
+        point, edge, coordinate = self._on_blade(tip, plane, velocities, parameters[1])
+        return (*self._in_member(pose, velocities[0], point, edge, parameters[0]), coordinate)
+
+    @np.errstate(all="ignore")
+    def at_coordinate(self, parameters: Array, coordinate: float) -> tuple[Array, Array, Array]:
+        """A given point of the blade on a generated flank, and how far it is from touching the flank.
+
+        For points where the contact line runs along the blade: there ``evaluate`` cannot tell its points apart.
+
+        Parameters
+        ----------
+        parameters
+            Cutter angle and cradle rotation (2, n) [rad].
+        coordinate
+            Blade coordinate, as ``evaluate`` returns it [mm].
+
+        Returns
+        -------
+        tuple
+            Position (3, n) [mm] and normal (3, n) in the member frame, and the velocity along the normal (n) [mm/rad]
+            that the cradle's rotation gives the point: zero where the equation of meshing holds.
+        """
+        pose, tip, plane, velocities = self._blade(parameters)
+        point, edge = self._given_point(tip, plane, np.full_like(parameters[1], coordinate))
+        position, normal = self._in_member(pose, velocities[0], point, edge, parameters[0])
+        spin, shift = velocities[1]
+        across = cross(edge, cross(velocities[0][0], point) + velocities[0][1])
+        return position, normal, dot(across, cross(spin, point) + shift) / np.sqrt(dot(across, across))
+
+    def _blade(self, parameters: Array) -> tuple[MachinePose, Array, tuple[Array, Array], tuple[Velocity, Velocity]]:
+        """Pose of the machine, tip of the blade, its plane, and the velocities of its points (3, n)."""
         cutter_angle, second = parameters
         cradle_rotation = second if self.settings.generated else np.zeros_like(second)
         pose = machine_pose(self.settings, cradle_rotation, self.sense)
@@ -115,17 +147,35 @@ class GeneratingSurface:
         indexing = self.settings.indexing_ratio
         spin = cutter_axis + indexing * pose.axis
         shift = -cross(cutter_axis, pose.center) - indexing * cross(pose.axis, pose.origin)
-        velocities = (spin, shift), (pose.spin, pose.shift)
-        point, edge, coordinate = self._on_blade(tip, (outward, upward), velocities, second)
+        return pose, tip, (outward, upward), ((spin, shift), (pose.spin, pose.shift))
+
+    def _in_member(
+        self, pose: MachinePose, by_cutter: Velocity, point: Array, edge: Array, cutter_angle: Array
+    ) -> tuple[Array, Array]:
+        """Position [mm] and outward unit normal (3, n) in the member frame of a point of the blade."""
+        spin, shift = by_cutter
         normal = -self.blade.side_sign * cross(edge, cross(spin, point) + shift)
         normal = normal / np.sqrt(dot(normal, normal))
 
-        turned = -indexing * cutter_angle
+        turned = -self.settings.indexing_ratio * cutter_angle
         position = pose.to_member(point, turned, point=True)
         normal = pose.to_member(normal, turned, point=False)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
-        return position, normal, coordinate
+        return position, normal
+
+    def _given_point(self, tip: Array, plane: tuple[Array, Array], coordinate: Array) -> tuple[Array, Array]:
+        """Point of the blade [mm] at a coordinate, and direction of the edge there (3, n)."""
+        section, (outward, upward) = self.section, plane
+        if section.radius is None:
+            along_outward, along_upward = math.sin(section.angle), math.cos(section.angle)
+            edge = along_outward * outward + along_upward * upward
+            origin = tip + (section.outward - section.begin * along_outward) * outward
+            origin = origin + (section.height - section.begin * along_upward) * upward
+            return origin + coordinate * edge, edge
+        middle, middle_angle = section.point(section.middle), section.angle_at(section.middle)
+        origin = tip + middle[0] * outward + middle[1] * upward
+        return on_arc(origin, section.radius, plane, middle_angle, section.rate * (coordinate - section.middle))
 
     def _on_blade(
         self, tip: Array, plane: tuple[Array, Array], velocities: tuple[Velocity, Velocity], coordinate: Array

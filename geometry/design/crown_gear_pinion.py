@@ -53,15 +53,15 @@ def crown_gear_pinion(
 
     Examples
     --------
-    Pinion and gear of a spiral bevel pair with one crown gear have no ease-off:
+    Pinion and gear of a spiral bevel pair with one crown gear, which rolls on the pitch cone, have no ease-off:
 
     >>> from dataclasses import replace
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import ease_off
     >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> settings = replace(pair.gear.loaded.settings, ratio_of_roll=1.0 / math.sin(pair.gear.section.pitch_angle))
-    >>> settings = replace(settings, machine_root_angle=pair.gear.section.pitch_angle)
-    >>> settings = replace(settings, machine_center_to_crossing_point=0.0, sliding_base=-1.5)
+    >>> pitch_angle = math.atan(pair.assembly.ratio)
+    >>> rolled = {"ratio_of_roll": 1.0 / math.sin(pitch_angle), "machine_root_angle": pitch_angle}
+    >>> settings = replace(pair.gear.loaded.settings, **rolled, sliding_base=-1.5)
     >>> gear = replace(pair.gear, loaded=replace(pair.gear.loaded, settings=settings))
     >>> pinion = replace(pair.pinion, loaded=crown_gear_pinion(gear.loaded, pair.assembly, blade_height=3.0))
     >>> found = ease_off(replace(pair, pinion=pinion, gear=gear), (5, 5))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import solve_flank
-from ..newton import solve
+from ..newton import complex_steps, cramers_rule, solve
 
 Array = NDArray[Any]
 
@@ -55,8 +55,30 @@ class RootLine:
         """
         target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, PROFILE_FRACTION))
         found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
-        _, _, coordinates = surface.evaluate(found.parameters)
-        above_tip = np.array([surface.section.point(c)[1] for c in coordinates])
-        gap = self.section.height_above_root(target[0], target[1]) - above_tip
+        gap = self.section.height_above_root(target[0], target[1]) - _above_tip(surface, found.parameters)
         converged = bool(np.all(found.converged))
         return np.where(found.converged, gap, np.nan), RootLine(self.section, found.parameters) if converged else self
+
+    def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
+        """Change of the gap (3) [mm] from one flank to another, to first order: one step of Newton's method.
+
+        Parameters
+        ----------
+        surface
+            The flank that these parameters belong to.
+        behind, ahead
+            Flanks near it.
+        """
+        here, (first, second) = complex_steps(surface.axial_and_radial, self.parameters)
+
+        def above_tip(near: GeneratingSurface) -> Array:
+            step = cramers_rule(first, second, here - near.axial_and_radial(self.parameters))
+            return _above_tip(near, self.parameters + step)
+
+        return above_tip(behind) - above_tip(ahead)
+
+
+def _above_tip(surface: GeneratingSurface, parameters: Array) -> Array:
+    """Height of flank points above the tip of the blade, along its axis (n) [mm]."""
+    _, _, coordinates = surface.evaluate(parameters)
+    return np.array([surface.section.point(c)[1] for c in coordinates])

@@ -16,6 +16,7 @@ from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, wit
 from ..flanks.flank import Flank
 from ..pair.ease_off import EaseOff, angle_near, exact_ease_off, sheet_area
 from ..pair.gear_pair import GearPair, grid
+from ..vectors import dot
 from .root_line import RootLine
 
 Array = NDArray[Any]
@@ -143,6 +144,10 @@ class _Fit:
         self.start = self.pair.pinion.loaded
         self.origin = np.array([get_setting(self.start, name) for name in self.free])
         self.scale = np.array([scale_of(name) for name in self.free])
+        # A straight blade has no radius to differentiate by: long steps, which a flank that is nearly linear in its
+        # blade's curvature allows.
+        self.difference = np.array([0.1 if name in CURVATURE_STEPS else 1e-4 for name in self.free])
+        self.solved = np.full(self.origin.shape, np.nan)
         self.parameters = self.known.pinion_parameters
         self.usable = np.isfinite(self.known.angle)
         if not np.any(self.usable):
@@ -163,8 +168,11 @@ class _Fit:
 
     def error(self, angle: Array) -> Array:
         """Ease-off less target at the usable nodes [mm]; a rotation of the gear is no change of form."""
-        error = angle[self.usable] * self.lever - self.wanted[self.usable]
-        return np.asarray(error - self.lever * float(self.lever @ error) / float(self.lever @ self.lever))
+        return self.form(angle[self.usable] * self.lever - self.wanted[self.usable])
+
+    def form(self, gap: Array) -> Array:
+        """What a rotation of the gear leaves of a gap (..., n)."""
+        return np.asarray(gap - np.multiply.outer(gap @ self.lever, self.lever) / float(self.lever @ self.lever))
 
     def __call__(self, steps: Array) -> Array:
         """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
@@ -176,8 +184,34 @@ class _Fit:
         if not np.all(np.isfinite(residual)):
             # A step so large that the flanks no longer meet: the search must take a shorter one.
             return np.linspace(MISSING_RESIDUAL, 2.0 * MISSING_RESIDUAL, residual.size)
-        self.parameters, self.root_line = parameters, root_line
+        self.parameters, self.root_line, self.solved = parameters, root_line, steps.copy()
         return residual
+
+    def jacobian(self, steps: Array) -> Array:
+        """Derivatives of the residuals by the steps (n, m) [um].
+
+        The conjugate gear is the envelope of the moving pinion flank: where a setting moves the flank along its normal,
+        it moves the envelope as far. No conjugate point has to be sought for it.
+        """
+        if not np.array_equal(steps, self.solved):
+            self(steps)
+        motion = replace(self.known.motion, surface=self.surface(steps))
+        parameters = self.parameters[:, self.usable]
+        normal = motion.surface.evaluate(parameters)[1]
+        action, action_normal = motion.action_point(parameters, motion.conjugate_gear(parameters)[1])
+        arm = action - motion.assembly.gear_origin.reshape(3, 1)
+        moment = motion.pinion_sense * (arm[0] * action_normal[1] - arm[1] * action_normal[0])
+        columns = []
+        for index, step in enumerate(self.difference):
+            shift = np.zeros(steps.size)
+            shift[index] = step
+            ahead, behind = (self.surface(steps + sign * shift) for sign in (1.0, -1.0))
+            moved = ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0]
+            change = [1e3 * self.form(dot(moved, normal) / moment * self.lever)]
+            if self.root_line is not None:
+                change.append(ROOT_WEIGHT * self.root_line.change(motion.surface, behind, ahead))
+            columns.append(np.concatenate(change) / (2.0 * step))
+        return np.stack(columns, axis=1)
 
 
 def fit_pinion(
@@ -242,15 +276,14 @@ def fit_pinion(
     fit = _Fit(pair, gear, wanted, names, known, root_line, fold_margin)
     if fit.lever.size < 2 * len(names):
         raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
-    # A straight blade has no radius to differentiate by: begin a little curved, and differentiate by long steps, which
-    # a flank that is nearly linear in its blade's curvature allows.
+    # A straight blade has no radius: begin a little curved.
     curved = np.array([name in CURVATURE_STEPS for name in names])
     found = least_squares(
         fit,
         np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
+        fit.jacobian,
         method="trf",
         x_scale=1.0,
-        diff_step=np.where(curved, 0.1, 1e-4),
         xtol=1e-12,
         ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
         gtol=1e-12,

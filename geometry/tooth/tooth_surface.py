@@ -126,12 +126,11 @@ def _fillet(
     axial, radial = section.points(lengthwise, np.zeros_like(lengthwise))
     # On the joint, where both surfaces touch; then downwards: the coordinate changes ever faster towards the root land.
     parameters = solve_flank(lowest, section, axial, radial).parameters
-    parameters = _at_coordinate(lowest, section, lengthwise, 0.0, parameters)
+    parameters, _, _ = _at_coordinate(lowest, section, lengthwise, 0.0, parameters)
     points: list[Array] = []
     normals: list[Array] = []
     for coordinate in coordinates[::-1]:
-        parameters = _at_coordinate(surface.on("edge"), section, lengthwise, coordinate, parameters)
-        position, normal, _ = surface.on("edge").evaluate(parameters)
+        parameters, position, normal = _at_coordinate(surface.on("edge"), section, lengthwise, coordinate, parameters)
         points.insert(0, position)
         normals.insert(0, normal)
     return np.stack(points, axis=2), np.stack(normals, axis=2)
@@ -139,25 +138,62 @@ def _fillet(
 
 def _at_coordinate(
     surface: GeneratingSurface, section: BlankSection, lengthwise: Array, coordinate: float, start: Array
-) -> Array:
-    """Parameters (2, nt) of the points that one blade coordinate cuts, at given lengthwise fractions."""
+) -> tuple[Array, Array, Array]:
+    """Parameters (2, nt) of the points that one blade coordinate cuts, at given lengthwise fractions; points; normals.
+
+    Where the contact line runs along the blade all its points have the same parameters, and a node next to such a place
+    may not be found by them. It is found by the equation of meshing for the given point of the blade, near where its
+    neighbours lead.
+    """
 
     def fraction_and_coordinate(parameters: Array) -> Array:
         position, _, found = surface.evaluate(parameters)
-        fraction, _ = section.fractions(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
-        return np.stack([fraction, found])
+        return np.stack([_lengthwise(section, position), found])
+
+    def fraction_and_meshing(parameters: Array) -> Array:
+        position, _, velocity = surface.at_coordinate(parameters, coordinate)
+        return np.stack([_lengthwise(section, position), velocity / surface.blade.point_radius])
 
     target = np.stack([lengthwise, np.full_like(lengthwise, coordinate)])
     if not surface.settings.generated:
         start = np.stack([start[0], target[1]])
     found = solve(fraction_and_coordinate, start, target, FILLET_STEP_LIMIT, iterations=60)
-    if not np.all(found.converged):
+    position, normal, _ = surface.evaluate(found.parameters)
+    lost = np.flatnonzero(~found.converged)
+    if lost.size == 0:
+        return found.parameters, position, normal
+    parameters, refound = found.parameters.copy(), np.zeros(0, dtype=bool)
+    first, second = _neighbours(lost, lengthwise.size)
+    if surface.settings.generated and np.all(found.converged[[first, second]]):
+        share = (lengthwise[lost] - lengthwise[first]) / (lengthwise[second] - lengthwise[first])
+        reach = np.abs(parameters[:, second] - parameters[:, first])
+        guess = parameters[:, first] + share * (parameters[:, second] - parameters[:, first])
+        wanted = np.stack([lengthwise[lost], np.zeros(lost.size)])
+        near = solve(fraction_and_meshing, guess, wanted, FILLET_STEP_LIMIT, iterations=60)
+        refound = near.converged & np.all(np.abs(near.parameters - guess) <= reach, axis=0)
+        parameters[:, lost] = near.parameters
+        position[:, lost], normal[:, lost], _ = surface.at_coordinate(near.parameters, coordinate)
+    missing = lost.size - np.count_nonzero(refound)
+    if missing:
         raise GeometryError(
-            f"the end of the blade cuts no fillet on {100 * np.mean(~found.converged):.0f} % of the {side(surface)} "
+            f"the end of the blade cuts no fillet on {100 * missing / lengthwise.size:.0f} % of the {side(surface)} "
             "flank's root: it is undercut, or the blade tip runs far from the root cone; check the machine settings "
             "and tool_edge_radius"
         )
-    return found.parameters
+    return parameters, position, normal
+
+
+def _lengthwise(section: BlankSection, position: Array) -> Array:
+    """Lengthwise fractions (n) of points (3, n)."""
+    return section.fractions(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))[0]
+
+
+def _neighbours(nodes: NDArray[np.intp], count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The nodes on both sides of each of ``nodes`` out of ``count``; at an end the two next to it."""
+    first = np.clip(nodes - 1, 0, count - 3)
+    return np.where(first == nodes, nodes + 1, first), np.where(
+        nodes == count - 1, count - 2, np.minimum(first + 2, count - 1)
+    )
 
 
 @dataclass(frozen=True)
