@@ -120,6 +120,7 @@ MISTAKES = {
     "true for a number": (r"^shaft_angle = .*$", "shaft_angle = true", ["pair.shaft_angle = true: must be a number"]),
     "a number in quotes": (r"^shaft_angle = .*$", 'shaft_angle = "90"', ["pair.shaft_angle = '90': must be a number"]),
     "true for a torque": (r"^torques = .*$", "torques = [true]", ["a mistake", "torques.0 = true: must be a number"]),
+    "a table for a torque": (r"^torques = .*$", "torques = [{x = 1}]", ["a mistake", "torques.0 = {x = 1}: must be"]),
     "a torque in quotes": (r"^torques = .*$", 'torques = ["50"]', ["a mistake", "torques.0 = '50': must be a number"]),
     "true for a count": (r"^number_of_teeth = 12$", "number_of_teeth = true", ["true: must be a whole number"]),
     "a number for text": (r"^title = .*$", "title = 3", ["title = 3: must be text in quotes"]),
