@@ -260,7 +260,7 @@ def _from_the_other_side(pair: GearPair) -> GearPair:
 
 
 def _unfinished(design: Design, designed: PairDesign) -> list[str]:
-    """Warnings of members without a whole tooth, which the shell alone can do without: refused for other models."""
+    """Warnings of members without a whole tooth, which the shell alone can do without."""
     found = []
     for name in BOTH_MEMBERS:
         try:
@@ -271,8 +271,6 @@ def _unfinished(design: Design, designed: PairDesign) -> list[str]:
         except GeometryError as error:
             text = str(error) if f"the {name}'s" in str(error) else f"the {name} has no whole tooth: {error}"
             found.append(text + _advice(design, designed, name))
-    if found and design.compliance.model != "shell":
-        raise GeometryError("\n".join(found))
     return found
 
 
