@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,15 +15,24 @@ from ..cases.mistakes import mistakes
 from ..cases.recording import blank_table, flank_settings
 from ..cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
 from ..cases.schema.design_schema import Design
+from ..contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ..core.errors import GeometryError
 from ..geometry.design.blank import BlankDimensions
-from ..geometry.design.edge_radius import WHOLE_TOOTH_NODES
-from ..geometry.design.pair_design import SIDES, PairDesign, design_pair, residual_limits, target_range
+from ..geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
+from ..geometry.design.pair_design import (
+    BOTH_MEMBERS,
+    SIDES,
+    PairDesign,
+    design_pair,
+    require_usable,
+    residual_limits,
+    target_range,
+)
 from ..geometry.flanks.flank import Flank, NodeStatus
 from ..geometry.pair.assembly import Assembly
 from ..geometry.pair.ease_off import EaseOff, exact_ease_off
-from ..geometry.pair.gear_pair import MEMBERS, FlankName, bodies, grid
-from ..geometry.tooth.tooth_surface import tooth_surface
+from ..geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
+from ..geometry.tooth.tooth_flanks import MemberName
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)
@@ -147,6 +156,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         generated=design.gear.generation == "generated",
         corrected=design.gear.basic_settings == "mean_point",
         edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
+        require=require_whole_tooth if design.compliance.model == "shell" else _require_elastic_tooth,
     )
     try:
         case = _case(design, designed)
@@ -196,7 +206,10 @@ def _report(design: Design, designed: PairDesign) -> DesignReport:
     clearance = designed.blank.clearance
     warnings: list[str] = []
     for side, item in sides.items():
-        good, _ = residual_limits(ease_off_target(getattr(design.target, side)))
+        wanted = ease_off_target(getattr(design.target, side))
+        # The fit of a generated gear leaves out what is near a fold; the flank does not.
+        require_usable(side, item.largest_residual, wanted)
+        good, _ = residual_limits(wanted)
         if not item.largest_residual <= good:
             warnings.append(
                 f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; free other "
@@ -206,12 +219,14 @@ def _report(design: Design, designed: PairDesign) -> DesignReport:
             if not share <= UNDERCUT_LIMIT:
                 warnings.append(
                     f"{side}: {100 * share:.0f} % of the {name}'s flank, at its root, is undercut or out of the "
-                    "cutter's reach"
+                    f"cutter's reach; a {'smaller' if name == 'pinion' else 'larger'} gear_mean_addendum_factor or "
+                    f"{'larger' if name == 'pinion' else 'smaller'} profile_shift_coefficient, a larger pressure angle "
+                    "or more teeth help"
                 )
         if not item.common_flank >= COMMON_FLANK_LIMIT:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
         warnings += [f"{side}: {text}" for text in _off_the_root(item.root_gap, clearance, design.pinion.follow_root)]
-    return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed), *_unfinished(designed)))
+    return DesignReport(designed.blank, sides, (*warnings, *_narrow(designed), *_unfinished(design, designed)))
 
 
 def _off_the_root(gap: Array, clearance: float, followed: bool) -> list[str]:
@@ -230,15 +245,45 @@ def _off_the_root(gap: Array, clearance: float, followed: bool) -> list[str]:
     return warnings
 
 
-def _unfinished(designed: PairDesign) -> list[str]:
-    """Warnings of members whose flanks and fillets make no whole tooth, which elastic teeth need."""
-    pair, found = designed.pair(), []
-    for name in MEMBERS:
+def _require_elastic_tooth(pair: GearPair, member: MemberName) -> None:
+    """Refuse a tooth that the default compliance cannot take, loaded on either flank."""
+    for loaded in (pair, _from_the_other_side(pair)):
+        require_solid_shell(loaded, member)
+
+
+def _from_the_other_side(pair: GearPair) -> GearPair:
+    def turned(member: Member) -> Member:
+        assert member.opposite is not None  # a designed pair has both flanks
+        return replace(member, loaded=member.opposite, opposite=member.loaded)
+
+    return replace(pair, pinion=turned(pair.pinion), gear=turned(pair.gear))
+
+
+def _unfinished(design: Design, designed: PairDesign) -> list[str]:
+    """Warnings of members without a whole tooth, which the shell alone can do without."""
+    found = []
+    for name in BOTH_MEMBERS:
         try:
-            tooth_surface(pair, name, WHOLE_TOOTH_NODES)
+            if design.compliance.model == "shell":
+                require_whole_tooth(designed.pair(), name)
+            else:
+                _require_elastic_tooth(designed.pair(), name)
         except GeometryError as error:
-            found.append(f"the {name} has no whole tooth: {error}")
+            text = str(error) if f"the {name}'s" in str(error) else f"the {name} has no whole tooth: {error}"
+            found.append(text + _advice(design, designed, name))
     return found
+
+
+def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
+    """What to change if it is not the edge radius."""
+    if getattr(design, name).tool_edge_radius is not None:
+        return ""
+    blade = (designed.gear[0] if name == "gear" else designed.pinion["drive"].surface).blade
+    return (
+        f"; edge radii from {blade.edge_radius:.3g} down to {REDUCTIONS[-1] * blade.edge_radius:.2g} mm were tried, so "
+        "change the blanks: depth_taper, cutter_radius, thickness_factor or clearance_factor against a narrow slot, "
+        "gear_mean_addendum_factor (or profile_shift_coefficient), the pressure angles or more teeth against undercut"
+    )
 
 
 def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,11 +26,13 @@ from easeoff.geometry import (
     generated_gear,
 )
 from easeoff.geometry.design.crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
-from easeoff.geometry.design.edge_radius import usual_edge_radius
-from easeoff.geometry.design.pair_design import design_pair, residual_limits, target_range
+from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radius
+from easeoff.geometry.design.pair_design import design_pair, require_usable, residual_limits, target_range
+from easeoff.geometry.design.root_line import RootLine
+from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT, _Fit
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.tooth.tooth_surface import tooth_surface
-from easeoff.study.case_design import _off_the_root
+from easeoff.study.case_design import _off_the_root, design_case
 from easeoff.study.cli import main
 
 
@@ -140,6 +143,90 @@ def test_a_fit_far_off_is_refused() -> None:
             design, assembly_of(design), {"drive": target, "coast": target}, generated=True, free=["cradle_angle"]
         )
     assert target_range(target) == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45", "nasa-12x36"])
+@pytest.mark.parametrize("side", ["drive", "coast"])
+@pytest.mark.quick(2)
+def test_derivatives_of_the_fit_are_those_of_its_residuals(name: str, side: Any) -> None:
+    """Against central differences of the residuals, for which every conjugate point is sought anew."""
+    pair, t, h = gear_pair(read_case(name), side), *grid((7, 5))
+    names = (*FREE_SETTINGS_WITH_TILT, "machine_root_angle", "sliding_base_motion_1", "blade_curvature")
+    gear, target = pair.gear.flank(t, h), EaseOffTarget(0.03, 0.01)
+    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+    known = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+    root_line = RootLine.of(pair.pinion.loaded, pair.pinion.section)
+    fit = _Fit(pair, gear, wanted, names, known, root_line, 0.0)
+    here = np.full(len(names), 0.01)
+    found = fit.jacobian(here)
+    for column, name_of, step in zip(found.T, names, fit.difference, strict=True):
+        shift = np.where(np.array(names) == name_of, step, 0.0)
+        differences = (fit(here + shift) - fit(here - shift)) / (2.0 * step)
+        assert np.abs(column - differences).max() < 1e-4 * np.abs(differences).max(), name_of
+
+
+def test_a_fit_far_off_on_the_whole_flank_is_refused() -> None:
+    target = EaseOffTarget(lengthwise_crowning=0.05)
+    require_usable("drive", 0.024, target)
+    for residual in (0.026, math.nan):
+        with pytest.raises(GeometryError, match=r"drive: no pinion near the target"):
+            require_usable("drive", residual, target)
+
+
+def test_edge_radius_is_made_smaller_until_the_tooth_passes() -> None:
+    pair, tried = gear_pair(read_case("fm-11x41")), []
+
+    def require(made: GearPair, member: str) -> None:
+        tried.append(made.gear.loaded.blade.edge_radius)
+        if tried[-1] > 0.65:
+            raise GeometryError("too large")
+
+    assert fitting_edge_radius(pair, "gear", 1.0, require) == 0.6
+    assert tried == [1.0, 0.8, 0.6]
+    assert fitting_edge_radius(pair, "gear", 100.0, require) == 100.0
+
+
+def slotted(taper: str, model: str) -> str:
+    """A pair of module 0.9 whose pinion has no room at the bottom of its slot if its teeth have uniform depth."""
+    return f"""easeoff_design = 1
+title = "narrow slot"
+[pair]
+[blank_design]
+method = 0
+process = "face_milled"
+gear_mean_spiral_angle = 37.9
+gear_outer_pitch_diameter = 28.644
+gear_face_width = 4.77
+cutter_radius = 15.15
+nominal_drive_pressure_angle = 22.5
+nominal_coast_pressure_angle = 22.5
+gear_mean_addendum_factor = 0.28
+depth_factor = 2.0
+clearance_factor = 0.125
+thickness_factor = 0.08
+depth_taper = "{taper}"
+[pinion]
+number_of_teeth = 15
+hand_of_spiral = "left"
+[gear]
+number_of_teeth = 31
+generation = "generated"
+[compliance]
+model = "{model}"
+[target.drive]
+lengthwise_crowning = 10.0
+profile_crowning = 3.0
+[target.coast]
+lengthwise_crowning = 10.0
+profile_crowning = 3.0
+"""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("model", ["solid_shell", "shell"])
+def test_a_narrow_slot_is_told_with_what_was_tried(model: str) -> None:
+    warnings = design_case(parse_design(slotted("uniform", model)))[1].warnings
+    assert any("the pinion's slot overlap" in w and "were tried" in w and "depth_taper" in w for w in warnings)
 
 
 def test_lost_root_is_told_and_does_not_hide_the_rest() -> None:

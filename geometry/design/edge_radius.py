@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..pair.gear_pair import GearPair
+from ..tooth.tooth_flanks import MemberName
 from ..tooth.tooth_surface import tooth_surface
 from .blank import BlankDimensions
 from .iso23509.blank_dimensions import MemberBlank
 
+ToothCheck = Callable[[GearPair, MemberName], None]
+
 BASIC_RACK_RADIUS = 0.25  # over the mean normal module
 SMALLEST_SHARE = 0.05  # of an edge radius over the module: a tooth is never without a fillet
 REDUCTIONS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # of the usual radius, until the tooth has its fillets
-WHOLE_TOOTH_NODES = (9, 7)
+WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES = (9, 7), 25
 WIDTH_SHARE = 0.8  # of the radius at which the edges of both blades meet in the middle of the slot
 
 
@@ -54,10 +58,28 @@ def usual_edge_radius(blank: BlankDimensions, member: MemberBlank) -> float:
     return round(max(radius, SMALLEST_SHARE * blank.mean_normal_module), 4)
 
 
-def fitting_edge_radius(pair: GearPair, member: str, usual: float) -> float:
-    """The usual edge radius of a member's blades, made smaller where its fillets overlap in the slot [mm].
+def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
+    """Refuse a member whose flanks and fillets make no whole tooth.
 
-    The flanks do not depend on it. If no radius gives a whole tooth, the usual one stands.
+    Parameters
+    ----------
+    pair
+        The pair, with both flanks of the member.
+    member
+        ``"pinion"`` or ``"gear"``.
+
+    Raises
+    ------
+    GeometryError
+        As ``tooth_surface``.
+    """
+    tooth_surface(pair, member, WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES)
+
+
+def fitting_edge_radius(pair: GearPair, member: MemberName, usual: float, require: ToothCheck) -> float:
+    """The usual edge radius of a member's blades, made smaller until the tooth passes a check [mm].
+
+    The flanks do not depend on it. If no radius passes, the usual one stands.
 
     Parameters
     ----------
@@ -67,10 +89,12 @@ def fitting_edge_radius(pair: GearPair, member: str, usual: float) -> float:
         ``"pinion"`` or ``"gear"``.
     usual
         See ``usual_edge_radius`` [mm].
+    require
+        Raises ``GeometryError`` for a pair and a member whose tooth will not do, as ``require_whole_tooth``.
     """
     for share in REDUCTIONS:
         try:
-            tooth_surface(_rounded(pair, member, share * usual), member, WHOLE_TOOTH_NODES)
+            require(_rounded(pair, member, share * usual), member)
         except GeometryError:
             continue
         return round(share * usual, 4)

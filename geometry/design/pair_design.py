@@ -13,12 +13,13 @@ from ...core.errors import GeometryError
 from ..cutting.named_settings import get_setting
 from ..flanks.flank import solve_flank
 from ..pair.assembly import Assembly
-from ..pair.gear_pair import MEMBERS, FlankName, GearPair, Member, thickness_per_angle
+from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
+from ..tooth.tooth_flanks import MemberName
 from .basic_settings import Flanks, blank_section, formate_gear, generated_gear
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .conjugate_pinion import conjugate_pinion
 from .crown_gear_pinion import crown_gear_pinion, pitch_point_azimuth
-from .edge_radius import fitting_edge_radius, rounded, usual_edge_radius
+from .edge_radius import ToothCheck, fitting_edge_radius, require_whole_tooth, rounded, usual_edge_radius
 from .mean_point import mean_point_angles
 from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, ROOT_WEIGHT, EaseOffTarget, Synthesis, fit_pinion
 
@@ -28,7 +29,9 @@ GOOD_SHARE = 0.1  # of the target's range; a smaller residual is good
 USABLE_RESIDUAL = 0.010  # [mm]; a smaller residual is never refused
 USABLE_SHARE = 0.5  # of the target's range; a larger residual is refused
 FOLD_MARGIN = 0.2  # of the conjugate gear's area; nodes nearer to a fold are no part of a fit from the crown gear
+BLANK_ADVICE = "change the blanks: cutter_radius, depth_taper, spiral angle, or more teeth against undercut"
 LOST_ROOT_GAP = 10.0  # [mm]; weight of a root point that the cutter does not reach
+BOTH_MEMBERS: tuple[MemberName, MemberName] = ("pinion", "gear")
 SIDES: tuple[FlankName, FlankName] = ("drive", "coast")
 
 
@@ -82,6 +85,7 @@ def design_pair(
     generated: bool = False,
     corrected: bool = True,
     edge_radii: tuple[float | None, float | None] = (None, None),
+    require: ToothCheck = require_whole_tooth,
 ) -> PairDesign:
     """Design the blanks, the gear and the pinion flanks of a pair.
 
@@ -104,6 +108,8 @@ def design_pair(
         Whether the gear's flanks get the blank's angles to rounding, see ``formate_gear``.
     edge_radii
         Edge radius of the blades of pinion and gear [mm]; that of ``edge_radius.usual_edge_radius`` where ``None``.
+    require
+        What the teeth must pass; an edge radius that is not given is made smaller until they do.
 
     Raises
     ------
@@ -140,23 +146,27 @@ def design_pair(
             GearPair(Member(assembly.pinion_teeth, sections[0], rounded(start, pinion_edge)), wheel, assembly)
             for start in starts
         ]
-        pinion[side] = best_fit(pairs, targets[side], free, follow_root, blank.clearance)
-        _check(side, pinion[side], targets[side])
+        try:
+            pinion[side] = best_fit(pairs, targets[side], free, follow_root, blank.clearance)
+        except GeometryError as error:
+            reason = "" if free is None else f": {error}"
+            raise GeometryError(f"{side}: no pinion was found that meets the gear{reason}; {BLANK_ADVICE}") from error
+        require_usable(side, pinion[side].largest_residual, targets[side])
     thickness = _middle_thickness(blank, gear) if groups else None
     designed = PairDesign(blank, assembly, gear, pinion, thickness)
-    for name, given in zip(MEMBERS, edge_radii, strict=True):
+    for name, given in zip(BOTH_MEMBERS, edge_radii, strict=True):
         if given is None:
-            designed = _with_fitting_edges(designed, name)
+            designed = _with_fitting_edges(designed, name, require)
     return designed
 
 
-def _with_fitting_edges(designed: PairDesign, name: str) -> PairDesign:
+def _with_fitting_edges(designed: PairDesign, name: MemberName, require: ToothCheck) -> PairDesign:
     """The design with the usual edge radius of one member made so small that its fillets fit the slot."""
     if name == "gear":
-        radius = fitting_edge_radius(designed.pair(), name, designed.gear[0].blade.edge_radius)
+        radius = fitting_edge_radius(designed.pair(), name, designed.gear[0].blade.edge_radius, require)
         return replace(designed, gear=(rounded(designed.gear[0], radius), rounded(designed.gear[1], radius)))
     usual = designed.pinion["drive"].surface.blade.edge_radius
-    radius = fitting_edge_radius(designed.pair(), name, usual)
+    radius = fitting_edge_radius(designed.pair(), name, usual, require)
     return replace(
         designed,
         pinion={side: replace(fit, surface=rounded(fit.surface, radius)) for side, fit in designed.pinion.items()},
@@ -181,14 +191,30 @@ def target_range(target: EaseOffTarget) -> float:
     return float(np.ptp(target(t, h)))
 
 
-def _check(side: FlankName, fit: Synthesis, target: EaseOffTarget) -> None:
+def require_usable(side: FlankName, residual: float, target: EaseOffTarget) -> None:
+    """Refuse a fit that misses its target by more than the second of ``residual_limits``.
+
+    Parameters
+    ----------
+    side
+        Which side.
+    residual
+        Its largest residual [mm].
+    target
+        The wanted ease-off.
+
+    Raises
+    ------
+    GeometryError
+        If the fit is far off.
+    """
     limit = residual_limits(target)[1]
-    if fit.largest_residual > limit:
+    if not residual <= limit:
         raise GeometryError(
             f"{side}: no pinion near the target ease-off was found: the best one misses it by up to "
-            f"{1e3 * fit.largest_residual:.1f} um, where the target's range is {1e3 * target_range(target):.1f} um and "
+            f"{1e3 * residual:.1f} um, where the target's range is {1e3 * target_range(target):.1f} um and "
             f"{1e3 * limit:.1f} um would do; free other settings of the pinion (free_settings), ask for less crowning "
-            "and bias, or change the blanks: cutter_radius, depth_taper, spiral angle, or more teeth against undercut"
+            f"and bias, or {BLANK_ADVICE}"
         )
 
 

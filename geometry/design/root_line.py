@@ -56,8 +56,8 @@ class RootLine:
         target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, PROFILE_FRACTION))
         found = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
         gap = self.section.height_above_root(target[0], target[1]) - _above_tip(surface, found.parameters)
-        converged = bool(np.all(found.converged))
-        return np.where(found.converged, gap, np.nan), RootLine(self.section, found.parameters) if converged else self
+        parameters = np.where(found.converged, found.parameters, self.parameters)
+        return np.where(found.converged, gap, np.nan), RootLine(self.section, parameters)
 
     def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
         """Change of the gap (3) [mm] from one flank to another, to first order: one step of Newton's method.

@@ -157,6 +157,8 @@ class _Fit:
         self.sheet = float(np.sign(middle))
         if self.fold_margin > 0.0:
             self.usable &= self.known.inside & (area / middle > self.fold_margin)
+        # Where the start has no root, undercut or not reached, there is none to follow.
+        self.rooted = np.zeros(0, bool) if self.root_line is None else np.isfinite(self.root_line.gap(self.start)[0])
         self.lever = self.known.lever_arm[self.usable]
         self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
 
@@ -178,6 +180,7 @@ class _Fit:
         """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
         surface = self.surface(steps)
         gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
+        gap = gap[self.rooted] if gap.size else gap
         motion = replace(self.known.motion, surface=surface)
         angle, parameters = angle_near(motion, self.parameters, self.side, self.sheet, self.gear)
         residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
@@ -209,7 +212,7 @@ class _Fit:
             moved = ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0]
             change = [1e3 * self.form(dot(moved, normal) / moment * self.lever)]
             if self.root_line is not None:
-                change.append(ROOT_WEIGHT * self.root_line.change(motion.surface, behind, ahead))
+                change.append(ROOT_WEIGHT * self.root_line.change(motion.surface, behind, ahead)[self.rooted])
             columns.append(np.concatenate(change) / (2.0 * step))
         return np.stack(columns, axis=1)
 
@@ -281,9 +284,11 @@ def fit_pinion(
     found = least_squares(
         fit,
         np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
-        fit.jacobian,
+        # From the conjugate pinion the valley is flat: the shipped cases' settings are those that differences end at.
+        fit.jacobian if fold_margin > 0.0 else "2-point",
         method="trf",
         x_scale=1.0,
+        diff_step=fit.difference,
         xtol=1e-12,
         ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
         gtol=1e-12,

@@ -58,6 +58,23 @@ def brick_gradients(corners: Array, gradients: Array) -> tuple[Array, Array]:
     return gradients @ np.linalg.inv(safe), determinant
 
 
+def require_right_way_round(nodes: Array, cells: NDArray[np.int64]) -> None:
+    """Refuse a brick that is turned inside out somewhere, as ``stiffness`` does, which takes them alike."""
+    _, gradients = shape_functions(gauss_rule()[0])
+    corners = nodes[cells.reshape(-1, 27)]
+    _refuse_inside_out(corners, brick_gradients(corners, gradients)[1])
+
+
+def _refuse_inside_out(corners: Array, determinant: Array) -> None:
+    inside_out = np.flatnonzero(np.any(determinant <= 0.0, axis=1))
+    if inside_out.size:
+        where = corners[inside_out[0]].mean(axis=0)
+        raise GeometryError(
+            f"a brick near ({where[0]:.2f}, {where[1]:.2f}, {where[2]:.2f}) mm is turned inside out: the sides of "
+            "the tooth or its fillets come too close to each other"
+        )
+
+
 def stiffness(
     nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
 ) -> csc_array:
@@ -95,13 +112,7 @@ def stiffness(
     for start in range(0, len(flat), BRICKS_PER_BATCH):
         batch = slice(start, start + BRICKS_PER_BATCH)
         spatial, determinant = brick_gradients(nodes[flat[batch]], gradients)
-        inside_out = np.flatnonzero(np.any(determinant <= 0.0, axis=1))
-        if inside_out.size:
-            where = nodes[flat[batch][inside_out[0]]].mean(axis=0)
-            raise GeometryError(
-                f"a brick near ({where[0]:.2f}, {where[1]:.2f}, {where[2]:.2f}) mm is turned inside out: the sides of "
-                "the tooth or its fillets come too close to each other"
-            )
+        _refuse_inside_out(nodes[flat[batch]], determinant)
         root = spatial[:, :, used] * np.sqrt(weights * determinant)[:, :, None, None]
         root = root.reshape(len(root), weights.size, size)
         outer = (np.swapaxes(root, 1, 2) @ root).reshape(-1, used.size, 3, used.size, 3)

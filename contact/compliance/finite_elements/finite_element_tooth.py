@@ -25,6 +25,7 @@ from ....geometry.tooth.tooth_lattice import (
 )
 from ..material import Material
 from .array_store import Shapes, kept, key_of
+from .bricks import require_right_way_round
 from .elastic_body import elastic_body
 from .flank_compliance import FlankCompliance, flank_loads, foot_displacements, square_root
 from .solid_shell import Counts, solid_shell
@@ -180,6 +181,15 @@ def solid_shell_tooth(
         lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member),
     )
     return FiniteElementTooth(_flank(found), None, 'root stresses need finite elements: model = "fe" in [compliance]')
+
+
+def require_solid_shell(pair: GearPair, member: MemberName) -> None:
+    """Refuse a tooth that cannot be a solid shell, without building it. Raises as ``solid_shell_tooth``."""
+    lattice = tooth_lattice(pair, member, solid_shell_size(pair, member)[0])
+    try:
+        require_right_way_round(lattice.nodes, lattice.cells[: lattice.body_bricks])
+    except GeometryError as error:
+        raise unfilled(member, error) from error
 
 
 def _tooth(pair: GearPair, member: MemberName) -> tuple[Any, ...]:
