@@ -13,11 +13,12 @@ from ...core.stored_status import StoredStatus
 from ..lines.flank_splines import FlankSplines
 
 Array = NDArray[Any]
+LINE_END_SHARE = 0.1  # of a contact line, within which a segment counts as one at its end
 EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are equally long
 
 
 class LineEnd(StoredStatus):
-    """Whether a contact line ends at a segment, and at which border of the common flank.
+    """Whether a contact line ends near a segment, and at which border of the common flank.
 
     Examples
     --------
@@ -51,7 +52,7 @@ class PressurePlace:
     point
         Lengthwise and profile fractions on the gear (2).
     line_end
-        Whether the contact line ends there.
+        Whether the contact line ends there, or within ``LINE_END_SHARE`` of its length.
 
     Examples
     --------
@@ -90,20 +91,27 @@ class PressurePlace:
 
 
 def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines: FlankSplines) -> LineEnd:
-    """Border at which the line of a segment ends next to it, from rows tooth, length, lengthwise, profile."""
+    """Border at which the line of a segment ends near it, from rows tooth, length, lengthwise, profile."""
+    own, own_length = segments[:2, number]
 
-    def same_line(other: int) -> bool:
-        if not (0 <= other < on_line.size and on_line[other]):
-            return False
-        (tooth, length), (own, own_length) = segments[:2, other], segments[:2, number]
-        return bool(tooth == own and abs(length - own_length) <= EQUAL_LENGTH_TOLERANCE * own_length)
+    def beyond(sign: int) -> int:
+        """Segments of the same line on one side."""
+        other = number + sign
+        while 0 <= other < on_line.size and on_line[other]:
+            tooth, length = segments[:2, other]
+            if tooth != own or abs(length - own_length) > EQUAL_LENGTH_TOLERANCE * own_length:
+                break
+            other += sign
+        return abs(other - number) - 1
 
-    neighbours = [other for other in (number - 1, number + 1) if same_line(other)]
-    if len(neighbours) == 2:
+    sides = {sign: beyond(sign) for sign in (-1, 1)}
+    sign = min(sides, key=lambda one: sides[one])
+    if sides[sign] > LINE_END_SHARE * (1 + sum(sides.values())):
         return LineEnd.INSIDE
-    point = segments[2:, number]
-    for other in neighbours:
-        point = point + 0.5 * (point - segments[2:, other])
+    last = number + sign * sides[sign]
+    point = segments[2:, last]
+    if sum(sides.values()) > 0:
+        point = point + 0.5 * (point - segments[2:, last - sign])
     return nearest_border(splines, point)
 
 
