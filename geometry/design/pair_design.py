@@ -168,8 +168,8 @@ def residual_limits(target: EaseOffTarget) -> tuple[float, float]:
 
     Examples
     --------
-    >>> residual_limits(EaseOffTarget(lengthwise_crowning=0.05))
-    (0.005, 0.025)
+    >>> [round(limit, 9) for limit in residual_limits(EaseOffTarget(lengthwise_crowning=0.05))]
+    [0.005, 0.025]
     """
     size = target_range(target)
     return max(SMALL_RESIDUAL, GOOD_SHARE * size), max(USABLE_RESIDUAL, USABLE_SHARE * size)
