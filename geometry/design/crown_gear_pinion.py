@@ -59,8 +59,9 @@ def crown_gear_pinion(
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import ease_off
     >>> pair = gear_pair(read_case("nasa-12x36"))
-    >>> settings = replace(pair.gear.loaded.settings, ratio_of_roll=1.0 / math.sin(pair.gear.section.pitch_angle))
-    >>> settings = replace(settings, machine_root_angle=pair.gear.section.pitch_angle)
+    >>> pitch_angle = math.atan2(36, 12)  # that of the case is rounded
+    >>> settings = replace(pair.gear.loaded.settings, ratio_of_roll=1.0 / math.sin(pitch_angle))
+    >>> settings = replace(settings, machine_root_angle=pitch_angle)
     >>> settings = replace(settings, machine_center_to_crossing_point=0.0, sliding_base=-1.5)
     >>> gear = replace(pair.gear, loaded=replace(pair.gear.loaded, settings=settings))
     >>> pinion = replace(pair.pinion, loaded=crown_gear_pinion(gear.loaded, pair.assembly, blade_height=3.0))
