@@ -43,4 +43,8 @@ def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
         "min_film_position": loaded["mesh_position"].values[position],
         **points,
     }
-    return labelled(friction.assign({name: (dims, np.where(known, v, np.nan)) for name, v in numbers.items()}))
+    found = {name: xr.Variable(dims, np.where(known, value, np.nan)) for name, value in numbers.items()}
+    # Without feedback the film is the same at every roughness.
+    conditions = friction["efficiency"].variable
+    sizes = dict(zip(conditions.dims, conditions.shape, strict=True))
+    return labelled(friction.assign({name: value.set_dims(sizes) for name, value in found.items()}))

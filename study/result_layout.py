@@ -106,11 +106,13 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
     "loaded": (EVALUATION, {SEGMENTS: ("overhang",), LOADED: ("edge_share",)}, {("torque",): ("rms",)}),
     "friction": (
         {
-            CONDITIONS: ("film_thinning", "thinned_share", "extrapolated_share", "transition_share"),
+            CONDITIONS: ("extrapolated_share",),
             ("formula_flag", *CONDITIONS): ("flagged_share",),
             ("formula_flag",): ("formula_flag",),
         },
-        {CONDITIONS[:3]: ("min_film_thickness", "min_film_lengthwise", "min_film_profile")},
+        {CONDITIONS: ("film_thinning", "thinned_share")},
+        {CONDITIONS: ("transition_share",)},
+        {CONDITIONS: ("min_film_thickness", "min_film_lengthwise", "min_film_profile")},
         {("mesh_position", "segment", "speed"): ("sliding_velocity", "rolling_velocity")},
         {(*SEGMENTS, *CONDITIONS[1:]): ("lambda_ratio",)},
         {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},

@@ -354,7 +354,7 @@ def test_programme_of_another_hand_is_read_as_it_stands(tmp_path: Path) -> None:
         ({"A": None, "b": None}, "A = none: must be the balance of torque"),
         ({"A": np.ones((2, 3)), "b": np.ones(2)}, "must be one equality"),
         ({"lb": None}, "lb = None: must be zero"),
-        ({"lb": -np.ones(3)}, r"lb = array of shape \(3,\): must be zero"),
+        ({"lb": -np.ones(3)}, r"lb = \[-1.0, -1.0, -1.0\]: must be zero"),
         ({"ub": np.ones(3)}, "no upper bounds"),
         ({"G": np.ones((1, 3)), "h": np.ones(1)}, "no inequalities"),
         ({"b": -np.ones(1)}, "torque"),

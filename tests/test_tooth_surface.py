@@ -172,5 +172,5 @@ def test_teeth_that_do_not_exist_are_refused() -> None:
         tooth_patches(nasa(1.6), "gear", NODES)
     with pytest.raises(GeometryError, match="pointed"):
         tooth_patches(replace(pair, pinion=replace(pair.pinion, mean_thickness=4.0)), "pinion", NODES)
-    with pytest.raises(GeometryError, match="no fillet"):
+    with pytest.raises(GeometryError, match="overlap on 100 % of the face"):
         tooth_patches(nasa(2.4), "pinion", NODES)
