@@ -140,7 +140,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "max_pressure_pair": ("1", "tooth pair with the greatest contact pressure"),
     "max_pressure_lengthwise": ("1", "lengthwise fraction of the greatest contact pressure on the gear"),
     "max_pressure_profile": ("1", "profile fraction of the greatest contact pressure on the gear"),
-    "max_pressure_line_end": ("", "whether the contact line ends at the greatest contact pressure or within a tenth of it, and where"),
+    "max_pressure_line_end": ("", "border of the common flank near the greatest contact pressure, if there is one"),
     "pinion_mean_level": ("urad", "mean of the transmission error as a rotation of the pinion"),
     "pinion_peak_to_peak": ("urad", "peak to peak of the transmission error as a rotation of the pinion"),
     "mesh_stiffness": ("N m urad-1", "derivative of the gear torque by the rotation of the gear"),

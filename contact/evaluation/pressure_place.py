@@ -14,6 +14,7 @@ from ..lines.flank_splines import FlankSplines
 
 Array = NDArray[Any]
 LINE_END_SHARE = 0.1  # of a contact line, within which a segment counts as one at its end
+BORDER_SHARE = 0.02  # of a flank, within which a point counts as one at its border
 EQUAL_LENGTH_TOLERANCE = 1e-9  # relative; the segments of a contact line are equally long
 
 
@@ -52,7 +53,8 @@ class PressurePlace:
     point
         Lengthwise and profile fractions on the gear (2).
     line_end
-        Whether the contact line ends there, or within ``LINE_END_SHARE`` of its length.
+        Whether the contact line ends there, or within ``LINE_END_SHARE`` of its length, or the flank within
+        ``BORDER_SHARE``.
 
     Examples
     --------
@@ -107,7 +109,9 @@ def _line_end(segments: Array, on_line: NDArray[np.bool_], number: int, splines:
     sides = {sign: beyond(sign) for sign in (-1, 1)}
     sign = min(sides, key=lambda one: sides[one])
     if sides[sign] > LINE_END_SHARE * (1 + sum(sides.values())):
-        return LineEnd.INSIDE
+        # A line that cuts a corner of the flank is short: all of it is near its ends.
+        here = segments[2:, number]
+        return nearest_border(splines, here) if np.min(_margins(splines, here)) < BORDER_SHARE else LineEnd.INSIDE
     last = number + sign * sides[sign]
     point = segments[2:, last]
     if sum(sides.values()) > 0:
@@ -135,9 +139,13 @@ def nearest_border(splines: FlankSplines, point: Array) -> LineEnd:
     >>> nearest_border(fields, np.array([0.99, 0.5])).name
     'GEAR_HEEL'
     """
+    blade = splines("blade_distance", np.clip(point, 0.0, 1.0)[:, None])
+    return LineEnd(1 + int(np.argmin([*_margins(splines, point), *blade])))
+
+
+def _margins(splines: FlankSplines, point: Array) -> Array:
+    """Distances (8) of a point from the borders of both flanks, in fractions: toe, heel, root, tip of either."""
     point = np.clip(point, 0.0, 1.0)
-    names = ["pinion_lengthwise", "pinion_profile", "blade_distance"]
-    t, h, blade = (float(values[0]) for values in splines.evaluate(names, point[:, None]).values())
-    on_both = (*point, t, h)
-    distances = [side for fraction in on_both for side in (fraction, 1.0 - fraction)]
-    return LineEnd(1 + int(np.argmin([*distances, blade])))
+    opposite = splines.evaluate(["pinion_lengthwise", "pinion_profile"], point[:, None]).values()
+    on_both = np.array([*point, *(float(values[0]) for values in opposite)])
+    return np.stack([on_both, 1.0 - on_both], axis=1).ravel()

@@ -101,8 +101,9 @@ class SeedLattice:
     def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> Array:
         """Parameters (2, n) of the usable seeds whose coordinates (2, m) lie nearest to each target (2, n).
 
-        NaN if no seed is usable. The envelope of a motion may fold twice: beyond the second fold it is on the mean point's side again and covers
-        targets a second time. Where near seeds lie on two such sheets, the one nearest to the mean point is taken.
+        NaN if no seed is usable. The envelope of a motion may fold twice: beyond the second fold it is on the mean
+        point's side again and covers targets a second time. Where near seeds lie on two such sheets, the one nearest to
+        the mean point is taken.
         """
         kept = np.flatnonzero(usable & np.all(np.isfinite(coordinates), axis=0))
         if kept.size == 0:
