@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.flanks.seed_lattice import seed_lattice
 from ...geometry.newton import complex_steps, cramers_rule
 from ...geometry.pair.conjugate_motion import ConjugateMotion
 from ...geometry.pair.ease_off import EaseOff
@@ -38,7 +39,7 @@ class CirclesMet:
     parameters, following
         Surface parameters (2, n) and their derivatives (2, 2, n).
     miss
-        Distance (n) over which all this is extrapolated [mm].
+        Distance (n) over which all this is extrapolated [mm]; infinite where the pinion is undercut.
     """
 
     azimuth: Array
@@ -92,6 +93,7 @@ def circles_met(
         slope, bounds = value[2:4] + _along(bend, away), value[4:7] + _along(bound_slopes, away)
         x, y, z = value[7], value[8], value[0]
         here = np.stack([x, y, z + motion.assembly.gear_origin[2]])
+        cut = surface.orientation(parameters) * seed_lattice(surface, section).orientation > 0.0
         azimuth = motion.pinion_sense * np.arctan2(y, x) + turned / motion.assembly.ratio
         return CirclesMet(
             azimuth=azimuth + np.sum((value[2:4] + 0.5 * _along(bend, away)) * away, axis=0),
@@ -102,7 +104,7 @@ def circles_met(
             bound_slopes=bound_slopes,
             parameters=parameters + _along(inverse, away),
             following=inverse,
-            miss=np.max(np.abs(away), axis=0),
+            miss=np.where(cut, np.max(np.abs(away), axis=0), np.inf),
         )
 
 

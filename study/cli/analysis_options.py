@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from .options import MISALIGNMENT, deviation_option, flank_option, misalignment, torques
+from .terminal_bar import terminal_bar
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
@@ -115,10 +116,8 @@ def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
     torques
         Torques at the pinion [N m]; the case's own if ``None``.
     """
-    from tqdm import tqdm
-
     total = len(torques or case.contact.torques) * case.contact.mesh_positions
-    with tqdm(total=total, desc="geometry", unit="solve", disable=None, leave=False) as bar:
+    with terminal_bar(total=total, desc="geometry", unit="solve") as bar:
         yield Progress(lambda: _step(bar), lambda name: show_stage(bar, name))
 
 

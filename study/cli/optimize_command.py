@@ -12,6 +12,7 @@ from .analysis_options import show_stage
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, force_option, misalignment, next_commands, output_option, torques
+from .terminal_bar import terminal_bar
 
 
 def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> list[Any]:
@@ -79,8 +80,6 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
     The result is a modification of low order: the addition to the ease-off. The contact is that on lines alone,
     without tooth edges.
     """
-    from tqdm import tqdm
-
     from ...cases import read_case, write_case
     from ...cases.writing import require_replaceable
     from ...core.files import check_writable
@@ -96,7 +95,7 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
         require_replaceable(fitted_case, force)
     checked = read_case(case)
     bar: Any
-    with tqdm(desc="convex programmes", disable=None, leave=False) as bar:
+    with terminal_bar(desc="convex programmes") as bar:
         tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
     click.echo(optimization_report(tree))

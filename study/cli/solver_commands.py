@@ -12,6 +12,7 @@ from .analysis_options import analysis_options, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import folder_option, next_commands, output_option, problem_files, solvers
+from .terminal_bar import terminal_bar
 
 
 @click.command(cls=Command)
@@ -59,14 +60,12 @@ def library(output: Path, parts: str | None) -> None:
 
     Every problem is solved, and its solution compared with the reference answer.
     """
-    from tqdm import tqdm
-
     from ..library import entries, write_library
 
     chosen = None if parts is None else [part.strip() for part in parts.split(",")]
     total = sum(chosen is None or entry.part in chosen for entry in entries())
     bar: Any
-    with tqdm(total=total, desc="library", unit="problem", disable=None, leave=False) as bar:
+    with terminal_bar(total=total, desc="library", unit="problem") as bar:
         written = write_library(output, chosen, progress=bar.update)
     for one in written:
         click.echo(
@@ -117,12 +116,10 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     PROBLEMS are files of 'easeoff problems' or 'easeoff library'. A solver that fails, hangs or crashes is a line in
     the report: the exit code is 0. An interrupted comparison resumes where it stopped.
     """
-    from tqdm import tqdm
-
     from ..compare import compare as run_comparison
     from ..compare import write_comparison, write_test_set
 
-    with tqdm(desc="comparison", unit="measurement", disable=None, leave=False) as bar:
+    with terminal_bar(desc="comparison", unit="measurement") as bar:
 
         def progress(done: int, total: int) -> None:
             bar.total = total

@@ -11,6 +11,7 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import MISALIGNMENT, flank_option, misalignment, torques
+from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
     from ...geometry.pair.assembly import Misalignment
@@ -56,8 +57,6 @@ def verify(
     A row of the table is a comparison: what was compared, the difference, and whether it is within the limit. The exit
     code is 1 if a difference is outside its limit.
     """
-    from tqdm import tqdm
-
     from ...cases import read_case
     from ...core.files import check_writable, whole_file
     from ...verification.case_verification import verify as run_verification
@@ -65,7 +64,7 @@ def verify(
     if output is not None:
         check_writable(output, case, suffix=".nc")
     checked = read_case(case)
-    with tqdm(desc="verification", unit="step", disable=None, leave=False) as bar:
+    with terminal_bar(desc="verification", unit="step") as bar:
 
         def progress(done: int, total: int, name: str) -> None:
             bar.total = total

@@ -12,6 +12,7 @@ from .analysis_options import pair_options, show_stage, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import coefficients, duty_cycle, next_commands, output_option
+from .terminal_bar import terminal_bar
 
 
 @click.command(cls=Command)
@@ -62,8 +63,6 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
-    from tqdm import tqdm
-
     from ...core.files import check_writable, whole_file
     from ..wear_simulation import WearLaw
     from ..wear_simulation import wear as worn
@@ -71,7 +70,7 @@ def wear(
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
     bar: Any
-    with tqdm(total=revolutions, desc="wear", unit="rev", unit_scale=True, disable=None, leave=False) as bar:
+    with terminal_bar(total=revolutions, desc="wear", unit="rev", unit_scale=True) as bar:
         history = worn(
             case,
             law,
