@@ -43,8 +43,12 @@ def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
         "min_film_position": loaded["mesh_position"].values[position],
         **points,
     }
-    found = {name: xr.Variable(dims, np.where(known, value, np.nan)) for name, value in numbers.items()}
+    conditions = friction["efficiency"]
     # Without feedback the film is the same at every roughness.
-    conditions = friction["efficiency"].variable
-    sizes = dict(zip(conditions.dims, conditions.shape, strict=True))
-    return labelled(friction.assign({name: value.set_dims(sizes) for name, value in found.items()}))
+    missing = len(conditions.dims) - len(dims)
+    found = {}
+    for name, value in numbers.items():
+        known_value = np.where(known, value, np.nan)
+        spread = np.broadcast_to(known_value.reshape(*known_value.shape, *[1] * missing), conditions.shape)
+        found[name] = (conditions.dims, spread.copy())
+    return labelled(friction.assign(found))

@@ -414,8 +414,8 @@ def test_least_film_is_that_of_the_segments(feedback: bool) -> None:
     tree = analyze(coarse("fm-11x41"), torques=[100.0, 300.0], friction_feedback=feedback, **conditions)  # type: ignore[arg-type]
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
     numbers = key_numbers(tree)
-    least = friction["film_thickness"].min(("mesh_position", "segment"))
-    np.testing.assert_array_equal(numbers["min_film_thickness"], least.broadcast_like(numbers["min_film_thickness"]))
+    thinnest = friction["film_thickness"].min(("mesh_position", "segment"))
+    np.testing.assert_array_equal(numbers["min_film_thickness"], thinnest.broadcast_like(numbers["min_film_thickness"]))
     at = {"torque": 1, "speed": 0, "temperature": 1}
     least = numbers.isel(at)
     where = friction["film_thickness"].isel(at).sel(mesh_position=least["min_film_position"].values.ravel()[0])
