@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ..geometry.pair.gear_pair import PairGeometry
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
 from .lines.closest_approach import SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
-from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations
+from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations, roll_limits
 from .lines.opposite_points import PASSING_FIELDS
 from .loaded import loaded_splines, solve_all, solve_cycle
 from .loaded_cases import LoadedCase
@@ -132,6 +133,11 @@ class MeshCycle:
     def lost_contact(self) -> float:
         """Share of the points of the contact lines without line contact, see ``mesh_lines.lost_contact``."""
         return lost_contact(self.fields, self.lines)
+
+    @cached_property
+    def roll_limits(self) -> tuple[float, float]:
+        """Least and greatest roll angle on the common flank [rad], see ``mesh_lines.roll_limits``."""
+        return roll_limits(self.fields)
 
     def unloaded(self, *, separation: float = 6.0) -> xr.Dataset:
         """Unloaded contact: transmission error, path of contact, contact lines that end at a separation [um]."""

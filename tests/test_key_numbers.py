@@ -18,7 +18,7 @@ from easeoff import InputError, analyze, read_case, read_result, write_result
 from easeoff.cases import Case, gear_pair, shipped_cases
 from easeoff.contact import ElasticModel, MeshCycle, Status
 from easeoff.contact.evaluation.carrying_error import CarryingError
-from easeoff.contact.evaluation.contact_ratio import contact_time, loaded_contact_ratio, roll_limits
+from easeoff.contact.evaluation.contact_ratio import contact_time, loaded_contact_ratio
 from easeoff.contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from easeoff.contact.evaluation.flank_region import grid_triangles, region_below
 from easeoff.contact.evaluation.marking_print import MarkingPrint, least_gap
@@ -27,6 +27,7 @@ from easeoff.contact.evaluation.pressure_place import LineEnd, nearest_border
 from easeoff.contact.evaluation.projection_plane import ProjectionPlane
 from easeoff.contact.evaluation.tooth_passage import ToothPassage
 from easeoff.contact.lines.contact_lines import boundary_distance, trace
+from easeoff.contact.lines.mesh_lines import roll_limits
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.study import CaseInMesh, key_numbers, result_summary, write_pictures
 from easeoff.study.cli import main

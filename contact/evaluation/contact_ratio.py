@@ -14,49 +14,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..lines.contact_lines import boundary_distance
 from ..lines.flank_splines import FlankSplines
 from ..solvers import Status
 from .carrying_error import CarryingError
 from .tooth_passage import tooth_passage
 
 Array = NDArray[Any]
-SEARCH_GRID = (61, 31)
 PATH = ("path_lengthwise", "path_profile")
-ZOOM_ROUND_COUNT, ZOOM_GRID = 6, (21, 21)  # each round looks at a window of four cells of the round before
-
-
-def roll_limits(splines: FlankSplines) -> tuple[float, float]:
-    """Least and greatest roll angle on the common flank [rad]: a tooth pair has contact lines in between.
-
-    NaN if the common flank is too small to be found.
-
-    Examples
-    --------
-    >>> from easeoff.cases import gear_pair, read_case
-    >>> from easeoff.contact import MeshCycle
-    >>> from easeoff.geometry import pair_geometry
-    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> least, greatest = roll_limits(MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).fields)
-    >>> least < 0.0 < greatest
-    True
-    """
-    return -_greatest(splines, -1.0), _greatest(splines, 1.0)
-
-
-def _greatest(splines: FlankSplines, sign: float) -> float:
-    """Greatest roll angle times a sign, by grids around the best point so far."""
-    low, high, shape, best = np.zeros(2), np.ones(2), SEARCH_GRID, -np.inf
-    for _ in range(ZOOM_ROUND_COUNT):
-        axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, shape, strict=True)]
-        points = np.stack(np.meshgrid(*axes, indexing="ij"))
-        roll = np.where(boundary_distance(splines, points) >= 0.0, sign * splines("roll_angle", points), -np.inf)
-        row, column = np.unravel_index(int(np.argmax(roll)), shape)
-        best = max(best, float(roll[row, column]))
-        reach = 2.0 * (high - low) / (np.array(shape) - 1)
-        low, high = (np.clip(points[:, row, column] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
-        shape = ZOOM_GRID
-    return best if np.isfinite(best) else float("nan")
 
 
 def unloaded_contact_ratio(
@@ -75,7 +39,7 @@ def unloaded_contact_ratio(
     error
         Transmission error of the pair, from ``unloaded``.
     limits
-        From ``roll_limits``.
+        From ``MeshCycle.roll_limits``.
     separation
         Widest gap that counts as contact [um].
 
@@ -88,8 +52,7 @@ def unloaded_contact_ratio(
     >>> cycle = MeshCycle.of(geometry, mesh_positions=4, segments_per_line=5)
     >>> unloaded = cycle.unloaded()
     >>> error = CarryingError.of(unloaded, cycle.pinion_pitch)
-    >>> limits = roll_limits(cycle.fields)
-    >>> [round(unloaded_contact_ratio(cycle.fields, unloaded, error, limits, s), 1) for s in (1e-6, 1e6)]
+    >>> [round(unloaded_contact_ratio(cycle.fields, unloaded, error, cycle.roll_limits, s), 1) for s in (1e-6, 1e6)]
     [1.0, 2.6]
     """
     if not error.is_known:
@@ -113,7 +76,7 @@ def loaded_contact_ratio(at_torque: xr.Dataset, limits: Array) -> float:
     at_torque
         The group ``/loaded`` at one torque.
     limits
-        From ``roll_limits``, in steps of the mesh cycle (2).
+        From ``MeshCycle.roll_limits``, in steps of the mesh cycle (2).
 
     Examples
     --------

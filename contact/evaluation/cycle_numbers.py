@@ -13,7 +13,7 @@ from ..lines.contact_lines import boundary_distance
 from ..loaded_cases import LoadedCase
 from ..mesh_cycle import MeshCycle
 from .carrying_error import CarryingError
-from .contact_ratio import loaded_contact_ratio, roll_limits, unloaded_contact_ratio
+from .contact_ratio import loaded_contact_ratio, unloaded_contact_ratio
 from .flank_region import FlankRegion, region_below
 from .marking_print import MarkingPrint, least_gap
 from .mesh_stiffness import mesh_stiffness
@@ -44,7 +44,7 @@ def with_unloaded_numbers(cycle: MeshCycle, unloaded: xr.Dataset) -> xr.Dataset:
     ()
     """
     error = CarryingError.of(unloaded, cycle.pinion_pitch)
-    limits = roll_limits(cycle.fields)
+    limits = cycle.roll_limits
     separation = float(unloaded.attrs["separation"])
     axes = [cycle.geometry.ease_off[name].values for name in ("lengthwise", "profile")]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"))
@@ -83,7 +83,7 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
     by_torque = [loaded.isel(torque=i) for i in range(loaded.sizes["torque"])]
     positions = loaded.sizes["mesh_position"]
     start = float(loaded["pinion_rotation"].values[0])
-    limits = (np.array(roll_limits(cycle.fields)) - start) / cycle.pinion_pitch * positions
+    limits = (np.array(cycle.roll_limits) - start) / cycle.pinion_pitch * positions
     stiffness = np.full((len(by_torque), positions), np.nan)
     for case in cases:
         stiffness[case.torque, case.mesh_position] = mesh_stiffness(case)

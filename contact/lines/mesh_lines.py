@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
 from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
-from .contact_lines import ContactLines, trace
+from .contact_lines import ContactLines, boundary_distance, trace
 from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
 GAUSS_POINTS = 3
+ROLL_SEARCH_GRID = (61, 31)
+ZOOM_ROUND_COUNT, ZOOM_GRID = 6, (21, 21)  # each round looks at a window of four cells of the round before
 
 
 def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
@@ -158,6 +160,39 @@ def lost_contact(splines: FlankSplines, mesh: MeshLines) -> float:
     closest = one_step(splines, mesh.lines.points)
     far = np.max(np.abs(closest.shift), axis=0) > SEARCH_RADIUS_LIMIT
     return float(np.mean(far | ~(closest.curvature > 0.0)))
+
+
+def roll_limits(splines: FlankSplines) -> tuple[float, float]:
+    """Least and greatest roll angle on the common flank [rad]: a tooth pair has contact lines in between.
+
+    NaN if the common flank is too small to be found.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> least, greatest = roll_limits(MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).fields)
+    >>> least < 0.0 < greatest
+    True
+    """
+    return -_greatest(splines, -1.0), _greatest(splines, 1.0)
+
+
+def _greatest(splines: FlankSplines, sign: float) -> float:
+    """Greatest roll angle times a sign, by grids around the best point so far."""
+    low, high, shape, best = np.zeros(2), np.ones(2), ROLL_SEARCH_GRID, -np.inf
+    for _ in range(ZOOM_ROUND_COUNT):
+        axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, shape, strict=True)]
+        points = np.stack(np.meshgrid(*axes, indexing="ij"))
+        roll = np.where(boundary_distance(splines, points) >= 0.0, sign * splines("roll_angle", points), -np.inf)
+        row, column = np.unravel_index(int(np.argmax(roll)), shape)
+        best = max(best, float(roll[row, column]))
+        reach = 2.0 * (high - low) / (np.array(shape) - 1)
+        low, high = (np.clip(points[:, row, column] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
+        shape = ZOOM_GRID
+    return best if np.isfinite(best) else float("nan")
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:

@@ -69,7 +69,7 @@ def _films(friction: xr.Dataset, names: tuple[str, ...]) -> dict[tuple[int, ...]
     if "min_film_thickness" not in friction:
         return {}
     variables = ("min_film_thickness", "min_film_lengthwise", "min_film_profile")
-    whole = [friction[n].broadcast_like(friction["efficiency"]).transpose(*names).values for n in variables]
+    whole = [friction[n].transpose(*names).values for n in variables]
     return {
         at: (f"{whole[0][at]:.3f}", f"{100 * whole[1][at]:.0f}, {100 * whole[2][at]:.0f}")
         for at in np.ndindex(whole[0].shape)
