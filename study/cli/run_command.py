@@ -106,9 +106,7 @@ def run(
     from ...cases import read_case
     from ...core.files import check_folder, check_writable
     from ..analysis import analyze, operation_of
-    from ..report.plausibility import plausibility
-    from ..report.ranges import range_notes
-    from ..report.result_summary import outcome, uncertified
+    from ..report.result_summary import doubts, outcome, uncertified
     from ..result import write_result
 
     checked = read_case(case)
@@ -133,8 +131,7 @@ def run(
     click.echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:
         draw(tree, plots)
-    ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
-    for note in (*plausibility(tree), *ranges):
+    for note in doubts(tree):
         click.echo(note, err=True)
     failures = uncertified(tree)
     if failures:

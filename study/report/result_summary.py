@@ -91,6 +91,12 @@ def uncertified(tree: xr.DataTree) -> list[str]:
     return lines
 
 
+def doubts(tree: xr.DataTree) -> list[str]:
+    """Notes on numbers unlike any gear, and on what lies beyond the ranges of the friction models."""
+    ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
+    return [*plausibility(tree), *ranges]
+
+
 def outcome(tree: xr.DataTree) -> str:
     """Outcome of an analysis in one line: certified mesh positions, torques and greatest pressure.
 
@@ -147,9 +153,7 @@ def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
 
 def _notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
-    notes = [*uncertified(tree), *plausibility(tree)]
-    if "friction" in tree.children:
-        notes += range_notes(tree["friction"].to_dataset())
+    notes = [*uncertified(tree), *doubts(tree)]
     # Older results lack the attribute.
     searched = int(tree["loaded"].attrs.get("searched_segments", 0))
     if searched:
