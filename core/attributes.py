@@ -181,7 +181,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "least_line_load": ("N mm-1", "line load were it even along all contact lines of the worst mesh position"),
     "load_norm": ("N mm-0.5", "root of the sum over the mesh cycle of line load squared times length"),
     "programme": ("1", "number of the convex programme"),
-    "search": ("", "where the search began: all segments held in contact, or the present ease-off"),
+    "search": ("", "start of the search: all segments held in contact, the present ease-off, or a tighter limit"),
     "reach": ("um", "how far the programme could move the surface"),
     "promised_objective": ("1", "objective over that of the start, as the programme promised"),
     "fresh_objective": ("1", "the same, solved afresh"),

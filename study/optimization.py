@@ -86,7 +86,7 @@ def optimize(
     largest
         Limit of the modification anywhere on the flank [um].
     programmes
-        The most convex programmes to solve in each of the two searches.
+        The most convex programmes to solve in each search.
     solver
         Name of the contact solver.
     progress

@@ -4,7 +4,9 @@ A programme is exact while its contact regions hold. Where they change it promis
 answer is solved afresh, and taken only if it is better; else the next programme has a smaller trust radius.
 
 What is found is a local optimum: segments that do not touch yet show no gain. Therefore a second search begins at the
-answer of the programme in which all segments are held in contact, the one of Conry and Seireg.
+answer of the programme in which all segments are held in contact, the one of Conry and Seireg. Where the transmission
+error bends with the set of touching segments, both may end beside a limit that can be kept; a detour by a tighter
+limit then leads to other regions.
 """
 
 from __future__ import annotations
@@ -29,8 +31,10 @@ FIRST_TRUST_RADIUS, TRUST_RADIUS_MINIMUM = 8.0, 0.01
 GAIN_TOLERANCE = 1e-4
 #: Programmes that may mend a step which gained but broke a limit, and the ratio of their trust radii.
 MENDING_LIMIT, MENDING_RADIUS_RATIO = 2, 0.25
+#: Limit of the transmission error, over the given one, of the searches made when the given one was not kept.
+TIGHTER_LIMIT_RATIO = 0.8
 
-Start = Literal["full_contact", "present"]
+Start = Literal["full_contact", "present", "tighter_limit"]
 NO_VALUE = Value(np.nan, np.nan)
 
 
@@ -166,31 +170,60 @@ def optimal_modification(
 ) -> ModificationSearch:
     """Search from the programme of full contact and from no modification, and keep the better end.
 
+    If neither keeps the limit of the transmission error, both search again under a tighter limit, and a third search
+    begins at their better end.
+
     Parameters
     ----------
     solved, start, goal, programmes, progress
-        See ``search``; ``programmes`` bounds each of the two.
+        See ``search``; ``programmes`` bounds each search.
     held
         Loads at coefficients of zero with all segments held in contact.
 
     Returns
     -------
     ModificationSearch
-        Never of a higher merit than the start; with the steps of both searches.
+        Never of a higher merit than the start; with the steps of all searches.
     """
+
+    def ends(aim: Goal) -> list[ModificationSearch]:
+        return _both_ends(solved, start, held, aim, programmes, progress)
+
+    found = ends(goal)
+    steps = [step for end in found for step in end.steps]
+    if min(end.value.violation for end in found) > 0.0 and np.isfinite(goal.transmission_error):
+        tighter = replace(goal, transmission_error=TIGHTER_LIMIT_RATIO * goal.transmission_error)
+        detour = min(ends(tighter), key=lambda end: end.value.merit)
+        back = search(
+            solved, detour.loads, goal, coefficients=detour.coefficients, programmes=programmes, progress=progress
+        )
+        found.append(back)
+        steps += [replace(step, search="tighter_limit") for step in (*detour.steps, *back.steps)]
+    best = min(found, key=lambda end: end.value.merit)
+    return replace(best, steps=tuple(steps))
+
+
+def _both_ends(
+    solved: Callable[[Array], LoadResponse | None],
+    start: LoadResponse,
+    held: LoadResponse,
+    goal: Goal,
+    programmes: int,
+    progress: Callable[[], None] | None,
+) -> list[ModificationSearch]:
+    """Ends of the searches from the programme of full contact, if that has an answer, and from no modification."""
     none = np.zeros(goal.surface.shape[1])
     whole = 2.0 * goal.largest
     answer = solve_programme(held, goal, none, whole)
     found = solved(answer.step) if answer.solved else None
     fresh = NO_VALUE if found is None else judged(found, goal)
-    steps = [Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")]
-    ends = [search(solved, start, goal, programmes=programmes, progress=progress)]
-    if found is not None:
-        first = answer.step
-        ends.insert(0, search(solved, found, goal, coefficients=first, programmes=programmes, progress=progress))
-        steps += [replace(step, search="full_contact") for step in ends[0].steps]
-    best = min(ends, key=lambda end: end.value.merit)
-    return replace(best, steps=(*steps, *ends[-1].steps))
+    first = Step(answer.status, whole, answer.value, fresh, found is not None, False, "full_contact")
+    present = search(solved, start, goal, programmes=programmes, progress=progress)
+    if found is None:
+        return [replace(present, steps=(first, *present.steps))]
+    full = search(solved, found, goal, coefficients=answer.step, programmes=programmes, progress=progress)
+    named = (replace(step, search="full_contact") for step in full.steps)
+    return [replace(full, steps=(first, *named)), present]
 
 
 @dataclass(frozen=True, eq=False)
