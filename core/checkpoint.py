@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, BinaryIO, Generic, TypeVar
 
 from .errors import InputError
+from .file_lock import wait_for_lock
 from .files import check_writable, whole_file
 
 Record = TypeVar("Record")
@@ -19,7 +21,7 @@ class Checkpoint(Generic[Record]):
     """Records by key, each on disk before the next one is computed.
 
     The first line of the file names the study. Every other line is a JSON object of a key and its record; a line that
-    an interruption left unfinished, or whose record cannot be decoded, is skipped.
+    an interruption left unfinished, or whose record cannot be decoded, is skipped. Runs that share a file take turns.
 
     Parameters
     ----------
@@ -60,16 +62,16 @@ class Checkpoint(Generic[Record]):
         fresh: bool = False,
     ) -> None:
         check_writable(path)
+        if os.path.islink(path):
+            raise InputError(f"{path} is a link: a checkpoint must be a file")
         self.path = path
         self._encode = encode
         self._header = json.dumps({"checkpoint": study})
         self._records: dict[str, Record] = {}
+        self._study = study
+        self._fresh = fresh
         header, *lines = [""] if fresh else _lines(path)
-        self._begun = bool(header)
-        if header not in ("", self._header):
-            raise InputError(
-                f"{path}: must be the checkpoint of a {study}, or not exist; give another name, or remove the file"
-            )
+        self._check_header(header)
         for line in lines:
             try:
                 entry = json.loads(line)
@@ -89,10 +91,13 @@ class Checkpoint(Generic[Record]):
         InputError
             If the file cannot be written.
         """
-        if not self._begun:
+        if self._fresh:
             with whole_file(self.path) as temporary:
                 temporary.write_text(self._header, encoding="utf-8")
-            self._begun = True
+            self._fresh = False
+        else:
+            with self._turn():
+                pass
 
     def add(self, key: str, record: Record) -> None:
         """Keep a record: it is on disk when this returns.
@@ -100,19 +105,64 @@ class Checkpoint(Generic[Record]):
         Raises
         ------
         InputError
-            If the file cannot be written.
+            If the file cannot be written; the records in it stay as they were.
         """
         line = json.dumps({"key": key, "record": self._encode(record)})
-        self.begin()
-        try:
+        if self._fresh:
+            self.begin()
+        with self._turn() as file:
             # The line feed in front ends a line that an interruption may have left unfinished.
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(f"\n{line}")
-                file.flush()
-                os.fsync(file.fileno())
+            _append(file, f"\n{line}")
+        self._records[key] = record
+
+    @contextlib.contextmanager
+    def _turn(self) -> Iterator[BinaryIO]:
+        """Open the file for this process alone; one that is not there is made, and begins with its header."""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with _locked(self.path) as file:
+                header = file.readline().removesuffix(b"\n").decode("utf-8", "replace")
+                if header != self._header:
+                    self._check_header(header)
+                    file.truncate(0)
+                    _append(file, self._header)
+                yield file
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}") from error
-        self._records[key] = record
+
+    def _check_header(self, header: str) -> None:
+        """Refuse the file of another study; the beginning of the header is what an interruption left."""
+        if not self._header.startswith(header):
+            raise InputError(
+                f"{self.path}: must be the checkpoint of a {self._study}, or not exist; give another name, or remove "
+                "the file"
+            )
+
+
+@contextlib.contextmanager
+def _locked(path: Path) -> Iterator[BinaryIO]:
+    """Open a file to read and append, make it if it is not there, and lock it; a link is not followed."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    while True:
+        with open(os.open(path, flags, 0o666), "r+b", buffering=0) as file:
+            wait_for_lock(file.fileno())
+            if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
+                yield file
+                return
+        # Another run has put a fresh file in its place.
+
+
+def _append(file: BinaryIO, text: str) -> None:
+    """Append a text to an open file, onto the disk; if not all of it has room, none of it stays."""
+    length = file.seek(0, os.SEEK_END)
+    content = text.encode()
+    try:
+        while content:
+            content = content[file.write(content) :]
+        os.fsync(file.fileno())
+    except OSError:
+        file.truncate(length)
+        raise
 
 
 def digest(**inputs: Any) -> str:
