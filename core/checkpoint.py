@@ -12,7 +12,7 @@ from typing import Any, BinaryIO, Generic, TypeVar
 
 from .errors import InputError
 from .file_lock import wait_for_lock
-from .files import check_writable, whole_file
+from .files import check_writable, existing_folder, whole_file
 
 Record = TypeVar("Record")
 
@@ -70,9 +70,9 @@ class Checkpoint(Generic[Record]):
         self._records: dict[str, Record] = {}
         self._study = study
         self._fresh = fresh
-        header, *lines = [""] if fresh else _lines(path)
-        self._check_header(header)
-        for line in lines:
+        text = "" if fresh else _text(path)
+        self._is_begun(text)
+        for line in text.splitlines()[1:]:
             try:
                 entry = json.loads(line)
                 self._records[str(entry["key"])] = decode(entry["record"])
@@ -119,24 +119,35 @@ class Checkpoint(Generic[Record]):
     def _turn(self) -> Iterator[BinaryIO]:
         """Open the file for this process alone; one that is not there is made, and begins with its header."""
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with _locked(self.path) as file:
-                header = file.readline().removesuffix(b"\n").decode("utf-8", "replace")
-                if header != self._header:
-                    self._check_header(header)
-                    file.truncate(0)
-                    _append(file, self._header)
+            with existing_folder(self.path.parent), _locked(self.path) as file:
+                if not self._is_begun(file.readline(len(self._header) + 1).decode("utf-8", "replace")):
+                    self._write_header(file)
                 yield file
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}") from error
 
-    def _check_header(self, header: str) -> None:
-        """Refuse the file of another study; the beginning of the header is what an interruption left."""
-        if not self._header.startswith(header):
-            raise InputError(
-                f"{self.path}: must be the checkpoint of a {self._study}, or not exist; give another name, or remove "
-                "the file"
-            )
+    def _write_header(self, file: BinaryIO) -> None:
+        """Begin a file; it is removed if not even its header has room."""
+        file.truncate(0)
+        try:
+            _append(file, self._header)
+        except OSError:
+            self.path.unlink(missing_ok=True)
+            raise
+
+    def _is_begun(self, start: str) -> bool:
+        """Whether a file that starts so has a header; refuse the file of another study.
+
+        Less than a header, and nothing after it, is what an interruption left.
+        """
+        if start.splitlines()[:1] == [self._header]:
+            return True
+        if self._header.startswith(start):
+            return False
+        raise InputError(
+            f"{self.path}: must be the checkpoint of a {self._study}, or not exist; give another name, or remove the "
+            "file"
+        )
 
 
 @contextlib.contextmanager
@@ -146,10 +157,17 @@ def _locked(path: Path) -> Iterator[BinaryIO]:
     while True:
         with open(os.open(path, flags, 0o666), "r+b", buffering=0) as file:
             wait_for_lock(file.fileno())
-            if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
+            if _is_at(file, path):
                 yield file
                 return
-        # Another run has put a fresh file in its place.
+
+
+def _is_at(file: BinaryIO, path: Path) -> bool:
+    """Whether an open file is still the one of its name: another run may have put a fresh one in its place."""
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), os.stat(path))
+    except FileNotFoundError:
+        return False
 
 
 def _append(file: BinaryIO, text: str) -> None:
@@ -174,11 +192,11 @@ def digest(**inputs: Any) -> str:
     return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
 
 
-def _lines(path: Path) -> list[str]:
-    """Lines of a file, one empty line if it does not exist."""
+def _text(path: Path) -> str:
+    """Text of a file, empty if it does not exist."""
     try:
-        return path.read_text(encoding="utf-8", errors="replace").splitlines() or [""]
+        return path.read_text(encoding="utf-8", errors="replace")
     except FileNotFoundError:
-        return [""]
+        return ""
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}") from error

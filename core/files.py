@@ -53,10 +53,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     _check_replaceable(target)
-    missing = [parent for parent in target.parents if not os.path.exists(parent)]
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with private_folder(target.parent) as folder:
+        with existing_folder(target.parent), private_folder(target.parent) as folder:
             # A plain name: not every library that writes files takes every name.
             suffix = target.suffix if target.suffix.isascii() and len(target.suffix) <= SUFFIX_LENGTH_LIMIT else ""
             temporary = folder / f"content{suffix}"
@@ -66,7 +64,6 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             os.replace(temporary, target)
         with contextlib.suppress(PermissionError):  # a folder that may be written to, but not read
             _synchronize(target.parent, os.O_RDONLY)
-        missing = []
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
     except UnicodeEncodeError as error:
@@ -76,10 +73,35 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         if not str(error).startswith("NetCDF"):
             raise
         raise InputError(f"{target} cannot be written: {error}; is there room on the disk?") from error
-    finally:
+
+
+@contextlib.contextmanager
+def existing_folder(folder: Path) -> Iterator[None]:
+    """Make a folder and those above it that are missing; if what follows fails, those that are empty are removed.
+
+    Raises
+    ------
+    OSError
+        If a folder cannot be made.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as parent:
+    ...     with contextlib.suppress(ValueError), existing_folder(Path(parent, "new", "deep")):
+    ...         raise ValueError
+    ...     os.listdir(parent)
+    []
+    """
+    missing = [parent for parent in (folder, *folder.parents) if not os.path.exists(parent)]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
         for parent in missing:
             with contextlib.suppress(OSError):
                 parent.rmdir()
+        raise
 
 
 def check_writable(path: str | os.PathLike[str], *sources: str | os.PathLike[str], suffix: str | None = None) -> None:
