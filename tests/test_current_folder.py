@@ -12,6 +12,7 @@ import pytest
 
 import easeoff
 from easeoff.contact import ContactProblem, write_problems
+from easeoff.core.child_environment import child_environment
 
 #: Modules that a command may look for: of Python, of what the package needs, and solvers that are not installed.
 LIBRARIES = (
@@ -62,24 +63,32 @@ def test_the_trap_catches(trap: Path) -> None:
     assert "quadprog" in executed(trap)
 
 
+def test_a_process_of_a_solver_starts_without_the_current_folder(trap: Path) -> None:
+    """Python itself would import its modules from there."""
+    with child_environment():
+        subprocess.run([sys.executable, "-c", "import multiprocessing, quadprog"], capture_output=True, check=False)
+    assert executed(trap) == ""
+    assert "PYTHONSAFEPATH" not in os.environ
+
+
+@pytest.mark.thorough
 def test_a_comparison_runs_nothing_of_the_current_folder(trap: Path) -> None:
     command(trap, "compare", "problems.nc", "--solvers", "native,clarabel", "--repetitions", "1", "-o", "study")
     assert executed(trap) == ""
 
 
 @pytest.mark.thorough
-def test_a_comparison_of_all_solvers_runs_nothing_of_the_current_folder(trap: Path) -> None:
-    command(trap, "compare", "problems.nc", "--repetitions", "1", "-o", "study")
+def test_libraries_that_look_for_further_solvers_find_none_in_the_current_folder(trap: Path) -> None:
+    command(trap, "compare", "problems.nc", "--solvers", "cvxpy,osqp", "--repetitions", "1", "-o", "study")
     assert executed(trap) == ""
 
 
+@pytest.mark.thorough
 def test_a_solver_of_ones_own_is_run_and_brings_no_other_module(trap: Path) -> None:
     """It is in the current folder, where the names of solvers that are not installed wait beside it."""
     own = "from easeoff.contact.solvers.adapters.clarabel import solve_scaled\n"
     (trap / "my_solver.py").write_text(own, encoding="utf-8")
-    command(
-        trap, "compare", "problems.nc", "--solvers", "my_solver:solve_scaled", "--repetitions", "1", "-o", "study"
-    )
+    command(trap, "compare", "problems.nc", "--solvers", "my_solver:solve_scaled", "--repetitions", "1", "-o", "study")
     assert executed(trap) == ""
     assert "my_solver:solve_scaled" in (trap / "study" / "results.csv").read_text(encoding="utf-8")
 
@@ -120,6 +129,7 @@ def test_a_configuration_in_the_current_folder_changes_no_picture(trap: Path, re
     assert executed(trap) == ""
 
 
+@pytest.mark.thorough
 def test_the_settings_of_the_caller_change_no_picture_and_stay(tmp_path: Path, result: Path) -> None:
     import matplotlib
 
@@ -131,6 +141,7 @@ def test_the_settings_of_the_caller_change_no_picture_and_stay(tmp_path: Path, r
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
 
 
+@pytest.mark.thorough
 def test_drawing_chooses_no_window_system(result: Path) -> None:
     """Without ``pyplot`` no backend is loaded, whatever one the configuration names."""
     code = (

@@ -1,4 +1,4 @@
-"""Files appear whole or not at all, keep permissions, follow no waiting link, and killed runs leave nothing for long."""
+"""Files appear whole or not at all and keep permissions; no link waits for them; killed runs leave nothing for long."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import resource
+import shutil
 import signal
 import stat
 import subprocess
@@ -143,7 +144,9 @@ def test_an_access_list_is_kept_and_none_is_inherited(tmp_path: Path) -> None:
     # Version 2: owner rw-, user 1234 rw-, group r--, mask rw-, others ---.
     entries = ((1, 6, 2**32 - 1), (2, 6, 1234), (4, 4, 2**32 - 1), (16, 6, 2**32 - 1), (32, 0, 2**32 - 1))
     packed = b"".join(
-        number.to_bytes(size, "little") for tag, access, who in entries for number, size in ((tag, 2), (access, 2), (who, 4))
+        number.to_bytes(size, "little")
+        for tag, access, who in entries
+        for number, size in ((tag, 2), (access, 2), (who, 4))
     )
     value = (2).to_bytes(4, "little") + packed
     try:
@@ -188,19 +191,26 @@ def test_a_fault_while_writing_leaves_nothing_not_even_the_folders_that_were_mad
         with pytest.raises(InputError, match=r"x\.nc cannot be written"), whole_file(tmp_path / "a" / "b" / "x.nc"):
             raise error
         assert listing(tmp_path) == []
-    with pytest.raises(KeyboardInterrupt), whole_file(tmp_path / "a" / "b" / "x.nc") as temporary:
-        temporary.write_text("half", encoding="utf-8")
-        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        _write_half(tmp_path / "a" / "b" / "x.nc", KeyboardInterrupt)
     assert listing(tmp_path) == []
 
 
+def _write_half(path: Path, interruption: type[BaseException]) -> None:
+    with whole_file(path) as temporary:
+        temporary.write_text("half", encoding="utf-8")
+        raise interruption
+
+
 def test_a_folder_removed_while_writing_is_one_message(tmp_path: Path) -> None:
-    import shutil
+    def write_there(folder: Path) -> None:
+        with whole_file(folder / "x.txt") as file:
+            file.write_text("half", encoding="utf-8")
+            shutil.rmtree(folder)
 
     (tmp_path / "new").mkdir()
-    with pytest.raises(InputError, match=r"x\.txt cannot be written"), whole_file(tmp_path / "new" / "x.txt") as file:
-        file.write_text("half", encoding="utf-8")
-        shutil.rmtree(tmp_path / "new")
+    with pytest.raises(InputError, match=r"x\.txt cannot be written"):
+        write_there(tmp_path / "new")
     assert listing(tmp_path) == []
 
 
@@ -293,14 +303,16 @@ end()
 """
 
 
-@pytest.mark.parametrize("step", ["open", "lock", "before", "after", "chmod", "fsync", "replace", "rmdir", "last", "end"])
+@pytest.mark.parametrize(
+    "step", ["open", "lock", "before", "after", "chmod", "fsync", "replace", "rmdir", "last", "end"]
+)
 def test_what_a_killed_process_left_is_removed_by_the_next_one(tmp_path: Path, step: str) -> None:
     path = tmp_path / "x.txt"
     path.write_text("old", encoding="utf-8")
     done = subprocess.run([sys.executable, "-c", KILLED, step, str(path)], capture_output=True, check=False)
     assert done.returncode == -signal.SIGKILL, done.stderr
     assert path.read_text(encoding="utf-8") == ("half" if step in ("rmdir", "last", "end") else "old")
-    if step not in ("end",):
+    if step != "end":
         assert len(listing(tmp_path)) > 1
     write(tmp_path / "y.txt")
     assert listing(tmp_path) == ["x.txt", "y.txt"]

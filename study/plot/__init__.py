@@ -87,9 +87,7 @@ def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Pat
     if "friction" in tree.children:
         names += FRICTION_PICTURES
         figures += [friction_maps.draw(tree, view), efficiency.draw(tree)]
-    written = [
-        save_picture(figure, folder / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)
-    ]
+    written = [save_picture(figure, folder / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)]
     for stale in pictures_of_results(folder).keys() - set(written):
         with suppress(OSError):
             stale.unlink()
