@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, BinaryIO, Generic, TypeVar
 
 from .errors import InputError
-from .file_lock import wait_for_lock
 from .files import check_writable, existing_folder, whole_file
+from .writing.file_lock import wait_for_lock
 
 Record = TypeVar("Record")
 

@@ -6,17 +6,17 @@ import contextlib
 import errno
 import os
 import stat
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 from .errors import InputError
-from .private_folder import private_folder
+from .writing.file_name import check_name
+from .writing.permissions import take_over_permissions
+from .writing.private_folder import private_folder
 
 #: Format of a suffix, in messages.
 FORMATS = {".nc": "netCDF", ".toml": "TOML"}
 SUFFIX_LENGTH_LIMIT = 10  # of a name under which a file is written
-ACCESS_LIST = "system.posix_acl_access"
 
 
 @contextlib.contextmanager
@@ -59,7 +59,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             suffix = target.suffix if target.suffix.isascii() and len(target.suffix) <= SUFFIX_LENGTH_LIMIT else ""
             temporary = folder / f"content{suffix}"
             yield temporary
-            _take_over_permissions(temporary, target)
+            take_over_permissions(temporary, target)
             _synchronize(temporary, os.O_RDWR)
             os.replace(temporary, target)
         with contextlib.suppress(PermissionError):  # a folder that may be written to, but not read
@@ -154,34 +154,6 @@ def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
     _check_access(target, target)
 
 
-def check_name(path: str | os.PathLike[str]) -> None:
-    r"""Check that a path consists of characters: the netCDF library and the texts that name the file take no other.
-
-    Raises
-    ------
-    InputError
-        If a byte of it is none of the characters that the system's encoding has.
-
-    Examples
-    --------
-    >>> check_name("kegelrad.nc")
-    >>> try:
-    ...     check_name("kegelr\udce4der.nc")
-    ... except InputError as error:
-    ...     print(error)
-    kegelr\udce4der.nc: must be a name in UTF-8; rename it
-    """
-    name, encoding = os.fspath(path), sys.getfilesystemencoding()
-    shown = name.encode("utf-8", "backslashreplace").decode()
-    try:
-        name.encode(encoding)
-    except UnicodeEncodeError as error:
-        way = "UTF-8; rename it" if encoding == "utf-8" else f"{encoding}, as the locale says; or set PYTHONUTF8=1"
-        raise InputError(f"{shown}: must be a name in {way}") from error
-    if "\0" in name:
-        raise InputError(f"{name!r}: must be a name without the character of number 0")
-
-
 def require_file(path: str | os.PathLike[str]) -> None:
     """Check that there is a file to read.
 
@@ -247,30 +219,6 @@ def _check_access(folder: Path, target: Path) -> None:
                 (copy / target.name).touch(exist_ok=False)
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
-
-
-def _take_over_permissions(new: Path, old: Path) -> None:
-    """Give a new file the owner, group, mode and access control list of the file it is to replace, if there is one."""
-    try:
-        before = old.lstat()
-    except FileNotFoundError:
-        return
-    if not stat.S_ISREG(before.st_mode):
-        return
-    mode = before.st_mode & 0o777
-    for owner, group in ((before.st_uid, -1), (-1, before.st_gid)):
-        with contextlib.suppress(AttributeError, OSError):  # only the administrator can give a file away
-            os.chown(new, owner, group)
-    if new.stat().st_gid != before.st_gid:
-        # Another group: it may do no more than everybody.
-        mode &= 0o707 | (mode & 0o007) << 3
-    elif hasattr(os, "setxattr"):
-        try:
-            os.setxattr(new, ACCESS_LIST, os.getxattr(old, ACCESS_LIST))
-        except OSError:  # the old file has none, or the file system
-            with contextlib.suppress(OSError):
-                os.removexattr(new, ACCESS_LIST)
-    os.chmod(new, mode)
 
 
 def _synchronize(path: Path, flags: int) -> None:

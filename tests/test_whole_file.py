@@ -24,8 +24,8 @@ from easeoff import InputError
 from easeoff.contact import ContactProblem, write_problems
 from easeoff.contact.compliance.finite_elements import array_store
 from easeoff.contact.problem.programme_file import write_npz
-from easeoff.core import files, private_folder
 from easeoff.core.files import check_folder, check_writable, existing_folder, whole_file
+from easeoff.core.writing import permissions, private_folder
 from easeoff.study.cli import main
 
 
@@ -134,7 +134,7 @@ def test_a_group_that_cannot_be_kept_gets_no_more_than_everybody(
     new = tmp_path / "new.txt"
     new.write_text("new", encoding="utf-8")
     monkeypatch.setattr(Path, "lstat", lambda _: status)
-    files._take_over_permissions(new, path)
+    permissions.take_over_permissions(new, path)
     assert stat.S_IMODE(os.stat(new).st_mode) == 0o644
 
 
@@ -150,16 +150,16 @@ def test_an_access_list_is_kept_and_none_is_inherited(tmp_path: Path) -> None:
     )
     value = (2).to_bytes(4, "little") + packed
     try:
-        os.setxattr(path, files.ACCESS_LIST, value)
+        os.setxattr(path, permissions.ACCESS_LIST, value)
     except (OSError, AttributeError):
         pytest.skip("no access lists in this file system")
     write(path)
-    assert os.getxattr(path, files.ACCESS_LIST) == value
+    assert os.getxattr(path, permissions.ACCESS_LIST) == value
     plain = tmp_path / "plain.txt"
     plain.write_text("old", encoding="utf-8")
     os.setxattr(tmp_path, "system.posix_acl_default", value)
     write(plain)
-    assert files.ACCESS_LIST not in os.listxattr(plain)
+    assert permissions.ACCESS_LIST not in os.listxattr(plain)
 
 
 # Faults at every step.
@@ -278,7 +278,8 @@ def test_a_file_larger_than_the_limit_of_the_system_is_one_message(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from easeoff.core import files, private_folder
+from easeoff.core import files
+from easeoff.core.writing import private_folder
 step, path = sys.argv[1], sys.argv[2]
 
 def end(*_, **__):
@@ -465,11 +466,18 @@ def test_processes_that_keep_the_same_arrays_leave_a_whole_file(
 
 
 def test_a_name_that_is_no_text_is_refused_before_any_work(tmp_path: Path) -> None:
-    for name in (os.fsdecode(b"kegelr\xe4der.nc"), "a\0b.nc"):
+    for name in (os.fsdecode(b"kegelr\xe4der.nc"), "a\0b.nc", "a\nb.nc", "\x1b[2J.nc", "a\x85.nc", "\u202ecn.exe"):
         for check in (check_writable, lambda path: check_folder(path, "pictures"), write):
-            with pytest.raises(InputError, match="must be a name"):
+            with pytest.raises(InputError, match=r"must be in UTF-8|must be a name without control characters"):
                 check(tmp_path / name)
     assert listing(tmp_path) == []
+
+
+def test_messages_about_such_names_show_them_harmlessly(tmp_path: Path) -> None:
+    for name in ("\x1b[2J", "\u202e", "\x9b2J"):
+        found = CliRunner().invoke(main, ["convert", "nasa-12x36", "-o", f"{tmp_path}/{name}.toml"])
+        assert found.exit_code == 2
+        assert name not in found.output
 
 
 def test_a_command_refuses_such_names_and_sources_at_once(tmp_path: Path) -> None:
@@ -483,7 +491,7 @@ def test_a_command_refuses_such_names_and_sources_at_once(tmp_path: Path) -> Non
         found = CliRunner().invoke(main, list(words))
         assert found.exit_code == 2
         assert "kegelr\\udce4der" in found.output
-        assert "must be a name in UTF-8; rename it" in found.output
+        assert "must be in UTF-8; rename the file" in found.output
     assert listing(tmp_path) == []
 
 
@@ -536,6 +544,24 @@ def test_a_folder_is_made_for_what_succeeds(tmp_path: Path) -> None:
 
 
 # The terminal.
+
+
+def test_a_warning_is_a_line_without_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cache of condensed teeth that cannot be written does not matter to the result."""
+    (tmp_path / "cache").write_text("a file", encoding="utf-8")
+    monkeypatch.setenv(array_store.FOLDER_VARIABLE, str(tmp_path / "cache"))
+
+    @main.command()
+    def store() -> None:
+        array_store.kept(40 * "a", {"x": (None,)}, lambda: {"x": np.zeros(3)})
+
+    try:
+        found = CliRunner().invoke(main, ["store"])
+    finally:
+        del main.commands["store"]
+    assert found.exit_code == 0
+    assert found.output.startswith("the tooth's compliance is not kept: ")
+    assert found.output.count("\n") == 1
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp437", "utf-8"])

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ...core.files import check_name
+from ...core.writing.file_name import check_text
 
 DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
 PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE)
@@ -22,7 +22,7 @@ class Command(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Check the words of the command line, then parse them as click does."""
         for word in args:
-            check_name(word)  # of a file or a title, which results and case files must be able to hold
+            check_text(word)  # names and titles, which results and case files must be able to hold
         values, rest, given = self.make_parser(ctx).parse_args(args=list(args))
         if not any(param.is_eager for param in given):  # --help
             for param in dict.fromkeys(given):
