@@ -25,7 +25,7 @@ from easeoff.contact import ContactProblem, write_problems
 from easeoff.contact.compliance.finite_elements import array_store
 from easeoff.contact.problem.programme_file import write_npz
 from easeoff.core.files import check_folder, check_writable, existing_folder, whole_file
-from easeoff.core.writing import permissions, private_folder
+from easeoff.core.writing import file_lock, permissions, private_folder
 from easeoff.study.cli import main
 
 
@@ -363,7 +363,7 @@ def test_a_private_folder_cleared_in_the_instant_of_its_making_is_made_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Another run may find it before it has its lock, or lock it first."""
-    original_open, original_lock = os.open, private_folder.try_lock
+    original_open, original_lock = os.open, file_lock.try_lock
     calls: list[str] = []
 
     def cleared(path: Path, *flags: int) -> int:
@@ -448,10 +448,11 @@ def test_processes_that_keep_the_same_arrays_leave_a_whole_file(
         if child == 0:
             code = 1
             with contextlib.suppress(BaseException):
+                made = {"x": np.full(5000, float(number))}
                 for _ in range(10):
-                    array_store.kept(key, {"x": (None,)}, lambda number=number: {"x": np.full(5000, float(number))})
+                    array_store.kept(key, {"x": (None,)}, made.copy)
                     (tmp_path / f"{key}.npz").unlink(missing_ok=True)
-                array_store.kept(key, {"x": (None,)}, lambda number=number: {"x": np.full(5000, float(number))})
+                array_store.kept(key, {"x": (None,)}, made.copy)
                 code = 0
             os._exit(code)
         children.append(child)

@@ -60,7 +60,7 @@ class _Group(click.Group):
             raise _Mistake(str(error)) from error
 
 
-def _show_warning(message: Warning | str, *_: Any) -> None:
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     """Show a warning as the other notes, without the line of code that it came from."""
     click.echo(str(message), err=True)
 
