@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, BinaryIO, Generic, TypeVar
 
 from .errors import InputError
-from .files import check_writable, whole_file
+from .files import check_writable, existing_folder, whole_file
+from .writing.file_lock import wait_for_lock
 
 Record = TypeVar("Record")
 
@@ -19,7 +21,7 @@ class Checkpoint(Generic[Record]):
     """Records by key, each on disk before the next one is computed.
 
     The first line of the file names the study. Every other line is a JSON object of a key and its record; a line that
-    an interruption left unfinished, or whose record cannot be decoded, is skipped.
+    an interruption left unfinished, or whose record cannot be decoded, is skipped. Runs that share a file take turns.
 
     Parameters
     ----------
@@ -60,17 +62,17 @@ class Checkpoint(Generic[Record]):
         fresh: bool = False,
     ) -> None:
         check_writable(path)
+        if os.path.islink(path):
+            raise InputError(f"{path} is a link: a checkpoint must be a file")
         self.path = path
         self._encode = encode
         self._header = json.dumps({"checkpoint": study})
         self._records: dict[str, Record] = {}
-        header, *lines = [""] if fresh else _lines(path)
-        self._begun = bool(header)
-        if header not in ("", self._header):
-            raise InputError(
-                f"{path}: must be the checkpoint of a {study}, or not exist; give another name, or remove the file"
-            )
-        for line in lines:
+        self._study = study
+        self._fresh = fresh
+        text = "" if fresh else _text(path)
+        self._is_begun(text)
+        for line in text.splitlines()[1:]:
             try:
                 entry = json.loads(line)
                 self._records[str(entry["key"])] = decode(entry["record"])
@@ -89,10 +91,13 @@ class Checkpoint(Generic[Record]):
         InputError
             If the file cannot be written.
         """
-        if not self._begun:
+        if self._fresh:
             with whole_file(self.path) as temporary:
                 temporary.write_text(self._header, encoding="utf-8")
-            self._begun = True
+            self._fresh = False
+        else:
+            with self._turn():
+                pass
 
     def add(self, key: str, record: Record) -> None:
         """Keep a record: it is on disk when this returns.
@@ -100,19 +105,82 @@ class Checkpoint(Generic[Record]):
         Raises
         ------
         InputError
-            If the file cannot be written.
+            If the file cannot be written; the records in it stay as they were.
         """
         line = json.dumps({"key": key, "record": self._encode(record)})
-        self.begin()
-        try:
+        if self._fresh:
+            self.begin()
+        with self._turn() as file:
             # The line feed in front ends a line that an interruption may have left unfinished.
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(f"\n{line}")
-                file.flush()
-                os.fsync(file.fileno())
+            _append(file, f"\n{line}")
+        self._records[key] = record
+
+    @contextlib.contextmanager
+    def _turn(self) -> Iterator[BinaryIO]:
+        """Open the file for this process alone; one that is not there is made, and begins with its header."""
+        try:
+            with existing_folder(self.path.parent), _locked(self.path) as file:
+                if not self._is_begun(file.readline(len(self._header) + 1).decode("utf-8", "replace")):
+                    self._write_header(file)
+                yield file
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}") from error
-        self._records[key] = record
+
+    def _write_header(self, file: BinaryIO) -> None:
+        """Begin a file; it is removed if not even its header has room."""
+        file.truncate(0)
+        try:
+            _append(file, self._header)
+        except OSError:
+            self.path.unlink(missing_ok=True)
+            raise
+
+    def _is_begun(self, start: str) -> bool:
+        """Whether a file that starts so has a header; refuse the file of another study.
+
+        Less than a header, and nothing after it, is what an interruption left.
+        """
+        if start.splitlines()[:1] == [self._header]:
+            return True
+        if self._header.startswith(start):
+            return False
+        raise InputError(
+            f"{self.path}: must be the checkpoint of a {self._study}, or not exist; give another name, or remove the "
+            "file"
+        )
+
+
+@contextlib.contextmanager
+def _locked(path: Path) -> Iterator[BinaryIO]:
+    """Open a file to read and append, make it if it is not there, and lock it; a link is not followed."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    while True:
+        with open(os.open(path, flags, 0o666), "r+b", buffering=0) as file:
+            wait_for_lock(file.fileno())
+            if _is_at(file, path):
+                yield file
+                return
+
+
+def _is_at(file: BinaryIO, path: Path) -> bool:
+    """Whether an open file is still the one of its name: another run may have put a fresh one in its place."""
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), os.stat(path))
+    except FileNotFoundError:
+        return False
+
+
+def _append(file: BinaryIO, text: str) -> None:
+    """Append a text to an open file, onto the disk; if not all of it has room, none of it stays."""
+    length = file.seek(0, os.SEEK_END)
+    content = text.encode()
+    try:
+        while content:
+            content = content[file.write(content) :]
+        os.fsync(file.fileno())
+    except OSError:
+        file.truncate(length)
+        raise
 
 
 def digest(**inputs: Any) -> str:
@@ -124,11 +192,11 @@ def digest(**inputs: Any) -> str:
     return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
 
 
-def _lines(path: Path) -> list[str]:
-    """Lines of a file, one empty line if it does not exist."""
+def _text(path: Path) -> str:
+    """Text of a file, empty if it does not exist."""
     try:
-        return path.read_text(encoding="utf-8", errors="replace").splitlines() or [""]
+        return path.read_text(encoding="utf-8", errors="replace")
     except FileNotFoundError:
-        return [""]
+        return ""
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}") from error

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import json
+import os
 from pathlib import Path
 
 import pytest
@@ -55,3 +59,81 @@ def test_a_fresh_start_replaces_the_records_once_there_is_a_new_one(tmp_path: Pa
     assert squares(path).get("2") == 4
     fresh.add("3", 9)
     assert (squares(path).get("2"), squares(path).get("3")) == (None, 9)
+
+
+def test_processes_that_share_a_file_keep_every_record_whole(tmp_path: Path) -> None:
+    """They begin it together, too: none replaces what another has added."""
+    path = tmp_path / "squares.jsonl"
+    children = []
+    for process in range(4):
+        child = os.fork()
+        if child == 0:
+            code = 1
+            with contextlib.suppress(BaseException):
+                shared = Checkpoint(path, "long texts", encode=str, decode=str)
+                for number in range(12):
+                    shared.add(f"{process}/{number}", 30_000 * str(process))
+                code = 0
+            os._exit(code)
+        children.append(child)
+    assert [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children] == [0] * 4
+    header, *lines = path.read_text(encoding="utf-8").splitlines()
+    assert json.loads(header) == {"checkpoint": "long texts"}
+    records = {entry["key"]: entry["record"] for entry in map(json.loads, lines)}
+    assert records == {f"{p}/{n}": 30_000 * str(p) for p in range(4) for n in range(12)}
+    assert [child.name for child in tmp_path.iterdir()] == ["squares.jsonl"]
+
+
+def test_a_run_goes_on_in_the_file_that_another_has_put_in_place(tmp_path: Path) -> None:
+    path = tmp_path / "squares.jsonl"
+    first = squares(path)
+    first.add("2", 4)
+    squares(path, fresh=True).add("3", 9)
+    first.add("4", 16)
+    assert [squares(path).get(key) for key in "234"] == [None, 9, 16]
+    path.unlink()
+    first.add("5", 25)
+    assert squares(path).get("5") == 25
+
+
+def test_a_record_that_has_no_room_leaves_those_before_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "new" / "squares.jsonl"
+
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(InputError, match=r"squares\.jsonl cannot be written: No space left on device"):
+            squares(path).add("2", 4)
+        assert list(tmp_path.iterdir()) == []
+    squares(path).add("2", 4)
+    before = path.read_bytes()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(InputError, match="No space left on device"):
+            squares(path).add("3", 9)
+    assert path.read_bytes() == before
+
+
+def test_a_header_that_was_interrupted_is_written_again(tmp_path: Path) -> None:
+    path = tmp_path / "squares.jsonl"
+    squares(path).begin()
+    header = path.read_text(encoding="utf-8")
+    for end in range(len(header)):
+        path.write_text(header[:end], encoding="utf-8")
+        squares(path).add("2", 4)
+        assert squares(path).get("2") == 4
+    for foreign in ("{\n", "\nprecious", header + "x"):
+        path.write_text(foreign, encoding="utf-8")
+        with pytest.raises(InputError, match="must be the checkpoint"):
+            squares(path)
+        assert path.read_text(encoding="utf-8") == foreign
+
+
+def test_a_link_is_refused(tmp_path: Path) -> None:
+    """Records would be appended to whatever it points to."""
+    (tmp_path / "squares.jsonl").symlink_to(tmp_path / "precious")
+    with pytest.raises(InputError, match="is a link"):
+        squares(tmp_path / "squares.jsonl")
+    assert not (tmp_path / "precious").exists()

@@ -5,6 +5,11 @@ Each command imports what it needs when it runs, so that ``easeoff --help`` stay
 
 from __future__ import annotations
 
+import io
+import os
+import sys
+import warnings
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -31,11 +36,45 @@ class _Mistake(click.ClickException):
 class _Group(click.Group):
     """Group of commands that turns the package's exceptions into one message and exit code 2."""
 
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run a command; what a terminal or file cannot show of the output is written as an escape sequence."""
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
+        try:
+            with warnings.catch_warnings():
+                warnings.showwarning = _show_warning
+                return super().main(*args, **kwargs)
+        except OSError as error:  # of a full disk, above all, that holds the output
+            if not kwargs.get("standalone_mode", True):
+                raise
+            _discard_output()
+            with suppress(OSError):
+                _Mistake(f"{error.filename or 'the output'}: {error.strerror or error}").show()
+            sys.exit(EXIT_MISTAKE)
+
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """Show a warning as the other notes, without the line of code that it came from."""
+    click.echo(str(message), err=True)
+
+
+def _discard_output() -> None:
+    """Discard what the standard output, on a full disk for example, does not take; it would fail again at the end."""
+    if sys.stdout is None:
+        return
+    try:
+        sys.stdout.flush()
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})

@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from ...core.writing.file_name import check_text
+
 DECIMAL_COMMA = re.compile(r"([+-]?\d+),(\d+(?:e[+-]?\d+)?)", re.IGNORECASE)
 PART_OF_A_LIST = re.compile(r"\S*[=,]\S*|[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE)
 
@@ -19,6 +21,8 @@ class Command(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Check the words of the command line, then parse them as click does."""
+        for word in args:
+            check_text(word)  # names and titles, which results and case files must be able to hold
         values, rest, given = self.make_parser(ctx).parse_args(args=list(args))
         if not any(param.is_eager for param in given):  # --help
             for param in dict.fromkeys(given):

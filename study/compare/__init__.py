@@ -46,11 +46,14 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     ['report.md', 'results.nc', 'results.csv', 'performance_profile.png', 'run_time.png']
     """
     # The drawing library is slow to load, and the processes of the solvers import this package too.
-    from .comparison_figures import write_figures
+    from ..plot.drawing_style import default_style
     from .comparison_report import write_report
 
     target = Path(folder)
     tables = write_table(dataset, target)
-    pictures = write_figures(dataset, target)
+    with default_style():
+        from .comparison_figures import write_figures
+
+        pictures = write_figures(dataset, target)
     report = write_report(dataset, target, [f"{path.name}|{caption}" for path, caption in pictures])
     return [report, *tables, *(path for path, _ in pictures)]

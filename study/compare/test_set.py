@@ -109,12 +109,16 @@ def write_test_set(
     check_folder(target, "test set")
     data = target / "data"
     check_writable(data / "contact_0000.npz")
-    for old in data.glob("contact_*.npz"):
-        old.unlink()
-    for number, problem in enumerate(problems):
-        with whole_file(data / f"contact_{number:04d}.npz") as temporary, temporary.open("wb") as file:
+    written = [data / f"contact_{number:04d}.npz" for number in range(len(problems))]
+    for path, problem in zip(written, problems, strict=True):
+        with whole_file(path) as temporary, temporary.open("wb") as file:
             scaled: Any = problem.as_qp()  # takes an open file too, unlike its type hint
             scaled.save(file)
+    for old in set(data.glob("contact_*.npz")).difference(written):
+        try:
+            old.unlink()
+        except OSError as error:
+            raise InputError(f"{old} cannot be removed: {error.strerror or error}") from error
     script = target / SCRIPT
     with whole_file(script) as temporary:
         temporary.write_text(_TEXT.replace("TIME_LIMIT", f"{time_limit:g}"), encoding="utf-8")

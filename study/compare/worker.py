@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import multiprocessing
 import os
 import signal
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.problem.contact_problem import ContactProblem
+from ...core.child_environment import child_environment
 from ...core.errors import EaseoffError, InputError
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
 
@@ -25,7 +27,8 @@ GRACE_TIME = 1.0
 #: Seconds in which a process must have imported what it needs.
 START_TIME_LIMIT = 120.0
 
-#: One thread each: a comparison is of methods, not of how many cores a library takes.
+#: One thread each, which libraries read when they are loaded: a comparison is of methods, not of how many cores a
+#: library takes.
 THREAD_VARIABLES = (
     "OPENBLAS_NUM_THREADS",
     "OMP_NUM_THREADS",
@@ -72,7 +75,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
-        with _one_thread(), _no_interrupts():
+        with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), _no_interrupts():
             self._process.start()
         theirs.close()
 
@@ -158,8 +161,8 @@ def workers(solvers: list[str]) -> Iterator[dict[str, Worker]]:
 def serve(connection: Connection, solver: str) -> None:
     """Answer requests until the other side closes: the main function of a worker's process."""
     _silence()
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())  # where a solver of one's own, module:function, is looked for last
+    if ":" in solver:
+        _add_current_folder()
     try:
         adapter = load_adapter(solver)
     except EaseoffError as error:
@@ -172,6 +175,14 @@ def serve(connection: Connection, solver: str) -> None:
         except EOFError:
             return
         connection.send(attempt(request.problem, solver, adapter, request.settings, request.time_limit, request.active))
+
+
+def _add_current_folder() -> None:
+    """Let a solver of one's own be imported from the current folder, where it is looked for last."""
+    with contextlib.suppress(ImportError):
+        importlib.import_module("qpsolvers")  # first, because it tries to import every solver it knows
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
 
 
 def _silence() -> None:
@@ -193,18 +204,3 @@ def _no_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-@contextlib.contextmanager
-def _one_thread() -> Iterator[None]:
-    """Pin numerical libraries to one thread in processes started within; they read it when they are loaded."""
-    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

@@ -53,6 +53,13 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     ...     [path.stem for path in write_pictures(tree, folder)]
     ['ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing']
     """
+    from .drawing_style import default_style
+
+    with default_style():
+        return _written(tree, Path(folder), marking)
+
+
+def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Path]:
     # The drawing library is slow to load, and most of what imports this package never draws.
     from ...core.checks import number
     from . import contact_pattern_chart, friction_maps
@@ -80,9 +87,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     if "friction" in tree.children:
         names += FRICTION_PICTURES
         figures += [friction_maps.draw(tree, view), efficiency.draw(tree)]
-    written = [
-        save_picture(figure, Path(folder) / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)
-    ]
+    written = [save_picture(figure, folder / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)]
     for stale in pictures_of_results(folder).keys() - set(written):
         with suppress(OSError):
             stale.unlink()

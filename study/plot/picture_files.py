@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import xarray as xr
-from matplotlib.figure import Figure
 
-from .page import save
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SOURCE = "easeoff: picture of a result"
 
 
 def save_picture(figure: Figure, path: Path, tree: xr.DataTree) -> Path:
     """Write a picture of a result, marked with the title of its case. Returns and raises as ``page.save``."""
+    from .page import save  # loads the drawing library
+
     return save(figure, path, {"Source": SOURCE, "Title": str(tree.attrs.get("title", ""))})
 
 

@@ -17,6 +17,7 @@ import xarray as xr
 from ....core import checks
 from ....core.attributes import labelled
 from ....core.checkpoint import Checkpoint, digest
+from ....core.child_environment import child_environment
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.files import check_writable, whole_file
 from ..equations.film_certificate import Status
@@ -168,7 +169,9 @@ def _with_dask(conditions: dict[int, Condition], resolution: Resolution, deadlin
             return
         part = todo[at : at + batch]
         tasks = [engine.delayed(run_case)(conditions[number], resolution) for number in part]
-        yield from zip(part, engine.compute(*tasks, **scheduler), strict=True)
+        with child_environment():
+            rows = engine.compute(*tasks, **scheduler)
+        yield from zip(part, rows, strict=True)
 
 
 def _row(stored: dict[str, Any]) -> Row:

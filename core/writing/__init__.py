@@ -1,0 +1,1 @@
+"""Writing of files: names, private folders, locks and permissions; ``files.whole_file`` uses them all."""

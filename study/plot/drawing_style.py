@@ -1,0 +1,46 @@
+"""Style of the drawing library: its own defaults, in whatever folder and with whatever configuration it runs."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+#: File that matplotlib looks for in the current folder when it is loaded.
+CONFIGURATION = "matplotlibrc"
+
+
+@contextlib.contextmanager
+def default_style() -> Iterator[None]:
+    """Draw with matplotlib's defaults; the settings of the caller are back afterwards.
+
+    A file ``matplotlibrc`` in the current folder, which may be a stranger's, is not read: it could have pictures drawn
+    by other programs, or be no text at all.
+
+    Examples
+    --------
+    >>> import matplotlib
+    >>> with matplotlib.rc_context({"text.usetex": True}), default_style():
+    ...     matplotlib.rcParams["text.usetex"]
+    False
+    """
+    _load()
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        yield
+
+
+def _load() -> None:
+    """Load matplotlib, from another folder if there is a configuration in the current one."""
+    if "matplotlib" in sys.modules:
+        return
+    if not os.path.lexists(CONFIGURATION):
+        importlib.import_module("matplotlib")
+        return
+    with contextlib.chdir(Path(__file__).parent):
+        importlib.import_module("matplotlib")
