@@ -469,7 +469,7 @@ def test_conditions_broadcast() -> None:
         ({"oil": "water"}, "oil = 'water'"),
         ({"film": "thick"}, "film = 'thick'"),
         ({"model": "sandpaper"}, "'sandpaper': must be one of kolivand_blended"),
-        ({"model": -0.1}, "coefficient = -0.1: must be a finite number of 0 or more"),
+        ({"model": -0.1}, "coefficient = -0.1: must be a number from 0 to 1"),
     ],
 )
 def test_mistakes_are_named(changed: dict[str, Any], message: str) -> None:

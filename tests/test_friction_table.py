@@ -115,7 +115,7 @@ def test_written_cases_read_the_same() -> None:
         ('speed = 100\nroughness = ["0.8/0.4"]', ["friction.roughness", "'0.8/0.4'", "pinion and gear"]),
         ('speed = 100\noil = "butter"', ["oil = 'butter'", "75w90"]),
         ('speed = 100\ncoefficient = "sand"', ["'sand'", "kolivand_blended"]),
-        ("speed = 100\ncoefficient = -0.1", ["-0.1", "0 or more"]),
+        ("speed = 100\ncoefficient = -0.1", ["-0.1", "from 0 to 1"]),
         ('speed = 100\nfilm = "thick"', ["film = 'thick'", *FILMS]),
         ('speed = 100\nthermal_factor = "hot"', ["thermal_factor = 'hot'", *THERMAL_FACTORS]),
         ('speed = 100\nradius_direction = "along"', ["friction.radius_direction", "known are", "rolling_frame"]),

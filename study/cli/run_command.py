@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     metavar="MODEL",
     show_default="kolivand_blended",
     help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, benedict_kelly), "
-    "or a number.",
+    "or a number from 0 to 1.",
 )
 @click.option(
     "--film-heating",
