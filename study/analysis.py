@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from ..cases.analysis_size import AnalysisSize
 from ..cases.schema.case_schema import Case
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.loaded_cases import LoadedCase
@@ -110,6 +111,7 @@ def contact_analysis(
     """
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
     load = case_torques(case, torques)
+    AnalysisSize.of(case, load.size).require_memory()
     edges = case.contact.edge_contact if edge_contact is None else edge_contact
     if state.deviations:
         require_line_contact(cycle.lost_contact, state.deviations)
@@ -213,7 +215,7 @@ def analyze(
     Raises
     ------
     InputError
-        If an argument is out of range or the case has no such flanks.
+        If an argument is out of range, the case has no such flanks, or the analysis needs more memory than is free.
     GeometryError
         If the settings describe no tooth in the blank, or flanks that do not meet, or if deviations scatter so much
         that there is no line contact.
@@ -243,7 +245,8 @@ def analyze(
         friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
     elif friction_model is not None or friction_feedback:
         raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
-    case_torques(case, torques)  # a torque given twice shows before the work, too
+    load = case_torques(case, torques)  # a torque given twice shows before the work, too
+    AnalysisSize.of(case, load.size, (0, 0, 0) if operation is None else operation.shape).require_memory()
     if marking is not None:
         number("marking", marking, "um", above=0.0, below=1000.0)
     state = CaseInMesh.of(

@@ -10,12 +10,12 @@ import numpy as np
 
 from ..core.checks import positive, whole
 from ..core.errors import InputError
+from ..core.magnitude import time_in_words
 
 WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units
 REVOLUTIONS_LIMIT = 1e15  # of the pinion; 2000 years at 1e6 1/min
 WEAR_DEPTH_LIMIT = 1e4  # [um]; deeper than the teeth of usual gears are thick
 USUAL_STEP_LIMIT = 1000
-TIME_UNITS = {"years": 3.15576e7, "days": 86400.0, "h": 3600.0, "min": 60.0}  # [s]
 
 
 @dataclass(frozen=True)
@@ -109,22 +109,10 @@ class WearLaw:
         least = float(f"{self.largest_step * count / self.most_steps:.1e}") * 1.1 if math.isfinite(count) else math.inf
         raise InputError(
             f"largest_step = {self.largest_step:g}: would take about {count:.3g} steps, in each of which {problems} "
-            f"contact problems are solved, {in_words(seconds * count)} in all: must be "
+            f"contact problems are solved, {time_in_words(seconds * count)} in all: must be "
             + (f"{least:.2g} [um] or more" if least <= WEAR_DEPTH_LIMIT else "greater")
-            + f" for {self.most_steps} steps; most_steps allows more (--most-steps), largest_depth ends the wear earlier"
+            + f" for {self.most_steps} steps; most_steps (--most-steps) allows more, largest_depth ends it earlier"
         )
-
-
-def in_words(seconds: float) -> str:
-    """A time in words, to two figures.
-
-    >>> in_words(42.4), in_words(1e5), in_words(4e9), in_words(1e300)
-    ('about 42 s', 'about 28 h', 'about 130 years', 'over a million years')
-    """
-    if seconds >= 1e6 * TIME_UNITS["years"]:
-        return "over a million years"
-    unit, size = next((pair for pair in TIME_UNITS.items() if seconds >= 2.0 * pair[1]), ("s", 1.0))
-    return f"about {float(f'{max(seconds / size, 1.0):.1e}'):.0f} {unit}"
 
 
 def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:

@@ -112,7 +112,8 @@ def wear(
     history, completed = [run.state()], True
     while run.stop is None:
         if len(history) > law.most_steps:
-            run.stop, completed = f"most_steps = {law.most_steps} taken: the flanks wear faster than at the start", False
+            run.stop = f"most_steps = {law.most_steps} taken: the flanks wear faster than at the start"
+            completed = False
             break
         try:
             run.step()

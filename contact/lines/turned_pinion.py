@@ -76,7 +76,7 @@ def circles_met(
 
     def seen(p: Array) -> Array:
         own, own_normal, coordinate = surface.evaluate(p)
-        x, y, z, *normal = _in_space(motion, own, own_normal, np.tile(turned, p.shape[1] // turned.size))
+        x, y, z, *normal = _in_space(motion, own, own_normal, np.tile(turned, p.shape[1] // max(turned.size, 1)))
         radial = np.sqrt(x**2 + y**2)
         # Along the surface the azimuth changes so that the step is at right angles to the normal.
         share = -motion.pinion_sense / (x * normal[1] - y * normal[0])
