@@ -35,7 +35,7 @@ def require_memory(size: str, needed: float, what: str) -> None:
     >>> require_memory("nodes = 100", 1e6, "the grid")
     >>> require_memory("nodes = 1000000000", 1e17, "the grid")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    easeoff.core.errors.InputError: nodes = 1000000000: must be smaller, as the grid needs about 100000 TB of memory, ...
+    easeoff.core.errors.InputError: nodes = 1000000000: must be smaller, as the grid needs about 100000 TB of ...
     """
     free = available_memory()
     if free is None or needed <= free:

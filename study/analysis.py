@@ -199,9 +199,9 @@ def analyze(
         Let friction take its part of the torque from the normal forces, see ``friction.feedback``; the case's own or
         not if left out.
     progress
-        Called after every solved torque and mesh position.
+        Called after every solved torque and mesh position, then after every part of the friction.
     stage
-        Called with the name of what takes long before it begins: each elastic tooth, then the loaded contact.
+        Called with the name of what takes long before it begins: each elastic tooth, the loaded contact, the friction.
     **options
         Passed to the solver.
 
@@ -246,7 +246,8 @@ def analyze(
     elif friction_model is not None or friction_feedback:
         raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
     load = case_torques(case, torques)  # a torque given twice shows before the work, too
-    AnalysisSize.of(case, load.size, (0, 0, 0) if operation is None else operation.shape).require_memory()
+    conditions = (0, 0, 0) if operation is None else operation.shape
+    AnalysisSize.of(case, load.size, conditions, feedback=bool(friction_feedback)).require_memory()
     if marking is not None:
         number("marking", marking, "um", above=0.0, below=1000.0)
     state = CaseInMesh.of(
@@ -268,10 +269,12 @@ def analyze(
         from ..friction import friction
         from ..friction import friction_feedback as with_feedback
 
+        if stage is not None:
+            stage("friction")
         losses = (
-            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver)
+            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver, progress=progress)
             if friction_feedback
-            else friction(found.tree, operation, friction_model)
+            else friction(found.tree, operation, friction_model, progress=progress)
         )
         found.tree["friction"] = xr.DataTree(losses)
     return found.tree
