@@ -25,6 +25,8 @@ EDGE_PIECES = 45  # of the edges of the teeth, at a mesh position
 #: friction coefficient; of a core of 2024 [s].
 START_TIME, NODE_TIME, POSITION_TIME, LINE_SEGMENT_TIME = 3.0, 9e-5, 0.012, 1.2e-4
 PROBLEM_TIME, SEGMENT_TIME, FRICTION_TIME = 4e-4, 8e-6, 2e-7
+#: Time to make both elastic teeth by their model [s], and the power of the fineness that it grows with.
+TEETH_TIMES = {"solid_shell": (2.5, 5.5), "fe": (15.0, 6.0)}
 FEEDBACK_ROUNDS = 10  # solutions of a contact problem with friction fed back
 
 
@@ -141,6 +143,17 @@ class AnalysisSize:
             + LINE_SEGMENT_TIME * self.line_segments
             + self.solved_positions * (problem + conditions * rounds)
         )
+
+    @staticmethod
+    def teeth_seconds(case: Case) -> float:
+        """Rough estimate of the time to make the elastic teeth of a case, which are then kept [s].
+
+        >>> from easeoff.cases import read_case
+        >>> AnalysisSize.teeth_seconds(read_case("nasa-12x36"))
+        2.5
+        """
+        usual, power = TEETH_TIMES.get(case.compliance.model, (0.0, 0.0))
+        return float(usual * case.compliance.fineness**power)
 
     def require_memory(self) -> None:
         """Refuse an analysis that needs more memory than is free.

@@ -13,9 +13,12 @@ from click.testing import CliRunner
 
 import easeoff
 from easeoff import InputError
-from easeoff.cases import Case
+from easeoff.cases import Case, gear_pair
 from easeoff.cases.analysis_size import AnalysisSize
+from easeoff.cases.conversion import finite_elements
+from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.core.memory import MEMORY_VARIABLE
+from easeoff.friction.ehl import LubricatedContact, Oil, rough_passage
 from easeoff.geometry.pair import gear_pair as geometry
 from easeoff.study import WearLaw, wear
 from easeoff.study.cli import main
@@ -137,3 +140,55 @@ def test_a_long_analysis_says_before_it_begins_what_it_takes(tmp_path: Path, mon
     assert said.output.splitlines()[-2:] == ["96000 contact problems: about 3 min", "Error: begun"]
     said = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
     assert said.output.splitlines() == ["Error: begun"]
+
+
+def test_fine_teeth_say_what_they_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*arguments: Any, **options: Any) -> Any:
+        raise InputError("begun")
+
+    monkeypatch.setattr("easeoff.study.analysis.analyze", stop)
+    case = tmp_path / "case.toml"
+    case.write_text(easeoff.cases.case_text("nasa-12x36") + "\n[compliance]\nfineness = 2.0\n")
+    said = CliRunner().invoke(main, ["run", str(case), "-o", str(tmp_path / "out.nc")])
+    assert said.output.splitlines()[0] == (
+        "elastic teeth with fineness = 2: about 110 s, unless they are kept from an earlier run"
+    )
+
+
+@pytest.mark.parametrize(("model", "words"), [("fe", "by finite elements"), ("solid_shell", "as a solid shell")])
+def test_teeth_too_large_for_the_memory_are_refused(
+    model: Any, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "0.08")
+    monkeypatch.setenv("EASEOFF_CACHE", str(tmp_path))
+    case = sized().model_copy(update={"compliance": ComplianceTable(model=model, fineness=1.5)})
+    pair = gear_pair(case)
+    with pytest.raises(InputError, match=rf"^fineness = 1.5: must be smaller, as the pinion {words} needs about"):
+        finite_elements(case, pair)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("options", "size"),
+    [
+        (["--nodes", "1001x1001", "-o", "gear.stl"], "nodes = 1001x1001: must be smaller, as the surface needs"),
+        (["--teeth", "all", "-o", "gear.vtu"], "nodes = 61x31, teeth = 36: must be smaller, as the surface needs"),
+        (["--rows", "900", "--columns", "900", "-o", "gear.csv"], "rows = 900, columns = 900: must be smaller"),
+    ],
+)
+def test_files_too_large_for_the_memory_are_refused(
+    options: list[str], size: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "0.1")
+    monkeypatch.chdir(tmp_path)
+    refused = CliRunner().invoke(main, ["export", "nasa-12x36", "--member", "gear", *options])
+    assert refused.exit_code == 2
+    assert size in " ".join(refused.output.split())
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_passage_that_keeps_too_much_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "1")
+    contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    with pytest.raises(InputError, match=r"^steps = 1000000, nodes = 513, keep = 1: must be smaller, as the passage"):
+        rough_passage(contact, steps=10**6, nodes=513, keep=1)

@@ -108,7 +108,7 @@ class Progress(NamedTuple):
     stage: Callable[[str], None]
 
 
-def check_cost(size: AnalysisSize) -> None:
+def check_cost(case: Case, size: AnalysisSize) -> None:
     """Refuse an analysis that needs more memory than is free; say on stderr what one takes that is long.
 
     Raises
@@ -117,6 +117,10 @@ def check_cost(size: AnalysisSize) -> None:
         As ``AnalysisSize.require_memory``.
     """
     size.require_memory()
+    teeth = size.teeth_seconds(case)
+    if teeth > TOLD_TIME:
+        made = f"elastic teeth with fineness = {case.compliance.fineness:g}: {time_in_words(teeth)}"
+        click.echo(f"{made}, unless they are kept from an earlier run", err=True)
     if size.seconds > TOLD_TIME:
         each = size.speeds * size.temperatures * size.roughnesses
         friction = f", each at {each} operating conditions" if each > 1 else ""

@@ -130,7 +130,7 @@ def run(
     fed_back = table is not None and table.feedback if friction_feedback is None else friction_feedback
     shape = (0, 0, 0) if operation is None else operation.shape
     size = AnalysisSize.of(checked, len(case_torques(checked, options["torques"])), shape, feedback=bool(fed_back))
-    check_cost(size)
+    check_cost(checked, size)
     with progress_bar(checked, options["torques"]) as shown:
         tree = analyze(checked, **with_defaults(options), **arguments, progress=shown.step, stage=shown.stage)
     write_result(tree, output)

@@ -35,7 +35,7 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     checked = read_case(case)
     require_solver(solver)
     size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
-    check_cost(size)
+    check_cost(checked, size)
     with progress_bar(checked, torques) as shown:
         state = CaseInMesh.of(checked, **with_defaults(options), stage=shown.stage)
         shown.stage("loaded contact")

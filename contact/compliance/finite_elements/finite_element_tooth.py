@@ -40,6 +40,7 @@ SOLID_SHELL_BRICK_SHARE = 0.7  # bricks of a solid shell's body along the face o
 FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 7  # trial functions of a solid shell
 FACTOR_SIZE, FACTOR_EXPONENT = 2.0e3, 4.0 / 3.0  # memory of a body's factor [byte] over its nodes to this power
 UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
+FULL_MATRICES = 4.2  # of that size at once
 
 
 @dataclass(frozen=True)
@@ -180,7 +181,7 @@ def solid_shell_tooth(
     found = kept(
         key,
         _flank_arrays(size),
-        lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member),
+        lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
     )
     return FiniteElementTooth(_flank(found), None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
@@ -210,7 +211,11 @@ def _flank(found: Mapping[str, Array]) -> FlankCompliance:
     return FlankCompliance(found["lengthwise"], found["profile"], found["factor"])
 
 
-def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, member: str) -> dict[str, Array]:
+def _condensed_shell(
+    lattice: ToothLattice, material: Material, counts: Counts, member: str, fineness: float
+) -> dict[str, Array]:
+    needed = FULL_MATRICES * 8.0 * (3 * math.prod(counts)) ** 2
+    require_memory(f"fineness = {fineness:g}", needed, f"the {member} as a solid shell")
     try:
         shell = solid_shell(lattice, material, counts)
     except GeometryError as error:
