@@ -24,6 +24,7 @@ FrameOfRolling = Literal["fixed", "contact_line"]
 SPEED_LIMIT = 1e6  # [1/min]
 ROUGHNESS_LIMIT = 100.0  # [um]
 ABSOLUTE_ZERO = -273.15  # [degC]
+TEMPERATURE_LIMIT = 500.0  # [degC]; no oil of gears lasts at it
 
 
 def _mean_roughness(pairs: Array) -> Array:
@@ -68,7 +69,7 @@ class Operation:
 
     def __post_init__(self) -> None:
         speeds = distinct("speed", self.speed, "1/min", above=0.0, most=SPEED_LIMIT)
-        temperatures = distinct("temperature", self.temperature, "degC", above=ABSOLUTE_ZERO)
+        temperatures = distinct("temperature", self.temperature, "degC", above=ABSOLUTE_ZERO, most=TEMPERATURE_LIMIT)
         given = self.roughness
         many = isinstance(given, list) or (isinstance(given, np.ndarray) and given.ndim > 0)
         entries: list[Any] = list(given) if many else [given]  # type: ignore[arg-type]

@@ -192,3 +192,17 @@ def test_a_passage_that_keeps_too_much_is_refused(monkeypatch: pytest.MonkeyPatc
     contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
     with pytest.raises(InputError, match=r"^steps = 1000000, nodes = 513, keep = 1: must be smaller, as the passage"):
         rough_passage(contact, steps=10**6, nodes=513, keep=1)
+
+
+@pytest.mark.parametrize(("reason", "said"), [("", "for this: lower"), ("no 75 GB", "for this (no 75 GB): lower")])
+def test_memory_that_runs_out_all_the_same_is_one_message(
+    reason: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*arguments: Any, **options: Any) -> Any:
+        raise MemoryError(reason)
+
+    monkeypatch.setattr("easeoff.study.analysis.analyze", fail)
+    failed = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
+    assert failed.exit_code == 2
+    assert f"Error: there is not enough memory {said} the numbers" in failed.output
+    assert not list(tmp_path.iterdir())
