@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ..cases.analysis_size import AnalysisSize
-from ..cases.schema.case_schema import Case
+from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torque_range
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
@@ -64,7 +64,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     Raises
     ------
     InputError
-        If a torque comes twice.
+        If a torque comes twice, or is not from ``TORQUE_MINIMUM`` to ``TORQUE_LIMIT``.
 
     Examples
     --------
@@ -72,7 +72,11 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     >>> case_torques(read_case("nasa-12x36"), 250.0).tolist()
     [250.0]
     """
-    return distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
+    found = distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
+    wrong = found[(found < TORQUE_MINIMUM) | (found >= TORQUE_LIMIT)]
+    if wrong.size:
+        raise InputError(f"torques = {wrong[0]:g}: must be {torque_range()}")
+    return found
 
 
 def contact_analysis(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ..core.checks import positive, whole
 from ..core.errors import InputError
 from ..core.magnitude import time_in_words
@@ -131,6 +132,9 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
     shares = dict(torque) if isinstance(torque, Mapping) else {torque: 1.0}
     total = sum(shares.values())
     usable = bool(shares) and all(np.isfinite(v) and v > 0.0 for pair in shares.items() for v in pair)
+    wrong = [one for one in shares if usable and not TORQUE_MINIMUM <= one < TORQUE_LIMIT]
+    if wrong:
+        raise InputError(f"torque = {wrong[0]:g}: must be {torque_range()}")
     if not usable or abs(total - 1.0) > 1e-6:
         given = ", ".join(f"{t:g}: {share:g}" for t, share in shares.items())
         raise InputError(

@@ -11,6 +11,8 @@ import xarray as xr
 
 import easeoff
 from easeoff.cases import shipped_cases
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.geometry import Misalignment
 from easeoff.study import result_summary
 from easeoff.study.plot import pressure_chart
 from easeoff.study.plot.tooth_view import tooth_view
@@ -98,3 +100,13 @@ def test_the_picture_of_the_pressure_says_it() -> None:
 def test_shipped_cases_have_none(name: str, flank: Any) -> None:
     loaded = easeoff.analyze(name, flank=flank, torques=[20.0, 300.0])["loaded"].to_dataset()
     assert float(np.nanmax(pressure_jumps(loaded))) < JUMP_LIMIT
+
+
+def test_a_misaligned_pair_has_one_where_a_contact_line_ends() -> None:
+    case = easeoff.read_case("fm-11x41")
+    grid = {"lengthwise_nodes": 21, "profile_nodes": 15, "segments_per_line": 9}
+    contact, shell = case.contact.model_copy(update=grid), ComplianceTable(model="shell")
+    case = case.model_copy(update={"contact": contact, "compliance": shell})
+    tree = easeoff.analyze(case, torques=[30.0], misalignment=Misalignment(offset=-0.25, pinion_axial=0.3))
+    (note,) = jump_notes(tree["loaded"].to_dataset())
+    assert "at 30 N m the greatest pressure jumps" in note

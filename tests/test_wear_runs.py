@@ -132,6 +132,8 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
         (["--torque", "100=0.5,100=0.5"], "100 comes twice"),
         (["--coefficient", "1/2/3"], "must be a coefficient in mm^2/N"),
         (["--coefficient", "1.0"], "pinion_coefficient = 1: must be at most 0.001 [mm^2/N]"),
+        (["--torque", "1e308"], "torque = 1e+308: must be at least 1e-06 and below 1e+07 N m"),
+        (["--torque", "100=0.5,1e-308=0.5"], "torque = 1e-308: must be at least 1e-06 and below 1e+07 N m"),
         (["--most-steps", "0"], "most_steps = 0: must be a whole number of 1 or more"),
         (["--largest-step", "1e-9"], "largest_step = 1e-09: would take about"),
         (["--revolutions", "0"], "revolutions = 0: must be a finite number above 0"),

@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 #: Part by which the greatest pressure at a position exceeds that at both neighbours to be told. Shipped cases, either
 #: flank, aligned or not, at 20 to 800 N m, have up to 0.12 at 32 mesh positions, where edges carry; less at more.
-JUMP_LIMIT = 0.15
+JUMP_LIMIT = 0.125
 MESH_POSITION_MINIMUM = 16  # with fewer the course itself changes as much from one position to the next
 
 
