@@ -15,10 +15,11 @@ import xarray as xr
 from ..cases.analysis_size import AnalysisSize
 from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torque_range
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
+from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
-from ..core.checks import distinct, number
+from ..core.checks import distinct
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
@@ -253,7 +254,7 @@ def analyze(
     conditions = (0, 0, 0) if operation is None else operation.shape
     AnalysisSize.of(case, load.size, conditions, feedback=bool(friction_feedback)).require_memory()
     if marking is not None:
-        number("marking", marking, "um", above=0.0, below=1000.0)
+        checked_thickness(marking)
     state = CaseInMesh.of(
         case,
         flank=flank,

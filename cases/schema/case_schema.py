@@ -135,7 +135,7 @@ class ContactTable(Table):
     edge_contact: bool = True
     lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
     profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
-    separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, gt=0, lt=1000)
+    separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, ge=0.001, lt=1000)
 
     @model_validator(mode="after")
     def _positive_torques(self) -> Self:

@@ -81,7 +81,7 @@ class FrictionTable(Table):
     )
     oil: str = "75w90"
     coefficient: Annotated[str | float, BeforeValidator(_coefficient)] = number(
-        "model of the friction coefficient, or a number from 0 to 1", "1", default="kolivand_blended"
+        "model of the friction coefficient, or a number", "1", default="kolivand_blended"
     )
     film: str = "pan_hamrock"
     film_heating: str = "none"

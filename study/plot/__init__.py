@@ -54,7 +54,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     ['ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing']
     """
     # The drawing library is slow to load, and most of what imports this package never draws.
-    from ...core.checks import number
+    from ...contact.evaluation.marking_print import checked_thickness
     from . import contact_pattern_chart, friction_maps
     from . import ease_off_map as ease_off
     from . import efficiency_chart as efficiency
@@ -65,7 +65,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     from .tooth_view import tooth_view
 
     if marking is not None:
-        number("marking", marking, "um", above=0.0, below=1000.0)
+        checked_thickness(marking)
     view, pinion = tooth_view(tree), tooth_view(tree, "pinion")
     names, figures = (
         list(PICTURES),
