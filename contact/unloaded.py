@@ -9,12 +9,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import flag_attributes, labelled
+from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import PairGeometry
 from .harmonics import continuous_range, harmonics, rms
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.contact_lines import ContactLines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
+from .lines.touching_points import GAP_LIMIT
 from .lines.turned_flanks import BOUNDS, TurnedFlanks
 from .pair_errors import PairErrors, smallest
 
@@ -102,6 +104,11 @@ def unloaded_contact(
         contact lines (Kolivand 2009, sections 2.5 and 2.6); attributes with peak to peak, harmonics and rms as in the
         dissertation's tables.
 
+    Raises
+    ------
+    GeometryError
+        If no tooth pair comes near contact at any rotation.
+
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
@@ -115,6 +122,11 @@ def unloaded_contact(
     """
     errors = PairErrors.of(TurnedFlanks(geometry), mesh)
     error, touching, grid = errors.error, errors.touching, ("pair", "mesh_position")
+    if not np.any(np.isfinite(error)):
+        raise GeometryError(
+            f"no tooth pair comes within {GAP_LIMIT:g} rad of contact at any rotation: are settings, blanks and "
+            "misalignment right?"
+        )
     envelope = smallest(error)
     line = _line_tables(splines, mesh, errors, 1e-3 * separation)
     listed = np.isfinite(error) & (np.isfinite(line["line_length"]) | (error <= np.nanmax(envelope)))

@@ -75,11 +75,11 @@ MEANINGS = {
 ELSEWHERE = {
     "free_settings": "names of settings",
     "rim_depth": "one or two numbers, each > 0 and < 1000",
-    "speed": "a number or a list, each > 0 and ≤ 1e6",
-    "temperature": "a number or a list, within the oil's data",
+    "speed": "a number or a list, each ≥ 1e-6 and ≤ 1e6",
+    "temperature": "a number or a list, within the oil's data; clamped to them, ≤ 400",
     "roughness": "a number or a list, each ≥ 0 and ≤ 100",
     "oil": f"{', '.join(f'`{name}`' for name in available_lubricants())}, a path",
-    "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number ≥ 0",
+    "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number ≥ 0 and ≤ 1",
     "film": ", ".join(f"`{name}`" for name in FILMS),
     "film_heating": ", ".join(f"`{name}`" for name in FILM_FACTORS),
     "thermal_factor": ", ".join(f"`{name}`" for name in THERMAL_FACTORS),
@@ -183,7 +183,7 @@ def allowed(name: str, field: FieldInfo) -> str:
     if field.annotation is str:
         return f"text of {count} characters" if count else "text"
     if count:
-        return f"{count} numbers, each > 0 and < 1e7"
+        return f"{count} numbers, each ≥ 1e-6 and < 1e7"
     return ("whole number " if field.annotation is int else "") + " and ".join(limits)
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..core.checks import array, one_of, positive, shown
+from ..core.checks import array, number, one_of, positive, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
 from .formula_range import Flags, combined_flags
@@ -28,6 +28,7 @@ Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
 CONSTANT_COEFFICIENT = 0.05  # Coleman, Machine Design 47, 1975
 DEFAULT_COEFFICIENT = "kolivand_blended"
+COEFFICIENT_LIMIT = 1.0  # dry clean steel has 0.6 to 0.8 in air (Bowden and Tabor 1950); lubricated gears below 0.2
 ROUGHNESS_LIMIT = 1.0  # [um] of the formula of Xu and others
 SLIDING_MINIMUM = 0.025  # of the rolling velocity, for the formula of Benedict and Kelly
 
@@ -117,7 +118,7 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
     Raises
     ------
     InputError
-        If there is no model of that name, or the constant is negative or not finite.
+        If there is no model of that name, or the constant is not from 0 to ``COEFFICIENT_LIMIT``.
 
     Examples
     --------
@@ -132,10 +133,10 @@ def coefficient_model(model: str | float | CoefficientModel) -> CoefficientModel
         return COEFFICIENTS[model]
     if isinstance(model, bool) or not isinstance(model, int | float | np.number):
         raise InputError(
-            f"coefficient = {shown(model)}: must be one of {', '.join(COEFFICIENTS)}, a number of 0 or more, or a "
-            "function of ContactConditions"
+            f"coefficient = {shown(model)}: must be one of {', '.join(COEFFICIENTS)}, a number from 0 to "
+            f"{COEFFICIENT_LIMIT:g}, or a function of ContactConditions"
         )
-    return partial(constant, value=positive("coefficient", model, zero=True))
+    return partial(constant, value=number("coefficient", model, least=0.0, most=COEFFICIENT_LIMIT))
 
 
 def checked_coefficient(model: str | float | CoefficientModel, conditions: ContactConditions) -> Array:
@@ -156,7 +157,8 @@ def checked_coefficient(model: str | float | CoefficientModel, conditions: Conta
     Raises
     ------
     InputError
-        As ``coefficient_model``, or if the function gives other than finite numbers of 0 or more, or another shape.
+        As ``coefficient_model``, or if the function gives other than numbers from 0 to ``COEFFICIENT_LIMIT``, or
+        another shape.
     """
     found = coefficient_model(model)(conditions)
     if not callable(model):
@@ -177,14 +179,14 @@ def checked_coefficient(model: str | float | CoefficientModel, conditions: Conta
             f"coefficient = {name}: gives an array of shape {values.shape}: must give one number, or numbers of the "
             f"shape {shape} of the conditions"
         )
-    wrong = ~(np.isfinite(values) & (values >= 0.0))
+    wrong = ~((values >= 0.0) & (values <= COEFFICIENT_LIMIT))
     if np.any(wrong):
         everywhere = np.broadcast_to(wrong, shape)
         first = tuple(int(i) for i in np.argwhere(everywhere)[0])
         raise InputError(
             f"coefficient = {name}: gives {float(np.broadcast_to(values, shape)[first]):g} at "
             f"{np.count_nonzero(everywhere)} of {everywhere.size} contacts and conditions, first at "
-            f"{conditions.described(first)}: must give finite numbers of 0 or more"
+            f"{conditions.described(first)}: must give numbers from 0 to {COEFFICIENT_LIMIT:g}"
         )
     return values.astype(np.float64)
 
@@ -300,7 +302,7 @@ def friction_coefficient(model: str | float | CoefficientModel = DEFAULT_COEFFIC
     Raises
     ------
     InputError
-        From model and conditions, or if a function gives other than finite numbers of 0 or more.
+        From model and conditions, or if a function gives other than numbers from 0 to ``COEFFICIENT_LIMIT``.
 
     Examples
     --------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ def friction(
     model: FrictionModel | str | float | CoefficientModel | None = None,
     *,
     segment_fields: bool | None = None,
+    progress: Callable[[], None] | None = None,
 ) -> xr.Dataset:
     """Friction, power loss and efficiency of a result at every combination of speed, temperature and roughness.
 
@@ -47,6 +49,8 @@ def friction(
     segment_fields
         Whether to keep the fields over the segments, not just sums and means. Left out: if each has less than three
         million values.
+    progress
+        Called after every block of contacts.
 
     Returns
     -------
@@ -76,14 +80,18 @@ def friction(
     segments = loaded.sizes["segment"]
     size = contacts.solved.size * segments * int(np.prod(operation.shape))
     keep = size <= KEPT_VALUES_LIMIT if segment_fields is None else segment_fields
-    result = losses_dataset(contacts, operation, model, segments if keep else 0)
+    result = losses_dataset(contacts, operation, model, segments if keep else 0, progress)
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
     result = result.assign_coords(coords).merge(velocities_dataset(potential, operation, model))
     return with_least_film(labelled(result.assign_attrs(_provenance(operation, model))), loaded)
 
 
 def losses_dataset(
-    contacts: LoadedContacts, operation: Operation, model: FrictionModel, segments: int = 0
+    contacts: LoadedContacts,
+    operation: Operation,
+    model: FrictionModel,
+    segments: int = 0,
+    progress: Callable[[], None] | None = None,
 ) -> xr.Dataset:
     """Losses and efficiency over (torque, mesh_position, speed, temperature, roughness), and fields over the segments.
 
@@ -93,6 +101,8 @@ def losses_dataset(
         See ``losses.losses``.
     segments
         Number of segments of a mesh position; zero leaves out the fields.
+    progress
+        Called after every block of contacts.
     """
     cycle, shape = contacts.solved.shape, operation.shape
     group = contacts.group
@@ -129,6 +139,8 @@ def losses_dataset(
                 found["formula_flags"] = block.flags
             for name, values in found.items():
                 fields[name][at] = np.moveaxis(values, -1, 0)
+        if progress is not None:
+            progress()
     sliding, rolling, weighted = (
         np.where(contacts.solved[..., None, None, None], np.moveaxis(value, -1, 0).reshape(*cycle, *shape), np.nan)
         for value in (sums["sliding"], sums["rolling"], sums["weighted"])

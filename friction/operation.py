@@ -21,9 +21,10 @@ Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
 Roughness = float | tuple[float, float]
 FrameOfRolling = Literal["fixed", "contact_line"]
-SPEED_LIMIT = 1e6  # [1/min]
+SPEED_MINIMUM, SPEED_LIMIT = 1e-6, 1e6  # [1/min]; a turn in two years is at rest
 ROUGHNESS_LIMIT = 100.0  # [um]
 ABSOLUTE_ZERO = -273.15  # [degC]
+TEMPERATURE_LIMIT = 400.0  # [degC]; of the tables of lubricants, too
 
 
 def _mean_roughness(pairs: Array) -> Array:
@@ -68,7 +69,11 @@ class Operation:
 
     def __post_init__(self) -> None:
         speeds = distinct("speed", self.speed, "1/min", above=0.0, most=SPEED_LIMIT)
-        temperatures = distinct("temperature", self.temperature, "degC", above=ABSOLUTE_ZERO)
+        if speeds.min() < SPEED_MINIMUM:
+            raise InputError(
+                f"speed = {speeds.min():g}: must be a number from {SPEED_MINIMUM:g} to {SPEED_LIMIT:g} [1/min]"
+            )
+        temperatures = distinct("temperature", self.temperature, "degC", above=ABSOLUTE_ZERO, most=TEMPERATURE_LIMIT)
         given = self.roughness
         many = isinstance(given, list) or (isinstance(given, np.ndarray) and given.ndim > 0)
         entries: list[Any] = list(given) if many else [given]  # type: ignore[arg-type]

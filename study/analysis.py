@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ..cases.schema.case_schema import Case
+from ..cases.analysis_size import AnalysisSize
+from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torque_range
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
+from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase
 from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
-from ..core.checks import distinct, number
+from ..core.checks import distinct
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
@@ -63,7 +65,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     Raises
     ------
     InputError
-        If a torque comes twice.
+        If a torque comes twice, or is not from ``TORQUE_MINIMUM`` to ``TORQUE_LIMIT``.
 
     Examples
     --------
@@ -71,7 +73,11 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     >>> case_torques(read_case("nasa-12x36"), 250.0).tolist()
     [250.0]
     """
-    return distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
+    found = distinct("torques", case.contact.torques if torques is None else torques, "N m", above=0.0)
+    wrong = found[(found < TORQUE_MINIMUM) | (found >= TORQUE_LIMIT)]
+    if wrong.size:
+        raise InputError(f"torques = {wrong[0]:g}: must be {torque_range()}")
+    return found
 
 
 def contact_analysis(
@@ -110,6 +116,7 @@ def contact_analysis(
     """
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
     load = case_torques(case, torques)
+    AnalysisSize.of(case, load.size).require_memory()
     edges = case.contact.edge_contact if edge_contact is None else edge_contact
     if state.deviations:
         require_line_contact(cycle.lost_contact, state.deviations)
@@ -197,9 +204,9 @@ def analyze(
         Let friction take its part of the torque from the normal forces, see ``friction.feedback``; the case's own or
         not if left out.
     progress
-        Called after every solved torque and mesh position.
+        Called after every solved torque and mesh position, then after every part of the friction.
     stage
-        Called with the name of what takes long before it begins: each elastic tooth, then the loaded contact.
+        Called with the name of what takes long before it begins: each elastic tooth, the loaded contact, the friction.
     **options
         Passed to the solver.
 
@@ -213,7 +220,7 @@ def analyze(
     Raises
     ------
     InputError
-        If an argument is out of range or the case has no such flanks.
+        If an argument is out of range, the case has no such flanks, or the analysis needs more memory than is free.
     GeometryError
         If the settings describe no tooth in the blank, or flanks that do not meet, or if deviations scatter so much
         that there is no line contact.
@@ -243,9 +250,11 @@ def analyze(
         friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
     elif friction_model is not None or friction_feedback:
         raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
-    case_torques(case, torques)  # a torque given twice shows before the work, too
+    load = case_torques(case, torques)  # a torque given twice shows before the work, too
+    conditions = (0, 0, 0) if operation is None else operation.shape
+    AnalysisSize.of(case, load.size, conditions, feedback=bool(friction_feedback)).require_memory()
     if marking is not None:
-        number("marking", marking, "um", above=0.0, below=1000.0)
+        checked_thickness(marking)
     state = CaseInMesh.of(
         case,
         flank=flank,
@@ -265,10 +274,12 @@ def analyze(
         from ..friction import friction
         from ..friction import friction_feedback as with_feedback
 
+        if stage is not None:
+            stage("friction")
         losses = (
-            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver)
+            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver, progress=progress)
             if friction_feedback
-            else friction(found.tree, operation, friction_model)
+            else friction(found.tree, operation, friction_model, progress=progress)
         )
         found.tree["friction"] = xr.DataTree(losses)
     return found.tree

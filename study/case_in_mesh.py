@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from ..cases.analysis_size import AnalysisSize
 from ..cases.conversion import elastic_model, finite_elements, gear_pair
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
@@ -94,6 +95,7 @@ class CaseInMesh:
         stage: Callable[[str], None] | None = None,
     ) -> CaseInMesh:
         """Compute geometry, elastic teeth and contact lines of a case; arguments and raises as of ``analyze``."""
+        AnalysisSize.of(case, 1).require_memory()
         pair, settings = prepared_pair(case, flank, misalignment), case.contact
         departures = flank_deviations(pair, deviations or {}, interpolation)
         teeth = finite_elements(case, pair, stage)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,6 +13,7 @@ from ..cases.schema.case_schema import Case
 from ..core.checks import whole
 from ..core.errors import InputError
 from ..core.files import check_writable
+from ..core.memory import require_memory
 from ..geometry.formats import EdgeMargins, cmm_points, write_cmm_points, write_mesh, write_step
 from ..geometry.formats.measuring_points import SUFFIXES as POINT_SUFFIXES
 from ..geometry.formats.mesh import SUFFIXES as MESH_SUFFIXES
@@ -22,6 +24,7 @@ from ..geometry.tooth.tooth_flanks import MemberName, named_member, tooth_angle
 from ..geometry.tooth.tooth_surface import tooth_patches
 
 FlankChoice = Literal["concave", "convex", "both"]
+POINT_SIZE = 2.5e3  # memory of a point or node while it is found and written [byte]
 SURFACE_NODES = (61, 31)  # splines through them are within 0.02 um of the flanks of the shipped cases
 
 
@@ -64,6 +67,7 @@ def export_points(
     GeometryError
         If a point of the grid is not on the flank.
     """
+    require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
     pair = pair_of(case)
     points = cmm_points(
         named_member(pair, member), rows, columns, margins, tooth_angle=tooth_angle(pair, member)
@@ -120,6 +124,9 @@ def export_surfaces(
     pair = pair_of(case)
     number = named_member(pair, member).teeth
     wanted = number if teeth is None else whole("teeth", teeth, 1, number)
+    copies = 1 if step else wanted  # a STEP file has one tooth and where its copies stand
+    size = f"nodes = {nodes[0]}x{nodes[1]}" + ("" if copies == 1 else f", teeth = {copies}")
+    require_memory(size, POINT_SIZE * math.prod(nodes) * copies, "the surface")
     patches = tooth_patches(pair, member, nodes)
     if flank != "both":
         patches = {name: points for name, points in patches.items() if name.startswith(flank)}

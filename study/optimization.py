@@ -28,7 +28,7 @@ from ..contact.modification.modified_contact import ModifiedContact
 from ..contact.solvers import require_solver
 from ..core.attributes import labelled
 from ..core.checks import number, positive, whole
-from ..core.errors import GeometryError
+from ..core.errors import GeometryError, InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair
 from ..geometry.pair.modification import Modification, basis, terms
@@ -38,7 +38,8 @@ from .case_in_mesh import CaseInMesh, checked_case
 Array = NDArray[Any]
 
 STAGES = ("before", "after")
-LARGEST_MODIFICATION_LIMIT = 1000.0  # [um]
+LARGEST_MODIFICATION_MINIMUM, LARGEST_MODIFICATION_LIMIT = 1e-4, 1000.0  # [um]
+TRANSMISSION_ERROR_MINIMUM = 1e-3  # [urad]
 
 
 def optimize(
@@ -121,9 +122,15 @@ def optimize(
     checked = checked_case(case)
     if transmission_error is not None:
         positive("transmission_error", transmission_error, "urad", infinite=True)
+        if transmission_error < TRANSMISSION_ERROR_MINIMUM:
+            raise InputError(
+                f"transmission_error = {transmission_error:g}: must be at least {TRANSMISSION_ERROR_MINIMUM:g} [urad]"
+            )
     if end_load is not None:
         positive("end_load", end_load, "N/mm", zero=True, infinite=True)
     number("largest", largest, "um", above=0.0, most=LARGEST_MODIFICATION_LIMIT)
+    if largest < LARGEST_MODIFICATION_MINIMUM:
+        raise InputError(f"largest = {largest:g}: must be at least {LARGEST_MODIFICATION_MINIMUM:g} [um]")
     whole("programmes", programmes, 1)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)

@@ -6,6 +6,7 @@ materials and, in lapping, the compound.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -77,14 +78,15 @@ def wear(
         largest depths, removed volume by Archard's law and by integral of the depth, peak to peak and greatest pressure
         of the loaded contact at every torque. Attribute ``stop`` says why it ended, and ``completed`` is 1 if as
         ``law`` has it. If the worn flanks have no line contact any more, or their contact could not be solved, it is 0,
-        ``stop`` begins with "contact lost" or "contact not solved", and the history ends before that.
+        ``stop`` begins with "contact lost" or "contact not solved", and the history ends before that; it is 0, too,
+        if the flanks wear so much faster than at the start that ``most_steps`` are not enough ("most_steps ...").
         Attribute ``edge_contact`` is 0. ``position`` (member, lengthwise, profile, xyz) [mm] is the
         designed flank: what ``flank_deviations`` knows a file of it by.
 
     Raises
     ------
     InputError
-        If an argument is out of range.
+        If an argument is out of range, or the wear would take more than ``most_steps`` of the law.
     GeometryError
         If the flanks do not meet, or the contact to begin with cannot be solved.
 
@@ -104,9 +106,15 @@ def wear(
     designed = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
     if stage is not None:
         stage("wear")
+    begin = time.perf_counter()
     run = _Run(designed, law, shares, solver, start)
+    law.require_few_steps(run.fastest, run.loaded["status"].size, time.perf_counter() - begin)
     history, completed = [run.state()], True
     while run.stop is None:
+        if len(history) > law.most_steps:
+            run.stop = f"most_steps = {law.most_steps} taken: the flanks wear faster than at the start"
+            completed = False
+            break
         try:
             run.step()
         except GeometryError as error:
@@ -134,7 +142,7 @@ def wear(
 
 
 def _attributes(law: WearLaw) -> dict[str, float]:
-    names = {"revolutions": "", "largest_step": "_um", "largest_depth": "_um"}
+    names = {"revolutions": "", "largest_step": "_um", "largest_depth": "_um", "most_steps": ""}
     return {f"{n}{names.get(n, '_mm2_per_N')}": float(v) for n, v in vars(law).items() if v is not None}
 
 
@@ -206,10 +214,14 @@ class _Run:
             self.rate[name] = k * np.sum([s * on_flank(once, name, self.t, self.h) for s, once in parts], axis=0)
             self.volume_rate[name] = k * sum(s * once.work for s, once in parts)
 
+    @property
+    def fastest(self) -> float:
+        """Greatest depth per revolution of the pinion [mm]."""
+        return max(float(np.max(rate[self.touched[n]])) for n, rate in self.rate.items())
+
     def step(self) -> None:
         """Wear by as many revolutions as the step control allows."""
-        law = self.law
-        fastest = max(float(np.max(rate[self.touched[n]])) for n, rate in self.rate.items())
+        law, fastest = self.law, self.fastest
         if fastest == 0.0:
             self.stop = "nothing wears"
             return

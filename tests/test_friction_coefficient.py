@@ -469,7 +469,11 @@ def test_conditions_broadcast() -> None:
         ({"oil": "water"}, "oil = 'water'"),
         ({"film": "thick"}, "film = 'thick'"),
         ({"model": "sandpaper"}, "'sandpaper': must be one of kolivand_blended"),
-        ({"model": -0.1}, "coefficient = -0.1: must be a finite number of 0 or more"),
+        ({"model": 1000.0}, "coefficient = 1000: must be a number from 0 to 1"),
+        ({"model": 1e308}, r"coefficient = 1e\+308: must be a number from 0 to 1"),
+        ({"model": lambda conditions: 1000.0}, r"coefficient = <lambda>: gives 1000 at 1 of 1 .* from 0 to 1$"),
+        ({"model": lambda conditions: 1e308}, r"coefficient = <lambda>: gives 1e\+308 at 1 of 1 .* from 0 to 1$"),
+        ({"model": -0.1}, "coefficient = -0.1: must be a number from 0 to 1"),
     ],
 )
 def test_mistakes_are_named(changed: dict[str, Any], message: str) -> None:

@@ -488,6 +488,8 @@ def test_thickness_of_the_compound_is_an_option(tmp_path: Path) -> None:
     assert thin["pattern_length"] < thick["pattern_length"]
     with pytest.raises(InputError, match="marking = 0: must be a number above 0"):
         analyze(case, marking=0)
+    with pytest.raises(InputError, match=r"marking = 1e-308: must be at least 0\.001 \[um\]"):
+        analyze(case, marking=1e-308)
     with pytest.raises(InputError, match="marking = nan"):
         write_pictures(tree_of("nasa-12x36", edges=False), tmp_path, marking=math.nan)
     found = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "x.nc"), "--marking", "1e4"])

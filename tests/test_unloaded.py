@@ -13,10 +13,11 @@ from pairs import conjugate_pair
 from scipy.optimize import brentq, minimize_scalar
 from test_ease_off import contact_path
 
-from easeoff import InputError
+from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle, harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
 from easeoff.contact.harmonics import continuous_range
+from easeoff.contact.lines import turned_pinion
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import (
     POINTS_PER_LINE,
@@ -41,6 +42,7 @@ from easeoff.geometry import (
     deviated_ease_off,
     deviated_pair,
     deviation_from_formula,
+    newton,
     pair_geometry,
 )
 from easeoff.verification import smallest_envelope, smallest_gap
@@ -513,3 +515,26 @@ def test_the_piece_of_a_line_that_comes_closest_has_its_ends_listed(nasa: tuple[
         near = pieces[int(np.argmin(closest))][0]
         assert ends.min() >= near.min() - 1e-9
         assert ends.max() <= near.max() + 1e-9
+
+
+def test_unloaded_contact_does_not_depend_on_the_size_of_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points are computed in blocks; each has a rotation of its own, in whatever block it comes."""
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+
+    def unloaded() -> xr.Dataset:
+        return MeshCycle.of(geometry, mesh_positions=6, segments_per_line=5).unloaded()
+
+    whole = unloaded()
+    for module in (newton, turned_pinion):
+        monkeypatch.setattr(module, "COLUMNS_PER_BLOCK", 7)
+    xr.testing.assert_allclose(unloaded(), whole, rtol=1e-9, atol=1e-9)
+
+
+def test_a_pair_that_nowhere_comes_near_contact_is_refused() -> None:
+    case = read_case("nasa-12x36")
+    assert case.pinion.concave is not None
+    cutter = case.pinion.concave.cutter.model_copy(update={"blade_pressure_angle": -44.9})
+    concave = case.pinion.concave.model_copy(update={"cutter": cutter})
+    case = case.model_copy(update={"pinion": case.pinion.model_copy(update={"concave": concave})})
+    with pytest.raises(GeometryError, match=r"no tooth pair comes within 0\.02 rad of contact at any rotation"):
+        MeshCycle.of(pair_geometry(gear_pair(case), (9, 7)), mesh_positions=3).unloaded()

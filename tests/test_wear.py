@@ -169,6 +169,10 @@ def test_bad_input_is_refused() -> None:
         ((1e-12, 1e-12, 0.0), "revolutions = 0: must be a finite number above 0"),
         ((1e-12, 1e-12, 1.0, np.nan), "largest_step"),
         ((1.0, 1e-12, 1.0), "mm\\^2/N"),
+        ((1e-12, 1e-12, 1e308), r"revolutions = 1e\+308: must be at most 1e\+15$"),
+        ((1e-12, 1e-12, 1.0, 1e5), r"largest_step = 100000: must be at most 10000 \[um\]"),
+        ((1e-12, 1e-12, 1.0, 0.5, np.inf), "largest_depth = inf: must be a finite number above 0"),
+        ((1e-12, 1e-12, 1.0, 0.5, 1.0, 0), "most_steps = 0: must be a whole number of 1 or more"),
     ):
         with pytest.raises(InputError, match=message):
             WearLaw(*arguments)

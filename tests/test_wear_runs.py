@@ -132,6 +132,10 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(tmp_path: Path) ->
         (["--torque", "100=0.5,100=0.5"], "100 comes twice"),
         (["--coefficient", "1/2/3"], "must be a coefficient in mm^2/N"),
         (["--coefficient", "1.0"], "pinion_coefficient = 1: must be at most 0.001 [mm^2/N]"),
+        (["--torque", "1e308"], "torque = 1e+308: must be at least 1e-06 and below 1e+07 N m"),
+        (["--torque", "100=0.5,1e-308=0.5"], "torque = 1e-308: must be at least 1e-06 and below 1e+07 N m"),
+        (["--most-steps", "0"], "most_steps = 0: must be a whole number of 1 or more"),
+        (["--largest-step", "1e-9"], "largest_step = 1e-09: would take about"),
         (["--revolutions", "0"], "revolutions = 0: must be a finite number above 0"),
         (["-o", "worn.csv"], "ends in .nc"),
         (["--deviation", "axle=worn.nc"], "must be pinion=FILE or gear=FILE"),
@@ -146,6 +150,45 @@ def test_mistakes_on_the_command_line_are_named(options: list[str], message: str
     assert wrong.exit_code == 2
     assert message in " ".join(wrong.output.replace("│", " ").split())
     assert not list(tmp_path.iterdir())
+
+
+def test_steps_are_counted_before_they_are_taken() -> None:
+    """By the rate at the start, which the run keeps to within what the contact changes; a depth ends it earlier."""
+    law = WearLaw(1e-12, 1e-12, 3e7, 2.0)
+    history = wear(small_case(), law, torque=200.0)
+    first = history.isel(step=1)
+    rate = 1e-3 * float(first["largest_depth"].max() / first["revolutions"])
+    assert law.steps(rate) == pytest.approx(history.sizes["step"] - 1, abs=2)
+    assert replace(law, largest_depth=3.0).steps(rate) == 2.0
+    assert replace(law, largest_depth=1e4, revolutions=1e15, largest_step=1e-320).steps(rate) == np.inf
+    assert law.steps(0.0) == 1.0
+
+
+@pytest.mark.parametrize("step", [1e-9, 1e-300])
+def test_steps_without_end_are_refused_with_what_they_cost(step: float) -> None:
+    with pytest.raises(InputError) as refused:
+        wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, step), torque=200.0)
+    for part in (f"largest_step = {step:g}: would take about", "8 contact problems", "years in all", "--most-steps"):
+        assert part in str(refused.value)
+    least = float(str(refused.value).partition("must be ")[2].partition(" [um]")[0])
+    law = WearLaw(1e-12, 1e-12, 3e7, least)
+    assert 800 < law.steps(1e-3 * step * float(str(refused.value).split()[6]) / 3e7) <= 1000
+
+
+def test_the_smallest_step_that_the_message_names_is_taken() -> None:
+    with pytest.raises(InputError, match="most_steps") as refused:
+        wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, 0.1, most_steps=3), torque=200.0)
+    least = float(str(refused.value).partition("must be ")[2].partition(" [um]")[0])
+    history = wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, least, most_steps=3), torque=200.0)
+    assert history.attrs["most_steps"] == 3
+    assert history.sizes["step"] <= 4
+
+
+def test_wear_that_grows_faster_than_it_began_ends_at_the_most_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(WearLaw, "steps", lambda law, fastest: 1.0)
+    history = wear(small_case(), WearLaw(1e-12, 1e-12, 3e7, 1.0, most_steps=2), torque=200.0)
+    assert history.attrs["stop"] == "most_steps = 2 taken: the flanks wear faster than at the start"
+    assert (history.attrs["completed"], history.sizes["step"]) == (0, 3)
 
 
 @pytest.mark.thorough

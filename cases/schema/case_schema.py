@@ -17,6 +17,13 @@ from .friction_table import FrictionTable
 from .schema_table import InputFile, Integer, Number, Table, number
 from .usual_torques import usual_torques
 
+TORQUE_MINIMUM, TORQUE_LIMIT = 1e-6, 1e7  # [N m]; less is no load
+
+
+def torque_range() -> str:
+    """Torques allowed, in words."""
+    return f"at least {TORQUE_MINIMUM:g} and below {TORQUE_LIMIT:g} N m"
+
 
 class Blank(Table):
     """Axial section of a member's blank."""
@@ -128,13 +135,13 @@ class ContactTable(Table):
     edge_contact: bool = True
     lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
     profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
-    separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, gt=0, lt=1000)
+    separation: Number = number("gap at which an unloaded contact line ends", "um", default=6.0, ge=0.001, lt=1000)
 
     @model_validator(mode="after")
     def _positive_torques(self) -> Self:
         for value in self.torques:
-            if not 0.0 < value < 1e7:
-                raise ValueError(f"torques contains {value}: must be greater than 0 and below 1e7 N m")
+            if not TORQUE_MINIMUM <= value < TORQUE_LIMIT:
+                raise ValueError(f"torques contains {value}: must be {torque_range()}")
             if self.torques.count(value) > 1:
                 raise ValueError(f"torques contains {value} twice: give every torque once")
         return self

@@ -23,7 +23,12 @@ def _listed(value: Any) -> Any:
 
 def _is_number(value: Any) -> bool:
     """Whether it is a finite number; true and false are none, though Python counts them among the whole numbers."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number with more digits than a float holds
+        return False
 
 
 def _roughnesses(value: Any) -> Any:
@@ -43,9 +48,10 @@ def _coefficient(value: Any) -> Any:
     """A name or a number, refused in one message: of a union, pydantic reports each of its kinds."""
     if isinstance(value, str) or _is_number(value):
         return value
-    from ...friction import COEFFICIENTS
+    from ...friction.coefficient import COEFFICIENT_LIMIT, COEFFICIENTS
 
-    raise ValueError(f"{written(value)}: must be one of {', '.join(COEFFICIENTS)}, or a number of zero or more")
+    models = ", ".join(COEFFICIENTS)
+    raise ValueError(f"{written(value)}: must be one of {models}, or a number from 0 to {COEFFICIENT_LIMIT:g}")
 
 
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]

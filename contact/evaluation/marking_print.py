@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.checks import number
+from ...core.errors import InputError
 from ..lines.closest_approach import SEPARATION_FIELDS, gap_beside, still_opens
 from ..lines.contact_lines import boundary_distance, curvature_and_skew
 from ..lines.flank_splines import FlankSplines
@@ -21,7 +23,27 @@ PRINT_GRID = (241, 121)  # points along the face and the profile
 SHIFT_LIMIT = 0.125  # of the pitch, between a point's roll angle and the rotation at which its gap is least
 SHIFT_ROUND_COUNT, SHIFT_SAMPLE_COUNT = 2, 17  # of the search for that rotation
 GAIN_MINIMUM = 0.001  # [um]; where the search could close less of the gap it is left out
+THICKNESS_MINIMUM, THICKNESS_LIMIT = 1e-3, 1000.0  # [um] of the marking compound
 BORDER_SLOPE = 20.0  # of the excess, by the distance from the boundary of the common flank
+
+
+def checked_thickness(marking: Any) -> float:
+    """Thickness of a marking compound [um], refused if no compound has it.
+
+    Raises
+    ------
+    InputError
+        If it is no number from ``THICKNESS_MINIMUM`` to below ``THICKNESS_LIMIT``.
+
+    Examples
+    --------
+    >>> checked_thickness(6)
+    6.0
+    """
+    thickness = number("marking", marking, "um", above=0.0, below=THICKNESS_LIMIT)
+    if thickness < THICKNESS_MINIMUM:
+        raise InputError(f"marking = {thickness:g}: must be at least {THICKNESS_MINIMUM:g} [um]")
+    return thickness
 
 
 def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below: float = np.inf) -> Array:

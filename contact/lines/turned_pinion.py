@@ -6,7 +6,7 @@ and the radial coordinate of the circle follow from the pinion's normal.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.flanks.seed_lattice import seed_lattice
-from ...geometry.newton import complex_steps, cramers_rule
+from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule
 from ...geometry.pair.conjugate_motion import ConjugateMotion
 from ...geometry.pair.ease_off import EaseOff
 from ...geometry.vectors import column, rotate
@@ -71,12 +71,17 @@ def circles_met(
     place
         Axial and radial coordinates (2, n) of the circles [mm].
     """
+    if rotations.size > COLUMNS_PER_BLOCK:  # of which each has a rotation of its own
+        parts = [slice(i, i + COLUMNS_PER_BLOCK) for i in range(0, rotations.size, COLUMNS_PER_BLOCK)]
+        blocks = [circles_met(exact, surface, parameters[:, i], rotations[i], place[:, i]) for i in parts]
+        names = [one.name for one in fields(CirclesMet)]
+        return CirclesMet(*(np.concatenate([getattr(met, name) for met in blocks], axis=-1) for name in names))
     motion, section = exact.motion, exact.pinion_section
     turned = rotations + motion.center
 
     def seen(p: Array) -> Array:
         own, own_normal, coordinate = surface.evaluate(p)
-        x, y, z, *normal = _in_space(motion, own, own_normal, np.tile(turned, p.shape[1] // turned.size))
+        x, y, z, *normal = _in_space(motion, own, own_normal, np.tile(turned, len(parameters)))
         radial = np.sqrt(x**2 + y**2)
         # Along the surface the azimuth changes so that the step is at right angles to the normal.
         share = -motion.pinion_sense / (x * normal[1] - y * normal[0])

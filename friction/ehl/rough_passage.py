@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...core import checks
 from ...core.errors import InputError
+from ...core.memory import require_memory
 from .equations.elastic_deflection import Deflection
 from .equations.film_certificate import Status, certify, judge
 from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve
@@ -169,7 +170,7 @@ def rough_passage(
     Raises
     ------
     InputError
-        If a number cannot be used.
+        If a number cannot be used, or the record needs more memory than is free.
 
     Examples
     --------
@@ -185,6 +186,12 @@ def rough_passage(
         checks.whole(name, value, 0)
     checks.whole("order", order, 1, 2)
     checks.positive("touching_film", touching_film, "m")
+    rows = steps // keep if keep else 0
+    require_memory(
+        f"steps = {steps}, nodes = {nodes}, keep = {keep}",
+        STEP_SIZE * steps + KEPT_NODE_SIZE * rows * nodes,
+        "the passage",
+    )
     start = touching_start(
         contact, nodes, domain(contact, ROUGH_INLET_GAP_RATIO) if span is None else span, touching_film
     )
@@ -192,7 +199,7 @@ def rough_passage(
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
     if settle >= steps:
         raise InputError(f"steps = {steps}: must be above {settle}, after which averages begin")
-    kept = np.arange(keep, steps + 1, keep) if keep else np.arange(0)
+    kept = keep * np.arange(1, rows + 1)
     records = {name: np.full(steps, math.nan) for name in _RECORDED}
     status = np.full(steps, Status.FAILED, dtype=np.int8)
     iterations = np.zeros(steps, dtype=int)
@@ -229,6 +236,7 @@ def rough_passage(
     )
 
 
+STEP_SIZE, KEPT_NODE_SIZE = 100.0, 20.0  # memory of the record of a step, and of a node of fields kept [byte]
 _RECORDED = (
     "violation",
     "leak",

@@ -58,6 +58,12 @@ class _Group(click.Group):
             return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
+        except MemoryError as error:
+            said = f" ({str(error)[:150]})" if str(error) else ""
+            raise _Mistake(
+                f"there is not enough memory for this{said}: lower the numbers that decide its size, such as torques, "
+                "mesh_positions, segments_per_line, nodes and fineness"
+            ) from error
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from ...core.magnitude import time_in_words
 from .options import MISALIGNMENT, deviation_option, flank_option, misalignment, torques
 from .terminal_bar import terminal_bar
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ...cases import Case
+    from ...cases.analysis_size import AnalysisSize
 
 _PAIR = (
     click.argument("case"),
@@ -61,6 +63,7 @@ _ANALYSIS = (
     ),
 )
 
+TOLD_TIME = 60.0  # [s]; the cost of an analysis that takes longer is told before it
 DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 
@@ -105,6 +108,25 @@ class Progress(NamedTuple):
     stage: Callable[[str], None]
 
 
+def check_cost(case: Case, size: AnalysisSize) -> None:
+    """Refuse an analysis that needs more memory than is free; say on stderr what one takes that is long.
+
+    Raises
+    ------
+    InputError
+        As ``AnalysisSize.require_memory``.
+    """
+    size.require_memory()
+    teeth = size.teeth_seconds(case)
+    if teeth > TOLD_TIME:
+        made = f"elastic teeth with fineness = {case.compliance.fineness:g}: {time_in_words(teeth)}"
+        click.echo(f"{made}, unless they are kept from an earlier run", err=True)
+    if size.seconds > TOLD_TIME:
+        each = size.speeds * size.temperatures * size.roughnesses
+        friction = f", each at {each} operating conditions" if each > 1 else ""
+        click.echo(f"{size.solved_positions} contact problems{friction}: {time_in_words(size.seconds)}", err=True)
+
+
 @contextmanager
 def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
     """Show a progress bar on a terminal, with the name of the stage.
@@ -129,4 +151,6 @@ def show_stage(bar: Any, name: str) -> None:
     """Name the stage on a progress bar, and measure the time from here."""
     if not bar.disable:
         bar.reset()
+        if name == "friction":  # in parts of which the number is not known
+            bar.total = None
     bar.set_description_str(name)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .analysis_options import analysis_options, progress_bar, with_defaults
+from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import next_commands, numbers, roughnesses
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     metavar="MODEL",
     show_default="kolivand_blended",
     help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, benedict_kelly), "
-    "or a number.",
+    "or a number from 0 to 1.",
 )
 @click.option(
     "--film-heating",
@@ -104,8 +104,9 @@ def run(
     The result holds unloaded and loaded contact, and friction and efficiency if a speed is given.
     """
     from ...cases import read_case
+    from ...cases.analysis_size import AnalysisSize
     from ...core.files import check_folder, check_writable
-    from ..analysis import analyze, operation_of
+    from ..analysis import analyze, case_torques, operation_of
     from ..report.result_summary import doubts, outcome, uncertified
     from ..result import write_result
 
@@ -117,7 +118,8 @@ def run(
         check_folder(plots, "pictures")
     conditions = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
     model = None
-    if operation_of(table, **conditions) is not None:
+    operation = operation_of(table, **conditions)
+    if operation is not None:
         model = _model(table, friction_model, film_heating, clamp_temperature)
     elif friction_model is not None or film_heating is not None or clamp_temperature or friction_feedback:
         raise click.UsageError(
@@ -125,6 +127,10 @@ def run(
             "table [friction]"
         )
     arguments = {**conditions, "friction_model": model, "friction_feedback": friction_feedback, "marking": marking}
+    fed_back = table is not None and table.feedback if friction_feedback is None else friction_feedback
+    shape = (0, 0, 0) if operation is None else operation.shape
+    size = AnalysisSize.of(checked, len(case_torques(checked, options["torques"])), shape, feedback=bool(fed_back))
+    check_cost(checked, size)
     with progress_bar(checked, options["torques"]) as shown:
         tree = analyze(checked, **with_defaults(options), **arguments, progress=shown.step, stage=shown.stage)
     write_result(tree, output)

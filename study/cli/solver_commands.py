@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .analysis_options import analysis_options, progress_bar, with_defaults
+from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options import folder_option, next_commands, output_option, problem_files, solvers
@@ -24,15 +24,18 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     There is one for each torque and mesh position.
     """
     from ...cases import read_case
+    from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.problem_file import write_problems
     from ...contact.solvers import require_solver
     from ...core.files import check_writable
-    from ..analysis import contact_analysis
+    from ..analysis import case_torques, contact_analysis
     from ..case_in_mesh import CaseInMesh
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     checked = read_case(case)
     require_solver(solver)
+    size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
+    check_cost(checked, size)
     with progress_bar(checked, torques) as shown:
         state = CaseInMesh.of(checked, **with_defaults(options), stage=shown.stage)
         shown.stage("loaded contact")

@@ -46,6 +46,14 @@ from .terminal_bar import terminal_bar
 @click.option(
     "--largest-depth", type=float, metavar="UM", show_default="no limit", help="Wear depth in um at which to stop."
 )
+@click.option(
+    "--most-steps",
+    type=int,
+    metavar="N",
+    default=1000,
+    show_default=True,
+    help="The most steps to take; wear that needs more is refused before it begins.",
+)
 @output_option("netCDF file to write.")
 def wear(
     case: str,
@@ -54,6 +62,7 @@ def wear(
     coefficient: tuple[float, float],
     largest_step: float,
     largest_depth: float | None,
+    most_steps: int,
     output: Path,
     **options: Any,
 ) -> None:
@@ -68,7 +77,7 @@ def wear(
     from ..wear_simulation import wear as worn
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
-    law = WearLaw(*coefficient, revolutions, largest_step, largest_depth)
+    law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any
     with terminal_bar(total=revolutions, desc="wear", unit="rev", unit_scale=True) as bar:
         history = worn(

@@ -61,7 +61,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
 
 def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Path]:
     # The drawing library is slow to load, and most of what imports this package never draws.
-    from ...core.checks import number
+    from ...contact.evaluation.marking_print import checked_thickness
     from . import contact_pattern_chart, friction_maps
     from . import ease_off_map as ease_off
     from . import efficiency_chart as efficiency
@@ -72,7 +72,7 @@ def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Pat
     from .tooth_view import tooth_view
 
     if marking is not None:
-        number("marking", marking, "um", above=0.0, below=1000.0)
+        checked_thickness(marking)
     view, pinion = tooth_view(tree), tooth_view(tree, "pinion")
     names, figures = (
         list(PICTURES),

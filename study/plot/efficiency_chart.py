@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ...friction.operation import named_models
 from ..report.ranges import range_notes
-from .friction_maps import chosen_condition, in_print, roughness_name
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, page, plain_axes
+from .friction_maps import chosen_condition, roughness_name
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, evenly_chosen, in_print, page, plain_axes
 from .transmission_error_chart import two_cycles
 
 Array = NDArray[Any]

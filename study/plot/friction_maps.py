@@ -31,7 +31,7 @@ from .contour_labels import (
     without_border,
     without_steep,
 )
-from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, page, torque_name
+from .page import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH, in_print, page, torque_name
 from .tooth_view import ToothView, draw_flank, fine_grid
 
 Array = NDArray[Any]
@@ -199,13 +199,6 @@ def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     """
     pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
     return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
-
-
-def in_print(notes: list[str]) -> list[str]:
-    """Notes as small print: without their first word and last stop, with the signs of the pictures."""
-    return [
-        note.removeprefix("Note: ").removesuffix(".").replace(" degC", " °C").replace(" um", " µm") for note in notes
-    ]
 
 
 def draw(tree: xr.DataTree, view: ToothView) -> Figure:

@@ -61,6 +61,13 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     return titled_sheet(heading, title, "\n".join(print_), body_height, footer)
 
 
+def in_print(notes: list[str]) -> list[str]:
+    """Notes as small print: without their first word and last stop, with the signs of the pictures."""
+    return [
+        note.removeprefix("Note: ").removesuffix(".").replace(" degC", " °C").replace(" um", " µm") for note in notes
+    ]
+
+
 def even_lines(parts: Sequence[str], longest: int = SMALL_PRINT_LENGTH) -> list[str]:
     """Parts of the small print in as few lines as a greatest length [characters] allows, of about the same length.
 

@@ -14,7 +14,21 @@ from numpy.typing import NDArray
 
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
 from ...contact.solvers import Status
-from .page import BODY_SIZE, GREY, INK, PRESSURE_MAP, SMALL_SIZE, WIDTH, evenly_chosen, page, plain_bar, torque_name
+from ..report.pressure_jumps import jump_notes
+from .page import (
+    BODY_SIZE,
+    GREY,
+    INK,
+    PRESSURE_MAP,
+    SEPARATOR,
+    SMALL_SIZE,
+    WIDTH,
+    evenly_chosen,
+    in_print,
+    page,
+    plain_bar,
+    torque_name,
+)
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
 
 PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
@@ -29,6 +43,7 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...]) -> Figure:
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
     note = "+ peak, dashed: boundary of the common flank"
     note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
+    note = SEPARATOR.join([note, *in_print(jump_notes(loaded))])
     # What the axis labels and the colour bar leave of the page's width.
     height = chosen.size * ((WIDTH - 1.6) / 2 * shared_aspect(views) + 0.27) + 0.35
     figure = page(tree, "Contact pressure over the mesh cycle, gear and pinion flank", height, note)

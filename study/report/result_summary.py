@@ -16,6 +16,7 @@ from .departures import deviations, modification
 from .key_numbers import key_numbers
 from .model_name import model_name
 from .plausibility import plausibility
+from .pressure_jumps import jump_notes
 from .ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
@@ -92,9 +93,9 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on numbers unlike any gear, and on what lies beyond the ranges of the friction models."""
+    """Notes on numbers unlike any gear, on pressures that jump, and on what is beyond the range of a friction model."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
-    return [*plausibility(tree), *ranges]
+    return [*plausibility(tree), *jump_notes(tree["loaded"].to_dataset()), *ranges]
 
 
 def outcome(tree: xr.DataTree) -> str:

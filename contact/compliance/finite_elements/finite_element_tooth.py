@@ -13,6 +13,7 @@ from scipy.sparse import hstack
 
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
+from ....core.memory import require_memory
 from ....geometry.pair.gear_pair import GearPair
 from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (
@@ -37,7 +38,9 @@ LENGTHWISE_BRICK_LIMITS = (8, 32)
 THROUGH_BRICK_LIMITS = (4, 8)
 SOLID_SHELL_BRICK_SHARE = 0.7  # bricks of a solid shell's body along the face over the usual number
 FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 7  # trial functions of a solid shell
+FACTOR_SIZE, FACTOR_EXPONENT = 2.0e3, 4.0 / 3.0  # memory of a body's factor [byte] over its nodes to this power
 UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
+FULL_MATRICES = 4.2  # of that size at once
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ def finite_element_tooth(
     GeometryError
         If the tooth cannot be filled with bricks: pointed, undercut, cut through by its own fillets.
     InputError
-        If a number is out of range.
+        If a number is out of range, or the finite elements need more memory than is free.
     """
     _check(fineness)
     size = _long_enough(usual_size(pair, member).finer(fineness))
@@ -118,7 +121,7 @@ def finite_element_tooth(
     found = kept(
         key,
         {**of_flank, "stations": (None,), "stress": (None, None, 6, of_flank["factor"][1])},
-        lambda: _condensed(tooth_lattice(pair, member, size, rim_depth), material, member),
+        lambda: _condensed(tooth_lattice(pair, member, size, rim_depth), material, member, fineness),
     )
     reason = _sharp_root(pair, member)
     root = None if reason else StressResponse(found["stations"], found["stress"])
@@ -178,7 +181,7 @@ def solid_shell_tooth(
     found = kept(
         key,
         _flank_arrays(size),
-        lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member),
+        lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
     )
     return FiniteElementTooth(_flank(found), None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
@@ -208,7 +211,11 @@ def _flank(found: Mapping[str, Array]) -> FlankCompliance:
     return FlankCompliance(found["lengthwise"], found["profile"], found["factor"])
 
 
-def _condensed_shell(lattice: ToothLattice, material: Material, counts: Counts, member: str) -> dict[str, Array]:
+def _condensed_shell(
+    lattice: ToothLattice, material: Material, counts: Counts, member: str, fineness: float
+) -> dict[str, Array]:
+    needed = FULL_MATRICES * 8.0 * (3 * math.prod(counts)) ** 2
+    require_memory(f"fineness = {fineness:g}", needed, f"the {member} as a solid shell")
     try:
         shell = solid_shell(lattice, material, counts)
     except GeometryError as error:
@@ -230,7 +237,9 @@ def unfilled(member: str, error: GeometryError) -> GeometryError:
     return GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}")
 
 
-def _condensed(lattice: ToothLattice, material: Material, member: str) -> dict[str, Array]:
+def _condensed(lattice: ToothLattice, material: Material, member: str, fineness: float) -> dict[str, Array]:
+    needed = FACTOR_SIZE * len(lattice.nodes) ** FACTOR_EXPONENT
+    require_memory(f"fineness = {fineness:g}", needed, f"the {member} by finite elements")
     try:
         body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
     except GeometryError as error:

@@ -1,0 +1,208 @@
+"""The memory of an analysis is known before it runs: what is too large is refused, what it takes is as estimated."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+import easeoff
+from easeoff import InputError
+from easeoff.cases import Case, gear_pair
+from easeoff.cases.analysis_size import AnalysisSize
+from easeoff.cases.conversion import finite_elements
+from easeoff.cases.schema.case_schema import ComplianceTable
+from easeoff.core.memory import MEMORY_VARIABLE
+from easeoff.friction.ehl import LubricatedContact, Oil, rough_passage
+from easeoff.geometry.pair import gear_pair as geometry
+from easeoff.study import WearLaw, wear
+from easeoff.study.cli import main
+
+MEASURE = """
+import json, resource, sys
+import easeoff, easeoff.contact, easeoff.friction, easeoff.study.report.result_summary
+contact, options = json.loads(sys.argv[1])
+case = easeoff.read_case("nasa-12x36")
+case = case.model_copy(update={"contact": case.contact.model_copy(update=contact)})
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+tree = easeoff.analyze(case, **options)
+easeoff.write_result(tree, sys.argv[2])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+
+
+def sized(**contact: Any) -> Case:
+    case = easeoff.read_case("nasa-12x36")
+    return case.model_copy(update={"contact": case.contact.model_copy(update=contact)})
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("contact", "torques", "speeds", "feedback"),
+    [
+        ({"lengthwise_nodes": 201, "profile_nodes": 201}, 1, 0, False),
+        ({}, 150, 0, False),
+        ({"mesh_positions": 8, "segments_per_line": 800}, 1, 0, False),
+        ({}, 10, 60, False),
+        ({"mesh_positions": 8}, 4, 12, True),
+    ],
+)
+def test_the_estimate_is_what_a_process_takes(
+    contact: dict[str, int], torques: int, speeds: int, feedback: bool, tmp_path: Path
+) -> None:
+    """No less, so that nothing too large begins; and no more than three times as much, so that nothing is refused
+    without need."""
+    options: dict[str, Any] = {"torques": [50.0 + i for i in range(torques)]}
+    if speeds:
+        options |= {"speed": [500.0 + 10.0 * i for i in range(speeds)], "friction_feedback": feedback}
+    words = [sys.executable, "-c", MEASURE, json.dumps([contact, options]), str(tmp_path / "result.nc")]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    taken = 1024.0 * int(done.stdout)
+    conditions = (speeds, 1, 1) if speeds else (0, 0, 0)
+    estimated = AnalysisSize.of(sized(**contact), torques, conditions, feedback=feedback).memory
+    assert taken <= estimated <= 3.0 * taken
+
+
+@pytest.mark.parametrize(
+    ("contact", "options", "numbers"),
+    [
+        ({"lengthwise_nodes": 1001, "profile_nodes": 1001}, {}, "1001 lengthwise_nodes x 1001 profile_nodes"),
+        (
+            {"mesh_positions": 200},
+            {"torques": [float(i) for i in range(1, 1001)]},
+            "1000 torques x 200 mesh_positions x 31 segments_per_line",
+        ),
+        (
+            {"mesh_positions": 2000, "segments_per_line": 2000},
+            {"torques": 100.0},
+            "2000 mesh_positions x 2000 segments_per_line",
+        ),
+        (
+            {},
+            {"speed": [float(i) for i in range(1, 10001)], "temperature": [30.0 + 0.01 * i for i in range(5000)]},
+            "10000 speeds x 5000 temperatures x 1 roughnesses",
+        ),
+    ],
+)
+def test_what_is_too_large_is_refused_before_it_begins(
+    contact: dict[str, int], options: dict[str, Any], numbers: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "3")
+    monkeypatch.setattr(geometry, "grid", None)  # nothing is computed
+    with pytest.raises(InputError) as refused:
+        easeoff.analyze(sized(**contact), **options)
+    assert str(refused.value).startswith(f"{numbers}: must be smaller, as the analysis needs about ")
+    assert "and 3 GB are free" in str(refused.value)
+
+
+def test_studies_refuse_what_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "3")
+    case = sized(lengthwise_nodes=1001, profile_nodes=1001)
+    with pytest.raises(InputError, match="1001 profile_nodes: must be smaller"):
+        easeoff.optimize(case, torques=[100.0])
+    with pytest.raises(InputError, match="1001 profile_nodes: must be smaller"):
+        wear(case, WearLaw(1e-12, 1e-12, 1e6), torque=100.0)
+
+
+@pytest.mark.parametrize("command", ["run", "problems"])
+def test_commands_refuse_it_and_leave_nothing(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "0.5")
+    text = easeoff.cases.case_text("nasa-12x36").replace("[contact]", "[contact]\nmesh_positions = 2000")
+    case = tmp_path / "case.toml"
+    case.write_text(text)
+    torques = ",".join(str(i) for i in range(1, 301))
+    refused = CliRunner().invoke(main, [command, str(case), "--torque", torques, "-o", str(tmp_path / "out.nc")])
+    assert refused.exit_code == 2
+    assert "300 torques x 2000 mesh_positions x 31 segments_per_line: must be smaller" in refused.output
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
+
+
+def test_memory_grows_with_every_number() -> None:
+    own = AnalysisSize.of(sized(), 3, (2, 2, 2))
+    for name in ("torques", "mesh_positions", "segments_per_line", "lengthwise_nodes", "profile_nodes", "speeds"):
+        more = AnalysisSize(**{**vars(own), name: 2 * getattr(own, name)})
+        assert more.memory > own.memory
+        assert more.seconds > own.seconds
+
+
+def test_a_long_analysis_says_before_it_begins_what_it_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*arguments: Any, **options: Any) -> Any:
+        raise InputError("begun")
+
+    monkeypatch.setattr("easeoff.study.analysis.analyze", stop)
+    torques = ",".join(str(i) for i in range(1, 3001))
+    said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", torques, "-o", str(tmp_path / "out.nc")])
+    assert said.output.splitlines()[-2:] == ["96000 contact problems: about 3 min", "Error: begun"]
+    said = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
+    assert said.output.splitlines() == ["Error: begun"]
+
+
+def test_fine_teeth_say_what_they_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*arguments: Any, **options: Any) -> Any:
+        raise InputError("begun")
+
+    monkeypatch.setattr("easeoff.study.analysis.analyze", stop)
+    case = tmp_path / "case.toml"
+    case.write_text(easeoff.cases.case_text("nasa-12x36") + "\n[compliance]\nfineness = 2.0\n")
+    said = CliRunner().invoke(main, ["run", str(case), "-o", str(tmp_path / "out.nc")])
+    assert said.output.splitlines()[0] == (
+        "elastic teeth with fineness = 2: about 110 s, unless they are kept from an earlier run"
+    )
+
+
+@pytest.mark.parametrize(("model", "words"), [("fe", "by finite elements"), ("solid_shell", "as a solid shell")])
+def test_teeth_too_large_for_the_memory_are_refused(
+    model: Any, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "0.08")
+    monkeypatch.setenv("EASEOFF_CACHE", str(tmp_path))
+    case = sized().model_copy(update={"compliance": ComplianceTable(model=model, fineness=1.5)})
+    pair = gear_pair(case)
+    with pytest.raises(InputError, match=rf"^fineness = 1.5: must be smaller, as the pinion {words} needs about"):
+        finite_elements(case, pair)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("options", "size"),
+    [
+        (["--nodes", "1001x1001", "-o", "gear.stl"], "nodes = 1001x1001: must be smaller, as the surface needs"),
+        (["--teeth", "all", "-o", "gear.vtu"], "nodes = 61x31, teeth = 36: must be smaller, as the surface needs"),
+        (["--rows", "900", "--columns", "900", "-o", "gear.csv"], "rows = 900, columns = 900: must be smaller"),
+    ],
+)
+def test_files_too_large_for_the_memory_are_refused(
+    options: list[str], size: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "0.1")
+    monkeypatch.chdir(tmp_path)
+    refused = CliRunner().invoke(main, ["export", "nasa-12x36", "--member", "gear", *options])
+    assert refused.exit_code == 2
+    assert size in " ".join(refused.output.split())
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_passage_that_keeps_too_much_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(MEMORY_VARIABLE, "1")
+    contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    with pytest.raises(InputError, match=r"^steps = 1000000, nodes = 513, keep = 1: must be smaller, as the passage"):
+        rough_passage(contact, steps=10**6, nodes=513, keep=1)
+
+
+@pytest.mark.parametrize(("reason", "said"), [("", "for this: lower"), ("no 75 GB", "for this (no 75 GB): lower")])
+def test_memory_that_runs_out_all_the_same_is_one_message(
+    reason: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*arguments: Any, **options: Any) -> Any:
+        raise MemoryError(reason)
+
+    monkeypatch.setattr("easeoff.study.analysis.analyze", fail)
+    failed = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
+    assert failed.exit_code == 2
+    assert f"Error: there is not enough memory {said} the numbers" in failed.output
+    assert not list(tmp_path.iterdir())
