@@ -12,9 +12,9 @@ from typing import Any
 
 import tomli_w
 from bases import CASES, Bases
-from case_keys import COMPLIANCE, FRICTION, MISALIGNMENT
+from mutations.case_keys import COMPLIANCE, FRICTION, MISALIGNMENT
 from processes import Outcome, forked
-from toml_mutations import Tree, _places
+from mutations.toml_mutations import Tree, _places
 
 #: Largest violation of a condition that this check, computed anew, allows a certified solution: that of the package.
 TOLERANCE = 1e-9

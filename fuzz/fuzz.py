@@ -25,7 +25,7 @@ import faults_while_writing
 import imports
 import inputs
 from bases import Bases
-from invocations import KINDS
+from kinds.drawing import KINDS
 from oracle import place
 from writing_runs import RUNS, Reference, WritingRun, reference
 
@@ -164,9 +164,8 @@ def _run(name: str, seeds: range, place: Place) -> int:
         if found[key] <= SHOWN:
             kind = f" --kind {place.kind}" if place.kind else ""
             text = "; ".join(case.faults).encode("unicode_escape").decode()
-            print(
-                f"{name} {seed}: {case.what}: {text} {case.where}\n    python fuzz/fuzz.py {name} --seed {seed} --count 1{kind}"
-            )
+            print(f"{name} {seed}: {case.what}: {text} {case.where}")
+            print(f"    python fuzz/fuzz.py {name} --seed {seed} --count 1{kind}")
             if case.detail:
                 print(f"    {case.detail}")
             sys.stdout.flush()

@@ -10,9 +10,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import oracle
-import path_mutations
+from mutations import path_mutations
 from bases import Bases
-from invocations import INNER, Box, Input, draw
+from kinds.box import INNER, Box, Input
+from kinds.drawing import draw
 from processes import Outcome, command_line, forked, fresh
 from readers import reading, written_files
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import netcdf_mutations
+from mutations import netcdf_mutations
 import numpy as np
 from bases import Bases
 from processes import Outcome, command_line, forked

@@ -8,7 +8,7 @@ import random
 import xml.etree.ElementTree as ET
 from typing import Any
 
-import text_mutations
+from . import text_mutations
 
 ENTITIES = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 10))
 DOCTYPES = (

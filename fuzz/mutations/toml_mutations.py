@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from datetime import date, time
 from typing import Any
 
-import text_mutations
+from . import text_mutations
 import tomli_w
 
 Tree = dict[str, Any]

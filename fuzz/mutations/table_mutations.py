@@ -6,7 +6,7 @@ import contextlib
 import random
 from collections.abc import Callable
 
-import text_mutations
+from . import text_mutations
 
 ODD_CELLS = (
     "nan",
