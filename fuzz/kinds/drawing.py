@@ -9,14 +9,26 @@ from collections.abc import Callable
 from . import damaged_files, odd_surroundings, wrong_words
 from .box import Box, Input
 
+#: Kinds of inputs: how often they are drawn, and what draws them.
 KINDS: dict[str, tuple[float, Callable[[random.Random, Box], Input]]] = {
-    "case": (6.0, damaged_files.case), "design": (1.5, damaged_files.design), "oil": (2.0, damaged_files.oil), "grid": (4.0, damaged_files.grid), "points": (1.0, damaged_files.points),
+    "case": (6.0, damaged_files.case),
+    "design": (1.5, damaged_files.design),
+    "oil": (2.0, damaged_files.oil),
+    "grid": (4.0, damaged_files.grid),
+    "points": (1.0, damaged_files.points),
     "result": (4.0, damaged_files.result),
-    "problems": (0.25, damaged_files.problems), "study": (0.25, damaged_files.study), "exchange_file": (2.0, damaged_files.exchange_file), "formula": (1.0,
-    formula), "teeth": (0.5, damaged_files.teeth),
-    "options": (6.0, wrong_words.options), "mistaken": (2.0, wrong_words.mistaken), "paths": (2.0, odd_surroundings.paths), "stranger": (0.5, odd_surroundings.stranger),
-    "surroundings": (0.15, odd_surroundings.surroundings), "modules": (0.05, odd_surroundings.modules),
-}  # fmt: skip
+    "problems": (0.25, damaged_files.problems),
+    "study": (0.25, damaged_files.study),
+    "exchange_file": (2.0, damaged_files.exchange_file),
+    "formula": (1.0, damaged_files.formula),
+    "teeth": (0.5, damaged_files.teeth),
+    "options": (6.0, wrong_words.options),
+    "mistaken": (2.0, wrong_words.mistaken),
+    "paths": (2.0, odd_surroundings.paths),
+    "stranger": (0.5, odd_surroundings.stranger),
+    "surroundings": (0.15, odd_surroundings.surroundings),
+    "modules": (0.05, odd_surroundings.modules),
+}
 
 
 def draw(seed: int, box: Box, kind: str | None = None) -> Input:
