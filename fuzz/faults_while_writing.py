@@ -145,7 +145,7 @@ def _faults_of_an_end(outcome: Outcome) -> list[str]:
 
 def _listing(stage: Stage) -> set[str]:
     """Names in the folder, in those within, and in the cache."""
-    found = set()
+    found: set[str] = set()
     for folder in (stage.folder, stage.cache):
         for root, folders, files in os.walk(folder):
             found.update(os.path.join(root, name) for name in (*folders, *files))

@@ -17,7 +17,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import disturbed_analyses
@@ -63,12 +63,13 @@ Part = Callable[[range, "Place"], Iterator[tuple[int, Case]]]
 
 @dataclass(frozen=True)
 class Place:
-    """Folders of a search, and what is asked for."""
+    """Folders of a search, what is asked for, and what undisturbed runs gave."""
 
     bases: Bases
     work: Path
     kind: str | None = None
     command: str | None = None
+    references: dict[WritingRun, Reference] = field(default_factory=dict)
 
 
 def mutated_inputs(seeds: range, place: Place) -> Iterator[tuple[int, Case]]:
@@ -98,12 +99,11 @@ def while_writing(name: str) -> Part:
 
     def tried(seeds: range, place: Place) -> Iterator[tuple[int, Case]]:
         runs = [run for run in RUNS if place.command in (None, run.words.split()[0])]
-        known: dict[WritingRun, Reference] = {}
         for seed in seeds:
             run = runs[seed % len(runs)]
-            if run not in known:
-                known[run] = reference(run, place.bases, place.work)
-            faults = disturb(random.Random(f"{name} {seed}"), run, known[run], place.bases, place.work)
+            if run not in place.references:
+                place.references[run] = reference(run, place.bases, place.work)
+            faults = disturb(random.Random(f"{name} {seed}"), run, place.references[run], place.bases, place.work)
             if faults is None:
                 yield seed, Case("not tried: no disk can be mounted here", [])
             else:

@@ -149,9 +149,8 @@ def move(rng: random.Random, tree: Tree) -> None:
     place = _place(rng, tree, dict)
     if place:
         value = copy.deepcopy(place[0][place[1]])
-        rng.choice(
-            [lambda: tree.update(value), lambda: tree.update({"more": value}), lambda: value.update(pair=value.copy())]
-        )()
+        into, content = rng.choice([(tree, value), (tree, {"more": value}), (value, {"pair": value.copy()})])
+        into.update(content)
         place[0][place[1]] = value if rng.random() < 0.5 else [value, value]
 
 
