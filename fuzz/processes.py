@@ -149,6 +149,9 @@ def _child(
             signal.signal(signal.SIGXFSZ, signal.SIG_DFL)  # the new interpreter ignores it by itself
             os.execv(words[0], words)
         assert call is not None
+        # As a new interpreter has them, whatever the parent made of its own.
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)
+        sys.stderr = open(2, "w", encoding="utf-8", errors="backslashreplace", closefd=False)
         call()
         code = 0
     except SystemExit as end:
