@@ -150,8 +150,8 @@ def _child(
             os.execv(words[0], words)
         assert call is not None
         # As a new interpreter has them, whatever the parent made of its own.
-        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)
-        sys.stderr = open(2, "w", encoding="utf-8", errors="backslashreplace", closefd=False)
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+        sys.stderr = open(2, "w", encoding="utf-8", errors="backslashreplace", closefd=False)  # noqa: SIM115
         call()
         code = 0
     except SystemExit as end:
