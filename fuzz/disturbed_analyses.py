@@ -74,10 +74,11 @@ def draw(seed: int, bases: Bases) -> tuple[str, dict[str, Any]]:
 
 def analysis(text: str, arguments: dict[str, Any]) -> None:
     """Analyse a case, and end with 1 and a message if what is shown does not hold."""
+    from easeoff import analyze
     from easeoff.cases import parse_case
     from easeoff.contact.problem.certificate import certify
     from easeoff.core.errors import EaseoffError
-    from easeoff.study import CaseInMesh, analyze, contact_analysis, result_summary
+    from easeoff.study import CaseInMesh, contact_analysis, result_summary
     from easeoff.study.report.result_summary import uncertified
 
     torques = arguments.get("torques")
@@ -88,6 +89,7 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
             case = parse_case(text)
             tree = analyze(case, **arguments)
             shown = result_summary(tree)
+            # The contact problems are not in the result: they are solved again.
             state = CaseInMesh.of(case, flank=arguments["flank"])
             solved = contact_analysis(state, torques, edge_contact=edges).cases
         except EaseoffError as error:
