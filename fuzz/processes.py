@@ -7,7 +7,6 @@ import os
 import resource
 import signal
 import sys
-import tempfile
 import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
@@ -107,18 +106,31 @@ def start(
 
 
 def _watched(child: Callable[[], None], limits: Limits) -> Outcome:
-    """Outcome of a child whose output goes to files that have no name."""
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        began = time.monotonic()
-        pid = os.fork()
-        if pid == 0:
-            _redirect(out.fileno(), err.fileno())
-            child()
-        outcome = _wait(pid, began, limits)
-        out.seek(0)
-        err.seek(0)
-        texts = [stream.read().decode("utf-8", "backslashreplace") for stream in (out, err)]
-    return replace(outcome, stdout=texts[0], stderr=texts[1])
+    """Outcome of a child whose output goes into pipes: no limit of the size of files is one of theirs."""
+    pipes = [os.pipe(), os.pipe()]
+    began = time.monotonic()
+    pid = os.fork()
+    if pid == 0:
+        _redirect(pipes[0][1], pipes[1][1])
+        child()
+    for source, sink in pipes:
+        os.close(sink)
+        os.set_blocking(source, False)
+    sources = [source for source, _ in pipes]
+    read: list[list[bytes]] = [[], []]
+    outcome = _wait(pid, began, limits, lambda: _drain(sources, read))
+    for source in sources:
+        os.close(source)
+    out, err = (b"".join(parts).decode("utf-8", "backslashreplace") for parts in read)
+    return replace(outcome, stdout=out, stderr=err)
+
+
+def _drain(sources: list[int], read: list[list[bytes]]) -> None:
+    """Read what is in pipes without waiting for more."""
+    for source, parts in zip(sources, read, strict=True):
+        with contextlib.suppress(BlockingIOError):
+            while part := os.read(source, 2**16):
+                parts.append(part)
 
 
 def _redirect(out: int, err: int) -> None:
@@ -177,9 +189,10 @@ def _address_space() -> int:
         return 2**31
 
 
-def _wait(pid: int, began: float, limits: Limits) -> Outcome:
+def _wait(pid: int, began: float, limits: Limits, drain: Callable[[], None]) -> Outcome:
     pause, late = 0.002, False
     while True:
+        drain()
         found, status, usage = os.wait4(pid, os.WNOHANG)
         if found:
             break
@@ -194,6 +207,7 @@ def _wait(pid: int, began: float, limits: Limits) -> Outcome:
         time.sleep(0.02)
     orphans = _group_runs(pid) and not late
     _end_group(pid)
+    drain()
     code = os.waitstatus_to_exitcode(status)
     return Outcome(code, "", "", usage.ru_utime + usage.ru_stime, wall, late, orphans)
 
