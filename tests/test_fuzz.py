@@ -15,9 +15,13 @@ import pytest
 from bases import Bases
 from kinds.box import INNER, Box
 from kinds.drawing import KINDS, draw
+from mutations.option_values import OPTIONS
 from processes import Limits, Outcome, forked
 from writing_runs import content, equal
 
+from easeoff.study.cli import main
+
+COMMANDS = list(main.commands.items())
 FUZZ = Path(__file__).parents[1] / "fuzz"
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs forked processes")
@@ -164,6 +168,19 @@ def test_every_kind_can_be_drawn() -> None:
     assert all(weight > 0 for weight, _ in KINDS.values())
     drawn = random.Random(1).choices(list(KINDS), [weight for weight, _ in KINDS.values()], k=5000)
     assert set(drawn) == set(KINDS)
+
+
+def test_every_option_is_known_to_the_search() -> None:
+    """But for the one that takes minutes."""
+    given = {
+        name: {word for o in command.params for word in (*o.opts, *o.secondary_opts)} for name, command in COMMANDS
+    }
+    options = {name: {word for word in words if word.startswith("--")} for name, words in given.items()}
+    asked = {"--output", "--without-split"}
+    negated = {"--no-clamp-temperature", "--no-friction-feedback"}
+    assert {name: words - set(OPTIONS[name]) - asked - negated for name, words in options.items()} == dict.fromkeys(
+        options, set()
+    )
 
 
 def test_a_cut_file_is_no_whole_one(bases: Bases, tmp_path: Path) -> None:

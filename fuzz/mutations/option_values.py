@@ -47,6 +47,7 @@ PAIR: Options = {
     "--deviation": DEVIATION,
     "--interpolation": INTERPOLATION,
     "--solver": SOLVER,
+    "--allow-outside": None,
 }
 ANALYSIS: Options = {
     **PAIR,
@@ -87,23 +88,26 @@ OPTIONS: dict[str, Options] = {
         "--coefficient": ("1e-12", "0", "1e-12/2e-12", "-1", "nan", "1", "1/2/3", "inf", "1e-300", "1e300", "1e-9"),
         "--largest-step": ("0.5", "0", "-1", "nan", "inf", "1e-9", "5", "1e-300", "1e300"),
         "--largest-depth": LARGEST,
+        "--most-steps": ("5", "0", "-1", "x", "1.5", "9" * 400, "1"),
     },
     "optimize": {
         "--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "--solver": SOLVER,
         "--objective": ("peak_load", "peak_pressure", "even_load", "x"), "--order": ("2", "3", "4", "5", "x", "2.0"),
         "--transmission-error": ("10", *LARGEST), "--end-load": ("10", *LARGEST), "--largest": ("10", *LARGEST),
+        "--allow-outside": None,
         "--fitted-case": ("fit.toml", "fit.nc", *PATHS), "--force": None,
     },
-    "verify": {"--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "-o": ("v.nc", "v.txt", *PATHS)},
+    "verify": {"--allow-outside": None, "--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "-o": ("v.nc", "v.txt", *PATHS)},
     "export": {
         "--member": ("pinion", "gear", "wheel"), "--flank": ("concave", "convex", "both", "drive"), "--rows": ("5",
         "2", "1", "-1", "x", "1001", "3"),
         "--columns": ("9", "2", "0", "3"), "--teeth": ("1", "all", "0", "-1", "41", "1000", "x", "", "1e3"),
+        "--allow-outside": None,
         "--margins": ("toe=1", "toe=100", "toe=-1", "top=1", "toe=nan", "root=0,tip=0", "toe=1e300",
         "toe=0,heel=0,root=0,tip=0", "", ","),
         "--nodes": ("9x7", "5x5", "1x1", "x", "9", "9x7x5", "9X7", "-5x9", "200x100", "1e3x5"),
     },
-    "correct": {"--flank": FLANK, "--deviation": DEVIATION},
+    "correct": {"--flank": FLANK, "--deviation": DEVIATION, "--allow-outside": None},
     "compare": {
         "--solvers": ("native", "native,magic", "magic", "", "native,", "os:path", "math:sqrt", "osqp",
         "native,native", "nothing:x", ":", "\x1b[2J"),
@@ -119,8 +123,8 @@ OPTIONS: dict[str, Options] = {
         "my sheet", '"""', "\\", "\x07"),
     },
     "plot": MARKING,
-    "design": {"--force": None, "--report": None},
-    "convert": {"--force": None},
+    "design": {"--force": None, "--report": None, "--allow-outside": None},
+    "convert": {"--force": None, "--allow-outside": None},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
     "show": {}, "cases": {},
 }  # fmt: skip
