@@ -31,6 +31,13 @@ random: $(READY_FOR_TESTS)
 	@echo "seed $(SEED): 'make random SEED=$(SEED)' draws the same again"
 	$(PYTEST) -m "hypothesis or random" --hypothesis-profile random --hypothesis-seed $(SEED)
 
+# Mutated inputs, kills, full disks, concurrent runs and disturbed analyses: nothing may break the command line.
+fuzz: SEED := $(or $(SEED),$(shell $(PYTHON) -c "import secrets; print(secrets.randbits(32))"))
+fuzz: COUNT := $(or $(COUNT),500)
+fuzz: $(READY_FOR_TESTS)
+	@echo "seed $(SEED): 'make fuzz SEED=$(SEED)' draws the same again"
+	.venv/bin/python fuzz/fuzz.py --seed $(SEED) --count $(COUNT)
+
 .venv:
 	$(PYTHON) -m venv --without-pip .venv
 
@@ -46,4 +53,4 @@ $(READY_FOR_CHECKS): pyproject.toml | .venv
 	$(PIP) -e '.[test,lint,dask]'
 	touch $(READY) $(READY_FOR_TESTS) $@
 
-.PHONY: run test check random
+.PHONY: run test check random fuzz

@@ -1,4 +1,4 @@
-"""In a checkout the folder of the package holds tests, docs and benchmarks too: they cannot be imported from it."""
+"""In a checkout the folder of the package holds tests and docs, too: they cannot be imported from it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
-EXCLUDED_MODULES = ("easeoff.tests", "easeoff.docs", "easeoff.benchmarks")
+EXCLUDED_MODULES = ("easeoff.tests", "easeoff.docs", "easeoff.benchmarks", "easeoff.fuzz")
 
 
 class CheckoutFinder:

@@ -118,7 +118,7 @@ def test_folders_are_small_enough_to_be_seen_at_once() -> None:
     assert {str(path.relative_to(PACKAGE)): count for path, count in entries.items() if count > LARGEST_FOLDER} == {}
 
 
-@pytest.mark.parametrize("name", ["tests", "docs", "benchmarks"])
+@pytest.mark.parametrize("name", ["tests", "docs", "benchmarks", "fuzz"])
 def test_what_stands_beside_the_package_is_no_part_of_it(name: str) -> None:
     """In a checkout these folders stand in that of the package; here in a fresh process, as the first import."""
     done = subprocess.run([sys.executable, "-c", f"import easeoff.{name}"], capture_output=True, text=True, check=False)

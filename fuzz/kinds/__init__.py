@@ -1,0 +1,1 @@
+"""Kinds of inputs: what files a run gets, and the words of its command line."""

@@ -1,0 +1,148 @@
+"""Damaged files for every reader and every command that reads."""
+
+from __future__ import annotations
+
+import random
+import shutil
+from pathlib import Path
+
+from mutations import byte_mutations, path_mutations
+
+from .box import Box, Input
+from .mutated_file import any_mutation
+
+
+def case(rng: random.Random, box: Box) -> Input:
+    """A mutated case, for every command that takes one."""
+    name = any_mutation(rng, box, rng.choice([*box.bases.of("case"), "nasa.toml", "nasa.toml"]), "case.toml")
+    return Input("", rng.choice(case_commands(name)), [name])
+
+
+def case_commands(name: str) -> list[list[str]]:
+    """Command lines for a case; the analysis more often than others."""
+    run = ["run", name, "-o", "out.nc"]
+    return [
+        *[run] * 6,
+        [*run, "--plots", "pictures"],
+        [*run, "--flank", "coast"],
+        [*run, "--speed", "800"],
+        [*run, "--deviation", "gear=fm-11x41-worn-gear"],
+        ["problems", name, "-o", "out.nc"],
+        ["wear", name, "-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
+        ["optimize", name, "-o", "out.nc", "--order", "2", "--torque", "50", "--fitted-case", "fit.toml"],
+        ["correct", name, "--deviation", "gear=fm-11x41-worn-gear"],
+        ["verify", name, "--torque", "50", "-o", "table.nc"],
+        ["design", name, "-o", "o.toml"],
+        ["convert", name, "-o", "o.rexs"],
+        ["convert", name, "-o", "o.toml"],
+        *[["export", name, "-o", output, "--nodes", "9x7"] for output in ("o.csv", "o.stl", "o.nc", "o.vtu")],
+    ]
+
+
+def design(rng: random.Random, box: Box) -> Input:
+    """A mutated design."""
+    name = any_mutation(rng, box, rng.choice(box.bases.of("design")), "design.toml")
+    return Input("", ["design", name, "-o", "o.toml", *rng.choice([[], ["--report"]])], [name])
+
+
+def oil(rng: random.Random, box: Box) -> Input:
+    """A mutated lubricant, given as an option or by the case."""
+    name = any_mutation(rng, box, rng.choice(box.bases.of("oil")), "oil.toml")
+    pair = box.copy("nasa.toml", "case.toml")
+    if rng.random() < 0.3:
+        with open(box.folder / pair, "a", encoding="utf-8") as stream:
+            stream.write('\n[friction]\nspeed = 500.0\ntemperature = 60.0\noil = "oil.toml"\n')
+        return Input("", ["run", pair, "-o", "out.nc", "--torque", "50"], [pair, name])
+    words = ["--torque", "50", "--speed", "500", "--temperature", "60", "--oil", name]
+    return Input("", ["run", pair, "-o", "out.nc", *words], [pair, name])
+
+
+def grid(rng: random.Random, box: Box) -> Input:
+    """A mutated grid of deviations, measuring points, or wear, as a deviation."""
+    base = rng.choice(box.bases.of("grid", "grid", "points", "wear"))
+    name = any_mutation(rng, box, base, "grid" + Path(base).suffix)
+    pair = box.copy("fm.toml", "case.toml")
+    given = ["--deviation", f"gear={name}"]
+    words = rng.choice(
+        [
+            *[["run", pair, "-o", "out.nc", "--torque", "100", *given]] * 3,
+            [
+                "run",
+                pair,
+                "-o",
+                "out.nc",
+                "--torque",
+                "100",
+                *given,
+                "--interpolation",
+                rng.choice(["smooth", "weighted_average"]),
+            ],
+            ["run", pair, "-o", "out.nc", "--torque", "100", *given, "--deviated", "surface"],
+            ["correct", pair, *given],
+            ["problems", pair, "-o", "out.nc", "--torque", "100", *given],
+            ["wear", pair, "-o", "out.nc", "--torque", "100", "--revolutions", "1e3", *given],
+        ]
+    )
+    return Input("", words, [pair, name])
+
+
+def points(rng: random.Random, box: Box) -> Input:
+    """Mutated measuring points, read by the function for them."""
+    base = rng.choice(box.bases.of("points", "grid"))
+    name = any_mutation(rng, box, base, "points" + Path(base).suffix)
+    return Input("", [name], [name], call="points")
+
+
+def result(rng: random.Random, box: Box) -> Input:
+    """A mutated result, shown or drawn."""
+    name = any_mutation(rng, box, rng.choice(box.bases.of("result", "result", "wear", "problems", "table")), "r.nc")
+    return Input("", rng.choice([*[["show", name]] * 5, ["plot", name, "pictures"]]), [name])
+
+
+def problems(rng: random.Random, box: Box) -> Input:
+    """Mutated contact problems, compared."""
+    name = any_mutation(rng, box, "problems.nc")
+    words = ["--solvers", "native", "--repetitions", "1", "--time-limit", "5"]
+    return Input("", ["compare", name, "-o", "study", *words], [name])
+
+
+def study(rng: random.Random, box: Box) -> Input:
+    """A comparison that resumes from a mutated file of measurements."""
+    name = box.copy("problems.nc")
+    any_mutation(rng, box, "study/measurements.jsonl", "study/measurements.jsonl")
+    return Input("", ["compare", name, "-o", "study", "--solvers", "native", "--repetitions", "1"], [name])
+
+
+def exchange_file(rng: random.Random, box: Box) -> Input:
+    """A mutated REXS file or session script."""
+    base = rng.choice(["fm.rexs", "pair.ses"])
+    name = any_mutation(rng, box, base)
+    words = rng.choice(
+        [*[["convert", name, "-o", "o.toml"]] * 5, ["convert", name, "-o", "o.rexs"], ["run", name, "-o", "out.nc"]]
+    )
+    return Input("", words, [name])
+
+
+def formula(rng: random.Random, box: Box) -> Input:
+    """A mutated friction formula."""
+    name = any_mutation(rng, box, "formula.json")
+    return Input("", [name], [name], call="formula")
+
+
+def teeth(rng: random.Random, box: Box) -> Input:
+    """Mutated, exchanged or foreign files of condensed teeth in the cache."""
+    files = box.bases.teeth()
+    way = rng.choice(["bytes", "bytes", "exchange", "text", "folder", "empty", "link"])
+    for path in files:
+        box.put(f"teeth/{path.name}", path.read_bytes())
+    chosen = box.folder / "teeth" / rng.choice(files).name
+    if way == "bytes":
+        chosen.write_bytes(byte_mutations.mutated(rng, chosen.read_bytes()))
+    elif way == "exchange" and len(files) > 1:
+        shutil.copyfile(rng.choice(files), chosen)
+    elif way == "text":
+        chosen.write_text("text")
+    else:
+        path_mutations.occupy(rng, chosen, {"folder": "folder", "link": "circle of links"}.get(way, "empty"))
+    name = box.copy("fe.toml", "case.toml")
+    return Input("", ["run", name, "-o", "out.nc", "--torque", "50"], [name], environment={"EASEOFF_CACHE": "teeth"})

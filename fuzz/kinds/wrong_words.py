@@ -1,0 +1,83 @@
+"""Good files and wrong words: options as nobody should write them, and files of one kind where another is wanted."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+from mutations import option_values
+
+from .box import Box, Input
+from .damaged_files import case_commands
+
+
+def options(rng: random.Random, box: Box) -> Input:
+    """Good files, and options as nobody should write them."""
+    pair = box.copy(rng.choice(["nasa.toml", "fm.toml"]), "case.toml")
+    command = rng.choice([*["run"] * 6, *option_values.OPTIONS])
+    pair = rng.choice(
+        [*[pair] * 8, "nasa", "nasa-12x37", "", "case", ".", "no.toml", "FM-11X41", "x" * 300, "\x1b[2J", "é.toml"]
+    )
+    output = rng.choice([*["out.nc"] * 12, *option_values.PATHS])
+    words: dict[str, list[str]] = {
+        "run": ["run", pair, "-o", output, "--torque", "50"],
+        "problems": ["problems", pair, "-o", output, "--torque", "50"],
+        "wear": ["wear", pair, "-o", output, "--torque", "50", "--revolutions", "1e3"],
+        "optimize": ["optimize", pair, "-o", output, "--torque", "50", "--order", "2"],
+        "verify": ["verify", pair, "--torque", "50"],
+        "export": ["export", pair, "-o", rng.choice([output, "o.csv", "o.stl", "o.nc", "o.vtk", "o.x"]), "--nodes",
+        "9x7"],
+        "correct": ["correct", pair, "--deviation", "gear=fm-11x41-worn-gear"],
+        "oil": ["oil", "--viscosity-40", "100", "--viscosity-100", "14", "--density", "880", "--base-oil", "mineral",
+                "-o", rng.choice(["my.toml", "my.toml", output, "case.toml"])],
+        "design": ["design", rng.choice(["fm-11x41", pair, "nothing"]), "-o", rng.choice(["new.toml", "case.toml",
+        output])],
+        "convert": ["convert", rng.choice(["fm-11x41", pair]), "-o", rng.choice(["o.toml", "o.rexs", "case.toml",
+        output])],
+        "cases": ["cases"],
+        "library": ["library", "-o", "parts", "--parts", "x"],
+    }  # fmt: skip
+    if command in ("show", "plot"):
+        name = box.copy(rng.choice(box.bases.of("result", "wear")), "r.nc")
+        words[command] = [command, name, "pictures"][: 2 + (command == "plot")]
+    elif command == "compare":
+        name = box.copy("problems.nc")
+        words[command] = [
+            "compare",
+            name,
+            "-o",
+            "study",
+            "--solvers",
+            "native",
+            "--repetitions",
+            "1",
+            "--time-limit",
+            "5",
+        ]
+    return Input("", option_values.spoilt(rng, command, words[command]), ["case.toml"])
+
+
+def mistaken(rng: random.Random, box: Box) -> Input:
+    """A good file of one kind where another is wanted, under any name."""
+    base = rng.choice(box.bases.of())
+    suffix = rng.choice([Path(base).suffix, Path(base).suffix, ".nc", ".toml", ".csv", ".rexs", ".ses", ".dmi", ""])
+    name = box.copy(base, f"file{suffix}")
+    pair = box.copy("nasa.toml", "case.toml")
+    words = rng.choice(
+        [
+            *case_commands(name)[5:],
+            ["run", pair, "-o", "out.nc", "--torque", "50", "--deviation", f"gear={name}"],
+            ["run", pair, "-o", "out.nc", "--torque", "50", "--deviation", f"pinion={name}", "--deviated", "surface"],
+            ["correct", pair, "--deviation", f"pinion={name}"],
+            ["run", pair, "-o", "out.nc", "--torque", "50", "--speed", "500", "--oil", name],
+            ["show", name],
+            ["plot", name, "pictures"],
+            ["compare", name, "-o", "study", "--solvers", "native", "--repetitions", "1"],
+            ["compare", name, "-o", name, "--solvers", "native"],
+            ["convert", name, "-o", "o.toml"],
+            ["convert", name, "-o", name],
+            ["design", name, "-o", name],
+            ["run", pair, "-o", name],
+        ]
+    )
+    return Input("", words, [pair])

@@ -1,0 +1,1 @@
+"""Mutations by format, values of options and keys, and what may stand where a file is wanted."""

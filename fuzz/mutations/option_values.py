@@ -1,0 +1,178 @@
+"""Options of every command, and values for them: usual, at a limit, wrong, and in the words of another country."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+
+Options = Mapping[str, tuple[str, ...] | None]
+"""Values by option; a flag has none."""
+
+PATHS = (
+    "",
+    ".",
+    "case.toml",
+    "a/b/c",
+    "../../secret.toml",
+    "x" * 300,
+    "a\nb.nc",
+    "\x1b[31mred.nc",
+    "é.nc",
+    "-x.nc",
+    " .nc",
+    "out.nc/",
+    "~/x.nc",
+    "*.nc",
+)
+TORQUE = ("50", "50,150", "1e6", "1e-6", "50;150", "-5", "fifty", "", "nan", "50.5", "50,5", "1e7", "1e308", "٥٠",
+    "0x10", " 50", "5e1", "50Nm",
+          "50 150", "50,50", ",".join(str(n) for n in range(1, 40)), "9" * 500, "inf", "1_0",
+          ",".join(["x"] * 20_000))  # fmt: skip
+MISALIGNMENT = ("E=0.1", "E=0.1,P=-0.1", "E=5", "P=3", "Sigma=1", "G=-2", "E=0.1,P=", "=", "e=0.1", "E:0.1",
+    "E=0.1;P=0.2", "sigma=1", "E=1e-300",
+                "E=9.99", "Sigma=-5", "", "E=,", "E==1", "E=0.1mm", "E=nan", "E=1e300", "E=0.1,E=0.2", "Sigma=180",
+                "E=" + "9" * 500)  # fmt: skip
+FLANK = ("drive", "coast", "convex", "Drive", "")
+SOLVER = ("native", "auto", "clarabel", "osqp", "Native", "magic", "", "piqp", "quadprog", "os:path", "../x", "\x1b[2J")
+DEVIATION = ("gear=fm-11x41-worn-gear", "pinion=fm-11x41-worn-pinion", "gear=fm-11x41-worn-pinion", "wheel=x",
+    "gear=", "gear=nothing", "gear",
+             "gear=/", "gear=.", "gear=/dev/null", "=x", "pinion=fm-11x41-worn-gear", "gear=case.toml",
+             "gear=/dev/zero", "gear=\x1b[2J")  # fmt: skip
+INTERPOLATION = ("spline", "smooth", "weighted_average", "cubic", "")
+LARGEST = ("1", "0", "-1", "nan", "inf", "1e9", "1e-9", "x", "1,5")
+
+PAIR: Options = {
+    "--flank": FLANK,
+    "--misalignment": MISALIGNMENT,
+    "--deviation": DEVIATION,
+    "--interpolation": INTERPOLATION,
+    "--solver": SOLVER,
+    "--allow-outside": None,
+}
+ANALYSIS: Options = {
+    **PAIR,
+    "--torque": TORQUE,
+    "--deviated": ("ease_off", "surface", "x"),
+    "--edge-contact": None,
+    "--lines-only": None,
+}
+MARKING: Options = {"--marking": ("10", "0.1", "0", "-5", "nan", "inf", "1e9", "x", "", "1,5", "999", "1000", "10um")}
+
+#: Options by command, of which some are given.
+OPTIONS: dict[str, Options] = {
+    "run": {
+        **ANALYSIS,
+        **MARKING,
+        "--speed": ("500", "500,1500", "0", "-5", "1e9", "500:1500:3", "500:1500", "a:b:c", "1:2:1e9", "nan",
+        "500:500:3", "1500:500:3", "1e-9", "",
+                    "500rpm", "1:2:99999", "1:1e308:3", "1:2:3000"),
+        "--temperature": ("60", "90", "0", "-300", "1000", "60,90", "60:90:3", "nan", "", "60C", "363", "-273.15"),
+        "--roughness": ("0.8", "0", "0.8/0.4", "0.8/0.4/0.2", "-1", "1000", "0.8/", "/", "0.8,0.8", "nan", "", "1e-9",
+        "100"),
+        "--oil": ("75w90", "pao-vg100", "none", "", "/", "/dev/null", ".", "75W90", "oil.toml", "case.toml",
+        "../../secret.toml", "/etc/passwd"),
+        "--friction-model": ("kolivand", "0.05", "xu_kahraman", "-1", "nan", "inf", "0", "", "Kolivand",
+        "benedict_kelly", "constant", "1e9",
+                             "kolivand_blended", "mixed_lubrication", "mixed-lubrication", "5e-2", "1e308", "1000"),
+        "--film-heating": ("none", "gupta_cheng", "murch_wilson", "hot", "", "None", "1"),
+        "--clamp-temperature": None,
+        "--friction-feedback": None,
+        "--plots": ("pictures", "pictures", *PATHS),
+    },
+    "problems": ANALYSIS,
+    "wear": {
+        **PAIR,
+        "--torque": ("50", "100=0.5,200=0.5", "0", "-5", "x", "100=1", "nan", "100=0", "1e9", "100=0.5,200=0.4", "=",
+        "100=", "100=nan", "100=1e308"),
+        "--revolutions": ("1e5", "0", "-1", "nan", "inf", "1e30", "x", "1", "1e9"),
+        "--coefficient": ("1e-12", "0", "1e-12/2e-12", "-1", "nan", "1", "1/2/3", "inf", "1e-300", "1e300", "1e-9"),
+        "--largest-step": ("0.5", "0", "-1", "nan", "inf", "1e-9", "5", "1e-300", "1e300"),
+        "--largest-depth": LARGEST,
+        "--most-steps": ("5", "0", "-1", "x", "1.5", "9" * 400, "1"),
+    },
+    "optimize": {
+        "--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "--solver": SOLVER,
+        "--objective": ("peak_load", "peak_pressure", "even_load", "x"), "--order": ("2", "3", "4", "5", "x", "2.0"),
+        "--transmission-error": ("10", *LARGEST), "--end-load": ("10", *LARGEST), "--largest": ("10", *LARGEST),
+        "--allow-outside": None,
+        "--fitted-case": ("fit.toml", "fit.nc", *PATHS), "--force": None,
+    },
+    "verify": {"--allow-outside": None, "--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "-o": ("v.nc", "v.txt", *PATHS)},
+    "export": {
+        "--member": ("pinion", "gear", "wheel"), "--flank": ("concave", "convex", "both", "drive"), "--rows": ("5",
+        "2", "1", "-1", "x", "1001", "3"),
+        "--columns": ("9", "2", "0", "3"), "--teeth": ("1", "all", "0", "-1", "41", "1000", "x", "", "1e3"),
+        "--allow-outside": None,
+        "--margins": ("toe=1", "toe=100", "toe=-1", "top=1", "toe=nan", "root=0,tip=0", "toe=1e300",
+        "toe=0,heel=0,root=0,tip=0", "", ","),
+        "--nodes": ("9x7", "5x5", "1x1", "x", "9", "9x7x5", "9X7", "-5x9", "200x100", "1e3x5"),
+    },
+    "correct": {"--flank": FLANK, "--deviation": DEVIATION, "--allow-outside": None},
+    "compare": {
+        "--solvers": ("native", "native,magic", "magic", "", "native,", "os:path", "math:sqrt", "osqp",
+        "native,native", "nothing:x", ":", "\x1b[2J"),
+        "--repetitions": ("1", "0", "-1", "x", "2"), "--time-limit": ("1", "0", "-1", "nan", "inf", "1e-9"),
+        "--tolerance": ("1e-5", "0", "-1", "nan", "1", "inf"), "--raw": None, "--fresh": None, "--test-set": None,
+    },
+    "oil": {
+        "--viscosity-40": ("100", "0", "-1", "nan", "inf", "1e9", "5", "1,5", "x", "", "100cSt"),
+        "--viscosity-100": ("14", "0", "-1", "nan", "200", "1.0", "1e-9", "100", "14,5"),
+        "--density": ("880", "0.88", "0", "-1", "nan", "1e9", "x", "880kg"), "--base-oil": ("mineral", "pao", "pag",
+        "ester", "PAO", "", "rape"),
+        "--title": ("", "x" * 300, "My oil", "a\nb", 'q"uote', "\x1b[2J", "é\u2028", '"""', "\\"), "--source": ("",
+        "my sheet", '"""', "\\", "\x07"),
+    },
+    "plot": MARKING,
+    "design": {"--force": None, "--report": None, "--allow-outside": None},
+    "convert": {"--force": None, "--allow-outside": None},
+    "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
+    "show": {}, "cases": {},
+}  # fmt: skip
+STRAY_WORDS = (
+    "extra",
+    "--extra",
+    "-x",
+    "-",
+    "--",
+    "0.1",
+    "0.1,0.2",
+    "--help",
+    "--version",
+    "\x1b[31m",
+    "-o",
+    "é",
+    "\udcff",
+    "x" * 100_000,
+)
+
+
+def spoilt(rng: random.Random, command: str, words: list[str], most: int = 3) -> list[str]:
+    """Words of a command line with further options, and now and then something else wrong with them."""
+    words = list(words)
+    known = OPTIONS[command]
+    for name in rng.sample(list(known), min(len(known), rng.randint(0 if len(words) > 2 else 1, most))):
+        if name in words and rng.random() > 0.05:  # else it comes twice
+            at = words.index(name)
+            del words[at : at + (1 if known[name] is None else 2)]
+        values = known[name]
+        words += [name] if values is None else [name, rng.choice(values)]
+    if words and rng.random() < 0.15:
+        way = rng.choice(["character", "stray", "drop", "swap", "twice"])
+        at = rng.randrange(len(words))
+        if way == "character":
+            cut = rng.randrange(len(words[at]) + 1)
+            words[at] = (
+                words[at][:cut]
+                + rng.choice(["x", " ", "−", "=", ",", ";", "é", "\n", "\x1b[2J", "\udcff"])
+                + words[at][cut:]
+            )
+        elif way == "stray":
+            words.insert(at, rng.choice(STRAY_WORDS))
+        elif way == "drop":
+            del words[at]
+        elif way == "swap":
+            other = rng.randrange(len(words))
+            words[at], words[other] = words[other], words[at]
+        else:
+            words[at:at] = words[at : at + 2]
+    return words
