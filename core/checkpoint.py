@@ -11,6 +11,9 @@ from typing import Any, Generic, TypeVar
 
 from .errors import InputError
 from .files import check_writable, whole_file
+from .reading.json_text import parsed_json
+from .reading.regular_file import read_bytes
+from .reading.text_file import RECORD_SIZE_LIMIT
 
 Record = TypeVar("Record")
 
@@ -72,9 +75,9 @@ class Checkpoint(Generic[Record]):
             )
         for line in lines:
             try:
-                entry = json.loads(line)
+                entry = parsed_json(line)
                 self._records[str(entry["key"])] = decode(entry["record"])
-            except (ValueError, KeyError, TypeError):
+            except Exception:  # a damaged line may hold anything; its record is computed anew
                 continue
 
     def get(self, key: str) -> Record | None:
@@ -126,9 +129,6 @@ def digest(**inputs: Any) -> str:
 
 def _lines(path: Path) -> list[str]:
     """Lines of a file, one empty line if it does not exist."""
-    try:
-        return path.read_text(encoding="utf-8", errors="replace").splitlines() or [""]
-    except FileNotFoundError:
+    if not os.path.exists(path):
         return [""]
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    return read_bytes(path, RECORD_SIZE_LIMIT).decode(errors="replace").splitlines() or [""]
