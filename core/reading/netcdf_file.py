@@ -37,16 +37,14 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     InputError
         If there is no such file, it is no netCDF file, it is damaged, or it declares more than is read.
     """
-    with _reading(path):
-        with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
-            return opened.load()
+    with _reading(path), xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
+        return opened.load()
 
 
 def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     """The outermost group of a netCDF file, in memory; the file is closed again. Raises as ``read_tree``."""
-    with _reading(path):
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
-            return opened.load()
+    with _reading(path), xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
+        return opened.load()
 
 
 @contextlib.contextmanager

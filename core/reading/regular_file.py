@@ -73,8 +73,8 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
 
     Examples
     --------
-    >>> read_bytes(__file__, 100_000)[:3]
-    b'""\"'
+    >>> read_bytes(__file__, 100_000)[3:8]
+    b'Files'
     """
     require_file(path, limit)
     try:

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from ...core.errors import EaseoffError
+from ...core.printable import message
 from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
@@ -36,6 +37,9 @@ class _Group(click.Group):
             return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
+        except click.ClickException as error:
+            error.message = message(error.message)  # it holds words of the command line
+            raise
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
