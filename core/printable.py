@@ -6,9 +6,11 @@ import re
 import unicodedata
 
 VALUE_LENGTH_LIMIT = 120  # of a value in a message [characters]
+WORD_LENGTH_LIMIT = 500  # of a word of a message, such as a path [characters]
 LINE_LENGTH_LIMIT = 2000  # of a line of a message [characters]
 LINE_COUNT_LIMIT = 200  # of the lines of a message
 ELLIPSIS = " ... "
+_LONG_WORD = re.compile(rf"\S{{{WORD_LENGTH_LIMIT},}}")
 _PRINTABLE_ASCII = re.compile(r"[ -~]*")
 
 
@@ -67,4 +69,8 @@ def message(text: str) -> str:
     lines = text.split("\n", LINE_COUNT_LIMIT)
     if len(lines) > LINE_COUNT_LIMIT:
         lines[LINE_COUNT_LIMIT:] = [f"and {lines[LINE_COUNT_LIMIT].count(chr(10)) + 1} more lines"]
-    return "\n".join(printable(shortened(line, LINE_LENGTH_LIMIT)) for line in lines)
+    return "\n".join(printable(shortened(_LONG_WORD.sub(_short_word, line), LINE_LENGTH_LIMIT)) for line in lines)
+
+
+def _short_word(found: re.Match[str]) -> str:
+    return shortened(found[0])

@@ -12,11 +12,13 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
-from ..core.checks import one_of, shown
+from ..core.checks import one_of
 from ..core.errors import GeometryError, InputError
+from ..core.printable import printable, shortened
 from ..geometry.deviation.deviated_flank import deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
+from ..geometry.formats.csv_points import GRID_SIZE_LIMIT
 from ..geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
 from ..geometry.formats.measuring_points import COORDINATE_LIMIT
 from ..geometry.formats.measuring_points import opened as open_netcdf
@@ -104,9 +106,10 @@ def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: Gea
     if off > NOMINAL_DISTANCE_LIMIT:
         far = f"up to {off:.3g} mm" if np.isfinite(off) else "altogether"
         other.append(f"its {name} flank is {far} off the designed one here ({NOMINAL_DISTANCE_LIMIT:g} mm are allowed)")
+    title = printable(shortened(str(worn.attrs.get("title", "no title"))))
     raise InputError(
         f"deviation {name} = {path}: made by 'easeoff wear' for another pair or for the other flanks: "
-        f"{shown(worn.attrs.get('title', 'no title'))}, {shown(worn.attrs.get('flank', 'unknown'))} flanks, "
+        f"{title!r}, {printable(str(worn.attrs.get('flank', 'unknown')))} flanks, "
         f"{teeth[0]} x {teeth[1]} teeth; {' and '.join(other)}. Give the case and the flank that it was made for, or "
         "wear this one"
     )
@@ -120,11 +123,9 @@ def _wear_layout(worn: xr.Dataset) -> Iterator[tuple[str, bool]]:
         yield f"numbers {name!r} over {', '.join(sorted(dimensions))}", there
     for name in grid:
         values = worn[name].values if name in worn.coords else np.zeros(0)
-        within = values.dtype.kind == "f" and values.ndim == 1 and values.size >= 2
-        yield (
-            f"fractions {name!r}",
-            within and bool(np.all(np.diff(values) > 0.0) and np.all((values >= 0) & (values <= 1))),
-        )
+        numbers = values.dtype.kind == "f" and values.ndim == 1 and 2 <= values.size <= GRID_SIZE_LIMIT
+        within = numbers and np.all(np.diff(values) > 0.0) and np.all(np.abs(values - 0.5) <= 0.5 + 1e-9)
+        yield f"fractions {name!r}", bool(within)
     members = [str(value) for value in np.atleast_1d(worn["member"].values)] if "member" in worn.coords else []
     yield "members 'pinion' and 'gear'", sorted(members) == sorted(get_args(MemberName))
     yield "step", worn.sizes.get("step", 0) > 0

@@ -162,7 +162,12 @@ def faults(tree: xr.DataTree) -> list[str]:
             size = shared.setdefault(dimension, group.sizes[dimension])
             if not size or size != group.sizes[dimension]:
                 found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
-    found += [f"{name}: {fault}" for name in STATUSES if name in tree.children for fault in _status_faults(tree[name])]
+    found += [
+        f"{name}: {fault}"
+        for name in STATUSES
+        if name in tree.children
+        for fault in _status_faults(tree.children[name])
+    ]
     for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
         for name, attributes in table.items():
             if not name or name in layout:

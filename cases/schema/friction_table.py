@@ -148,7 +148,7 @@ class FrictionTable(Table):
                 f"oil = {shown(self.oil)}: must be the name of a lubricant, or a file inside {start}; if you trust the "
                 "case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
             )
-        if Path(self.oil).suffix.lower() != ".toml":
+        if Path(self.oil).suffix.lower() != ".toml" and os.path.exists(self.oil_file):
             raise InputError(
                 f"oil = {shown(self.oil)}: must be the name of a lubricant, or of a file that ends in .toml"
             )

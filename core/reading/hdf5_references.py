@@ -90,7 +90,7 @@ def _links(content: mmap.mmap) -> Iterator[_Link]:
     """Links of the groups, by their messages or, of older groups, by the nodes of their symbol tables."""
     for found in LINK.finditer(content):
         link = _link(content[found.start() : found.start() + NAME_LENGTH_LIMIT + 64])
-        if link is not None and (link.target is None or OBJECT.match(content, link.target)):
+        if link is not None and (link.target is None or _is_object(content, link.target)):
             yield link
     for found in SYMBOLS.finditer(content):
         (count,) = struct.unpack_from("<H", content[found.end() : found.end() + 2].ljust(2, b"\0"))
@@ -117,6 +117,11 @@ def _link(message: bytes) -> _Link | None:
     if external:
         return _Link(name, None) if value[:1] == b"\0" and _is_text(value[1:].split(b"\0", 1)[0]) else None
     return _Link(name, None) if value and _is_text(value) else None
+
+
+def _is_object(content: mmap.mmap, address: int) -> bool:
+    """Whether an object begins at an address."""
+    return address < len(content) and OBJECT.match(content, address) is not None
 
 
 def _is_text(value: bytes) -> bool:

@@ -87,6 +87,8 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
     row, column = (_read(int, where, name, cell) for name, cell in zip(heading[1:3], found[1:3], strict=True))
     values = [_read(float, where, name, cell) for name, cell in zip(heading[3:], found[3:], strict=True)]
     one_of(f"{where}: flank", found[0], ("concave", "convex"))
+    if min(row, column) < 1:
+        raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     for name, number in (("row", row), ("column", column)):
         whole(f"{where}: {name}", number, 1, GRID_SIZE_LIMIT)
     if not np.all(np.isfinite(values)):

@@ -79,7 +79,9 @@ def parsed(content: str, source: str) -> xr.Dataset:
             raise InputError(f"{where}: a point stands before the first UNITS/ statement, so that its unit is unknown")
         kind, label = found[1].upper(), found[2].strip().upper()
         if found[3].upper() != "CART":
-            raise InputError(f"{where}: {kind}({excerpt(label)}) in {excerpt(found[3])} coordinates: only CART is read")
+            raise InputError(
+                f"{where}: {kind}({label[:LABEL_LENGTH_LIMIT]}) in {found[3]} coordinates: only CART is read"
+            )
         index = LABEL_PATTERN.search(label[:LABEL_LENGTH_LIMIT])
         if index is None:
             raise InputError(
@@ -89,7 +91,7 @@ def parsed(content: str, source: str) -> xr.Dataset:
         values = _numbers(found[4], scale, where)
         # A program defines a point, and its results put it out again.
         if features[kind].setdefault(key, values) != values:
-            raise InputError(f"{where}: a second {kind}({excerpt(label)}), other than the first")
+            raise InputError(f"{where}: a second {kind}({label[:LABEL_LENGTH_LIMIT]}), other than the first")
     return _combined(features["F"], features["FA"], source)
 
 

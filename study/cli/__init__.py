@@ -29,6 +29,13 @@ class _Mistake(click.ClickException):
     exit_code = EXIT_MISTAKE
 
 
+def _harmless(error: click.ClickException) -> click.ClickException:
+    """The error with the words of the command line in its message harmless to a terminal, and shortened."""
+    if isinstance(error, click.UsageError):
+        return click.UsageError(message(error.format_message()), error.ctx)
+    return _Mistake(message(error.format_message()))
+
+
 class _Group(click.Group):
     """Group of commands that turns the package's exceptions into one message and exit code 2."""
 
@@ -38,8 +45,7 @@ class _Group(click.Group):
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
         except click.ClickException as error:
-            error.message = message(error.message)  # it holds words of the command line
-            raise
+            raise _harmless(error) from error
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})

@@ -193,13 +193,13 @@ def _attempts(stored: list[dict[str, Any]]) -> list[Attempt]:
     """Attempts of a checkpoint; raises if a value is of another type than an attempt has."""
     attempts = [Attempt(**{**one, "certificate": Certificate(**one["certificate"])}) for one in stored]
     for attempt in attempts:
-        texts = (attempt.claim, attempt.message)
-        numbers = (attempt.run_time, attempt.elastic_rotation, *asdict(attempt.certificate).values())
+        values: dict[str, Any] = asdict(attempt)
+        numbers = [values["run_time"], values["elastic_rotation"], *values["certificate"].values()]
         if not (
-            all(isinstance(text, str) for text in texts)
+            all(isinstance(values[name], str) for name in ("claim", "message"))
             and all(isinstance(value, int | float) for value in numbers)
-            and isinstance(attempt.iterations, int)
-            and abs(attempt.iterations) < 2**31
+            and isinstance(values["iterations"], int)
+            and abs(values["iterations"]) < 2**31
         ):
             raise ValueError("no attempt")
     if not attempts:
