@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from ..core.printable import printable, shortened
 from ..core.suggestion import suggestion
 
 VALUE_LENGTH = 80  # of a value in a message [characters]
+LINE_COUNT_LIMIT = 50  # of the mistakes that a message names
 LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
@@ -40,7 +43,9 @@ def count(error: ValidationError) -> str:
 
 def mistakes(model: type[BaseModel], error: ValidationError) -> str:
     """Every mistake in a table, one a line: key, value, what is allowed."""
-    return "\n".join(_lines(model, error))
+    items = _items(error)
+    left = len(items) - LINE_COUNT_LIMIT
+    return "\n".join([*_lines(model, items[:LINE_COUNT_LIMIT]), *([f"  and {left} more"] if left > 0 else [])])
 
 
 def _items(error: ValidationError) -> list[Any]:
@@ -52,10 +57,10 @@ def _items(error: ValidationError) -> list[Any]:
     ]
 
 
-def _lines(model: type[BaseModel], error: ValidationError) -> list[str]:
+def _lines(model: type[BaseModel], items: list[Any]) -> list[str]:
     lines = []
-    for item in _items(error):
-        key = ".".join(str(part) for part in item["loc"]) or model.__name__.lower()
+    for item in items:
+        key = shortened(printable(".".join(str(part) for part in item["loc"]))) or model.__name__.lower()
         lines.append(f"  {key}{_value(item)}: {_allowed(model, item)}")
     return lines
 
@@ -64,17 +69,33 @@ def _value(item: Any) -> str:
     table = isinstance(item["input"], dict)
     if item["type"] in ("missing", "value_error") or (table and item["type"] == "extra_forbidden"):
         return ""
-    text = written(item["input"])
-    return f" = {text if len(text) <= VALUE_LENGTH else f'{text[: VALUE_LENGTH - 4]} ...'}"
+    return f" = {written(item['input'])}"
 
 
 def written(value: Any) -> str:
-    """A value as the file has it."""
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{key} = {written(entry)}' for key, entry in value.items())}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(written, value))}]"
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+    """A value as the file has it, its beginning if it is long."""
+    text = printable("".join(_pieces(value)))
+    return text if len(text) <= VALUE_LENGTH else f"{text[: VALUE_LENGTH - 4]} ..."
+
+
+def _pieces(value: Any, left: int = VALUE_LENGTH) -> Iterator[str]:
+    """Text of a value piece by piece, not much more than is shown."""
+    if isinstance(value, dict | list):
+        brackets = "{}" if isinstance(value, dict) else "[]"
+        yield brackets[0]
+        for at, entry in enumerate(value):
+            before = ", " if at else ""
+            before += f"{str(entry)[:VALUE_LENGTH]} = " if isinstance(value, dict) else ""
+            text = before + "".join(_pieces(value[entry] if isinstance(value, dict) else entry, left - len(before)))
+            yield text
+            left -= len(text)
+            if left < 0:
+                break
+        yield brackets[1]
+    elif isinstance(value, str):
+        yield repr(value[: VALUE_LENGTH + 1])
+    else:
+        yield str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _allowed(model: type[BaseModel], item: Any) -> str:

@@ -12,7 +12,10 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import ValidationError
 
+from ..core.checks import truth
 from ..core.errors import EaseoffError, InputError
+from ..core.reading.regular_file import named
+from ..core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from ..core.suggestion import suggestion
 from ..core.toml_text import toml_tables
 from .conversion import designed_blanks
@@ -77,6 +80,8 @@ class FileKind(Generic[Model]):
         if not os.path.isfile(path):  # unlike Path.is_file it takes a name of any length
             if os.path.isdir(path):
                 raise InputError(f"{kind} {name!r} is a folder: give the name of a file")
+            if os.path.exists(path):
+                raise InputError(f"{kind} {name!r} is a device or a pipe, not a file: give the name of a file")
             for other in (CASE, DESIGN):
                 if name in other.names():
                     raise InputError(f"{name} is {self.other.format(name)}")
@@ -88,31 +93,37 @@ class FileKind(Generic[Model]):
                 f"{kind} {name!r} is {FOREIGN_SUFFIXES[path.suffix.lower()]}; a {kind} is a text file, in TOML"
             )
         try:
-            return path.read_text(encoding="utf-8-sig"), path.absolute().parent
-        except (OSError, UnicodeDecodeError) as error:
+            return read_text(path, TOML_SIZE_LIMIT), path.absolute().parent
+        except InputError as error:
             raise InputError(f"{kind} {name!r} cannot be read: a {kind} is a text file, in TOML ({error})") from error
 
-    def read(self, name_or_path: str | Path) -> Model:
+    def read(self, name_or_path: str | Path, *, allow_outside: bool = False) -> Model:
         """Read and check a file."""
         text, folder = self.find(name_or_path)
-        return self.parse(text, str(name_or_path), folder)
+        return self.parse(text, named(name_or_path), folder, allow_outside=allow_outside)
 
-    def parse(self, text: str, origin: str, folder: Path | None) -> Model:
-        """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``."""
+    def parse(self, text: str, origin: str, folder: Path | None, *, allow_outside: bool = False) -> Model:
+        """Check the text of a file that messages call ``origin`` and whose relative paths start in ``folder``.
+
+        Unless ``allow_outside``, the files that it names must be in there.
+        """
+        truth("allow_outside", allow_outside)
         if not text.strip():
             raise InputError(f"{origin} is empty")
         data = toml_tables(text, origin)
         versions = [f"easeoff_{kind.name}" for kind in (CASE, DESIGN) if f"easeoff_{kind.name}" in data]
         if versions and f"easeoff_{self.name}" not in versions:
             raise InputError(f"{origin} is {self.other.format(origin)}")
-        found = self.check(data, origin, folder)
+        found = self.check(data, origin, folder, allow_outside=allow_outside)
         found._text = text
         return found
 
-    def check(self, data: Mapping[str, Any], origin: str, folder: Path | None = None) -> Model:
+    def check(
+        self, data: Mapping[str, Any], origin: str, folder: Path | None = None, *, allow_outside: bool = False
+    ) -> Model:
         """Check the tables of a file, also whether its basic data make blanks."""
         try:
-            found = self.model.model_validate(data, context={"folder": folder})
+            found = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
             raise InputError(f"{origin} has {count(error)}:\n{mistakes(self.model, error)}") from error
         if found.blank_design is not None:
@@ -181,13 +192,15 @@ def design_text(name_or_path: str | Path) -> str:
     return DESIGN.find(name_or_path)[0]
 
 
-def read_case(name_or_path: str | Path) -> Case:
+def read_case(name_or_path: str | Path, *, allow_outside: bool = False) -> Case:
     """Read and check a case.
 
     Parameters
     ----------
     name_or_path
         Name of a shipped case, or path of a case file in TOML.
+    allow_outside
+        Whether files that the case names may be outside its folder; for cases that you trust.
 
     Raises
     ------
@@ -199,10 +212,10 @@ def read_case(name_or_path: str | Path) -> Case:
     >>> read_case("nasa-12x36").pinion.number_of_teeth
     12
     """
-    return CASE.read(name_or_path)
+    return CASE.read(name_or_path, allow_outside=allow_outside)
 
 
-def read_design(name_or_path: str | Path) -> Design:
+def read_design(name_or_path: str | Path, *, allow_outside: bool = False) -> Design:
     """Read and check a design. Takes and raises what ``read_case`` does.
 
     Examples
@@ -210,10 +223,10 @@ def read_design(name_or_path: str | Path) -> Design:
     >>> read_design("fm-11x41").gear.number_of_teeth
     41
     """
-    return DESIGN.read(name_or_path)
+    return DESIGN.read(name_or_path, allow_outside=allow_outside)
 
 
-def parse_case(text: str, origin: str = "case", folder: Path | None = None) -> Case:
+def parse_case(text: str, origin: str = "case", folder: Path | None = None, *, allow_outside: bool = False) -> Case:
     """Check the text of a case.
 
     Parameters
@@ -224,6 +237,8 @@ def parse_case(text: str, origin: str = "case", folder: Path | None = None) -> C
         Name of the case in messages.
     folder
         Where relative paths in it start; the working folder if left out.
+    allow_outside
+        Whether files that the case names may be outside this folder.
 
     Raises
     ------
@@ -240,10 +255,12 @@ def parse_case(text: str, origin: str = "case", folder: Path | None = None) -> C
       pinion: is missing; it must be given
       gear: is missing; it must be given
     """
-    return CASE.parse(text, origin, folder)
+    return CASE.parse(text, origin, folder, allow_outside=allow_outside)
 
 
-def parse_design(text: str, origin: str = "design", folder: Path | None = None) -> Design:
+def parse_design(
+    text: str, origin: str = "design", folder: Path | None = None, *, allow_outside: bool = False
+) -> Design:
     """Check the text of a design. Takes and raises what ``parse_case`` does.
 
     Examples
@@ -252,7 +269,7 @@ def parse_design(text: str, origin: str = "design", folder: Path | None = None) 
     Traceback (most recent call last):
     easeoff.core.errors.InputError: mine.toml is a case already: analyse it with 'easeoff run mine.toml -o RESULT'
     """
-    return DESIGN.parse(text, origin, folder)
+    return DESIGN.parse(text, origin, folder, allow_outside=allow_outside)
 
 
 def check_case(data: Mapping[str, Any], origin: str = "case") -> Case:

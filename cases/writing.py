@@ -11,6 +11,8 @@ import tomli_w
 
 from ..core.errors import InputError
 from ..core.files import check_writable, whole_file
+from ..core.reading.regular_file import read_bytes
+from ..core.reading.text_file import TOML_SIZE_LIMIT
 from .schema.case_schema import Case
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"
@@ -72,8 +74,8 @@ def require_replaceable(path: str | os.PathLike[str], force: bool = False) -> No
     if force or not os.path.exists(path):
         return
     try:
-        head, seal, _ = (text := Path(path).read_bytes().decode()).rpartition(SEAL)
-    except (OSError, UnicodeDecodeError):
+        head, seal, _ = (text := read_bytes(path, TOML_SIZE_LIMIT).decode()).rpartition(SEAL)
+    except (InputError, UnicodeDecodeError):
         head, seal, text = "", "", ""
     if not seal or _sealed(head) != text:
         why = "was edited after easeoff wrote it" if seal else "was not written by easeoff"

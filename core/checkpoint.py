@@ -12,6 +12,9 @@ from typing import Any, BinaryIO, Generic, TypeVar
 
 from .errors import InputError
 from .files import check_writable, existing_folder, whole_file
+from .reading.json_text import parsed_json
+from .reading.regular_file import read_bytes
+from .reading.text_file import RECORD_SIZE_LIMIT
 from .writing.file_lock import wait_for_lock
 
 Record = TypeVar("Record")
@@ -74,9 +77,9 @@ class Checkpoint(Generic[Record]):
         self._is_begun(text)
         for line in text.splitlines()[1:]:
             try:
-                entry = json.loads(line)
+                entry = parsed_json(line)
                 self._records[str(entry["key"])] = decode(entry["record"])
-            except (ValueError, KeyError, TypeError):
+            except Exception:  # a damaged line may hold anything; its record is computed anew
                 continue
 
     def get(self, key: str) -> Record | None:
@@ -194,9 +197,6 @@ def digest(**inputs: Any) -> str:
 
 def _text(path: Path) -> str:
     """Text of a file, empty if it does not exist."""
-    try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except FileNotFoundError:
+    if not os.path.exists(path):
         return ""
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    return read_bytes(path, RECORD_SIZE_LIMIT).decode(errors="replace")

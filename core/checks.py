@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
+from .printable import printable, shortened
 
 SHOWN_COUNT_LIMIT = 6  # numbers of an array that a message shows one by one
 
@@ -115,7 +116,7 @@ def whole(name: str, value: Any, least: int, most: int | None = None) -> int:
         counted = None
     if counted is None or counted < least or (most is not None and counted > most):
         allowed = f"of {least} or more" if most is None else f"from {least} to {most}"
-        raise InputError(f"{name} = {reprlib.repr(value)}: must be a whole number {allowed}")
+        raise InputError(f"{name} = {_quoted(value)}: must be a whole number {allowed}")
     return counted
 
 
@@ -276,12 +277,14 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
     different, counts = np.unique(found, return_counts=True)
     if different.size != found.size:
         twice = shown(different[counts > 1][0])
-        raise InputError(f"{name} = {found.tolist()}: must be numbers that differ; {twice} comes twice")
+        raise InputError(f"{name} = {shown(values)}: must be numbers that differ; {twice} comes twice")
     return found
 
 
 def shown(value: Any) -> str:
     """A value as messages show it: a number to twelve digits, a large array by its shape, anything else in short.
+
+    The one function that puts values into messages.
 
     Examples
     --------
@@ -292,7 +295,16 @@ def shown(value: Any) -> str:
         if value.ndim and (value.ndim > 1 or value.size > SHOWN_COUNT_LIMIT):
             return f"array of shape {value.shape}"
         value = value.tolist()
-    return f"{float(value):.12g}" if _is_number(value) else reprlib.repr(value)
+    return f"{float(value):.12g}" if _is_number(value) else _quoted(value)
+
+
+def _quoted(value: Any) -> str:
+    """What Python writes for a value, in short and in one line."""
+    try:
+        text = reprlib.repr(value)
+    except Exception:  # of a foreign object, or of a whole number of too many digits
+        text = f"a value of the type {type(value).__name__}"
+    return printable(shortened(text))
 
 
 def _is_number(value: Any) -> bool:

@@ -7,9 +7,13 @@ import shlex
 import sys
 from pathlib import Path
 
+from .printable import message
+
 
 class EaseoffError(Exception):
     """Anything this package raises on purpose.
+
+    Its text is harmless to a terminal, and values of any length are shortened in it.
 
     Examples
     --------
@@ -20,6 +24,9 @@ class EaseoffError(Exception):
     ...     print(type(error).__name__)
     InputError
     """
+
+    def __str__(self) -> str:
+        return message(super().__str__())
 
 
 class InputError(EaseoffError, ValueError):

@@ -1,4 +1,4 @@
-"""Files: written whole or not at all, and paths checked before any work is done."""
+"""Files to be written: whole or not at all, and paths checked before any work is done; see ``reading`` for others."""
 
 from __future__ import annotations
 
@@ -152,40 +152,6 @@ def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
     if os.path.exists(target) and not os.path.isdir(target):
         raise InputError(f"{target} is a file: give a folder for the {purpose}")
     _check_access(target, target)
-
-
-def require_file(path: str | os.PathLike[str]) -> None:
-    """Check that there is a file to read.
-
-    Raises
-    ------
-    InputError
-        If there is no file, or a folder.
-    """
-    # The functions of os.path take a name that is too long for one that does not exist; those of pathlib raise.
-    if os.path.isdir(path):
-        raise InputError(f"{path} is a folder: give the name of a file")
-    if not os.path.isfile(path):
-        raise InputError(f"{path}: there is no such file")
-
-
-@contextlib.contextmanager
-def netcdf_reading(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Context in which a netCDF file is opened: every failure becomes one message.
-
-    Raises
-    ------
-    InputError
-        If there is no file, or it is not a netCDF file.
-    """
-    require_file(path)
-    try:
-        yield
-    except (OSError, ValueError, RuntimeError) as error:
-        if not os.path.getsize(path):
-            raise InputError(f"{path} is empty") from error
-        why = (error.strerror if isinstance(error, OSError) else None) or error
-        raise InputError(f"{path} is not a netCDF file, or it is damaged: {why}") from error
 
 
 def _check_replaceable(target: Path) -> None:

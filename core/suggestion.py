@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterable
 
 SIMILARITY = 0.6  # least ratio of difflib
+NAME_LENGTH_LIMIT = 100  # of a name that is compared [characters]
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -26,5 +27,5 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     ''
     """
     lower = {word.lower(): word for word in known}
-    found = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=SIMILARITY)
+    found = difflib.get_close_matches(name[:NAME_LENGTH_LIMIT].lower(), lower, n=1, cutoff=SIMILARITY)
     return f"; did you mean {lower[found[0]]!r}?" if found else ""

@@ -7,12 +7,17 @@ import tomllib
 from typing import Any
 
 from .errors import InputError
+from .printable import printable, shortened
 
 DECIMAL_COMMA = re.compile(r"=\s*\[?\s*([+-]?\d+),(\d+)")
 #: Lists of values in increasing order, as a rule; two whole numbers without a blank are a number with a decimal comma.
 LIST_KEYS = re.compile(r"^\s*(torques|speed|temperature|roughness)\s*=")
 PAIR = re.compile(r"\[(\d+),(\d+)\]")
 LINE_LENGTH_SHOWN = 60
+NESTING_LIMIT = 32  # tables and lists within each other; a case has 5
+KEY_PART_LIMIT = 300  # of a dotted key; on more the parser would spend minutes
+KEY_ENDS = re.compile(r"[\n=,\[\]{}]")
+WHOLE_NUMBER_BITS = 64
 
 
 def toml_tables(text: str, origin: str) -> dict[str, Any]:
@@ -21,7 +26,8 @@ def toml_tables(text: str, origin: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the text is no TOML, or a list looks like a number with a decimal comma.
+        If the text is no TOML, is nested more than ``NESTING_LIMIT`` deep, holds a whole number of more than 64 bits,
+        or a list looks like a number with a decimal comma.
 
     Examples
     --------
@@ -33,20 +39,53 @@ def toml_tables(text: str, origin: str) -> dict[str, Any]:
     ...     print(str(error).partition(";")[0])
     mine.toml, line 1: 'speed = [500,5]': a list of two values, 500 and 5
     """
+    for part in KEY_ENDS.split(text):
+        if part.count(".") > KEY_PART_LIMIT:
+            raise InputError(
+                f"{origin}: {_excerpt(part)}: more than {KEY_PART_LIMIT} points, as in a key of so many parts"
+            )
     try:
         data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{origin} is not a TOML file: {error}{_shown(text, str(error))}") from error
+    except RecursionError as error:
+        raise InputError(f"{origin} is not a TOML file: tables or lists are nested too deeply") from error
+    except ValueError as error:
+        why = shortened(str(error).replace("; use sys.set_int_max_str_digits() to increase the limit", ""))
+        raise InputError(f"{origin} is not a TOML file: {why}{_shown(text, str(error))}") from error
+    _check_values(data, origin)
     for number, line in enumerate(text.splitlines(), start=1):
         for key, first, second in _pairs(line):
             # Oil at 0 and 40 degC is a list, a roughness of 0 and 8 um none; pinion and gear come in any order.
             comma = float(first) == 0.0 if key == "roughness" else float(first) > float(second)
             if comma:
                 raise InputError(
-                    f"{origin}, line {number}: {line.strip()[:LINE_LENGTH_SHOWN]!r}: a list of two values, {first} and "
+                    f"{origin}, line {number}: {_excerpt(line)}: a list of two values, {first} and "
                     f"{second}; if that is meant, write {first}.0, {second}.0; if a decimal, write {first}.{second}"
                 )
     return data
+
+
+def _check_values(data: dict[str, Any], origin: str) -> None:
+    """Refuse deep nesting, and whole numbers that TOML does not have."""
+    waiting: list[tuple[str, Any, int]] = [("", data, 0)]
+    while waiting:
+        key, value, depth = waiting.pop()
+        if depth > NESTING_LIMIT:
+            raise InputError(
+                f"{origin}: {shortened(printable(key))}: tables and lists are nested more than {NESTING_LIMIT} deep"
+            )
+        if isinstance(value, dict):
+            waiting += [(f"{key}.{name}" if key else name, entry, depth + 1) for name, entry in value.items()]
+        elif isinstance(value, list):
+            waiting += [(key, entry, depth + 1) for entry in value]
+        elif isinstance(value, int) and value.bit_length() >= WHOLE_NUMBER_BITS:
+            raise InputError(
+                f"{origin}: {shortened(printable(key))}: must be a whole number of at most {WHOLE_NUMBER_BITS} bits"
+            )
+
+
+def _excerpt(line: str) -> str:
+    """Beginning of a line, in quotes."""
+    return repr(line.strip()[:LINE_LENGTH_SHOWN])
 
 
 def _pairs(line: str) -> list[tuple[str, str, str]]:
@@ -64,4 +103,4 @@ def _shown(text: str, message: str) -> str:
     line = lines[int(named[1]) - 1].strip()
     decimal = DECIMAL_COMMA.search(line)
     hint = f": a decimal has a point: {decimal[1]}.{decimal[2]}" if decimal else ""
-    return f": {line[:LINE_LENGTH_SHOWN]!r}{hint}"
+    return f": {_excerpt(line)}{hint}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -14,10 +14,13 @@ import xarray as xr
 
 from ..core.checks import one_of
 from ..core.errors import GeometryError, InputError
+from ..core.printable import printable, shortened
 from ..geometry.deviation.deviated_flank import deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
+from ..geometry.formats.csv_points import GRID_SIZE_LIMIT
 from ..geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
+from ..geometry.formats.measuring_points import COORDINATE_LIMIT
 from ..geometry.formats.measuring_points import opened as open_netcdf
 from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
@@ -88,11 +91,11 @@ def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: Gea
     As for measured grids: blank and machine settings count as far as they move the flank, torque, friction and assembly
     errors not at all, and the flank may be turned about its axis.
     """
-    known = {"deviation", "position"} <= set(worn.variables) and {"pinion_teeth", "gear_teeth"} <= set(worn.attrs)
-    if not known:
+    lacking = [word for word, there in _wear_layout(worn) if not there]
+    if lacking:
         raise InputError(
-            f"deviation {name} = {path}: the file does not say for which flanks it was made; make it anew with "
-            "'easeoff wear'"
+            f"deviation {name} = {path}: the file is incomplete, damaged or does not say for which flanks it was made: "
+            f"no {lacking[0]}; make it anew with 'easeoff wear'"
         )
     teeth = (int(worn.attrs["pinion_teeth"]), int(worn.attrs["gear_teeth"]))
     own_teeth = (pair.assembly.pinion_teeth, pair.assembly.gear_teeth)
@@ -103,19 +106,39 @@ def _require_own_flank(path: Path, worn: xr.Dataset, name: MemberName, pair: Gea
     if off > NOMINAL_DISTANCE_LIMIT:
         far = f"up to {off:.3g} mm" if np.isfinite(off) else "altogether"
         other.append(f"its {name} flank is {far} off the designed one here ({NOMINAL_DISTANCE_LIMIT:g} mm are allowed)")
+    title = printable(shortened(str(worn.attrs.get("title", "no title"))))
     raise InputError(
         f"deviation {name} = {path}: made by 'easeoff wear' for another pair or for the other flanks: "
-        f"{worn.attrs.get('title', 'no title')!r}, {worn.attrs.get('flank', 'unknown')} flanks, "
+        f"{title!r}, {printable(str(worn.attrs.get('flank', 'unknown')))} flanks, "
         f"{teeth[0]} x {teeth[1]} teeth; {' and '.join(other)}. Give the case and the flank that it was made for, or "
         "wear this one"
     )
+
+
+def _wear_layout(worn: xr.Dataset) -> Iterator[tuple[str, bool]]:
+    """What a file of wear must have to be read, and whether it is there."""
+    grid = ("lengthwise", "profile")
+    for name, dimensions in (("deviation", {"step", "member", *grid}), ("position", {"member", *grid, "xyz"})):
+        there = name in worn.variables and set(worn[name].dims) == dimensions and worn[name].dtype.kind == "f"
+        yield f"numbers {name!r} over {', '.join(sorted(dimensions))}", there
+    for name in grid:
+        values = worn[name].values if name in worn.coords else np.zeros(0)
+        numbers = values.dtype.kind == "f" and values.ndim == 1 and 2 <= values.size <= GRID_SIZE_LIMIT
+        within = numbers and np.all(np.diff(values) > 0.0) and np.all(np.abs(values - 0.5) <= 0.5 + 1e-9)
+        yield f"fractions {name!r}", bool(within)
+    members = [str(value) for value in np.atleast_1d(worn["member"].values)] if "member" in worn.coords else []
+    yield "members 'pinion' and 'gear'", sorted(members) == sorted(get_args(MemberName))
+    yield "step", worn.sizes.get("step", 0) > 0
+    yield "three coordinates 'xyz'", worn.sizes.get("xyz") == 3
+    for name in ("pinion_teeth", "gear_teeth"):
+        yield f"attribute {name!r}", isinstance(worn.attrs.get(name), int | np.integer)
 
 
 def _apart(member: Member, worn: xr.Dataset) -> float:
     """Greatest distance of a file's nodes from the designed flank [mm], turned to fit; infinite if too few compare."""
     there = worn["position"].transpose("xyz", "lengthwise", "profile").values.reshape(3, -1)
     here = member.flank(worn["lengthwise"].values, worn["profile"].values).position
-    both = np.all(np.isfinite(there) & np.isfinite(here), axis=0)
+    both = np.all((np.abs(there) <= COORDINATE_LIMIT) & np.isfinite(here), axis=0)
     if 2 * np.count_nonzero(both) < both.size:
         return float("inf")
     there, here = there[:, both], here[:, both]

@@ -9,7 +9,9 @@ import xarray as xr
 
 from ..cases.reading import CASE
 from ..core.errors import InputError
-from ..core.files import netcdf_reading, whole_file
+from ..core.files import whole_file
+from ..core.reading.netcdf_file import read_tree
+from ..core.reading.regular_file import named
 from .result_layout import VARIABLES, faults
 
 FAULT_COUNT_LIMIT = 3  # that a message names
@@ -83,11 +85,10 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     """
     source = Path(path)
     if not os.path.exists(path) and str(path) in CASE.names():
-        raise InputError(f"{source} is a case, not a result: make one with 'easeoff run {source} -o FILE'")
+        raise InputError(f"{named(source)} is a case, not a result: make one with 'easeoff run {source} -o FILE'")
     if source.suffix == ".toml":
         raise InputError(f"{source} is not a netCDF file; of a case make a result: 'easeoff run {source} -o FILE'")
-    with netcdf_reading(source), xr.open_datatree(source, engine="netcdf4") as opened:
-        tree = opened.load()
+    tree = read_tree(source)
     found = faults(tree)
     if "easeoff_version" not in tree.attrs or found == [f"no group {name}" for name in VARIABLES]:
         raise InputError(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import xarray as xr
+
+from ..contact.solvers import Status
+from ..core.reading.json_text import parsed_json
 
 MAGNITUDE_LIMIT = 1e30
 GRID = ("lengthwise", "profile")
@@ -118,6 +120,8 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},
     ),
 }
+#: Groups with the status of solves.
+STATUSES = ("light_load", "loaded", "friction")
 #: The contact at light load has its own torque and segments.
 LIGHT_LOAD = {"torque", "segment"}
 
@@ -158,6 +162,12 @@ def faults(tree: xr.DataTree) -> list[str]:
             size = shared.setdefault(dimension, group.sizes[dimension])
             if not size or size != group.sizes[dimension]:
                 found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
+    found += [
+        f"{name}: {fault}"
+        for name in STATUSES
+        if name in tree.children
+        for fault in _status_faults(tree.children[name])
+    ]
     for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
         for name, attributes in table.items():
             if not name or name in layout:
@@ -168,6 +178,15 @@ def faults(tree: xr.DataTree) -> list[str]:
                     if (needed or key in own) and not _is(kind, own.get(key))
                 ]
     return found
+
+
+def _status_faults(group: xr.DataTree) -> Iterator[str]:
+    """Values of the status of a solve that there are not."""
+    if "status" in group.dataset.variables:
+        status = group.dataset["status"]
+        known = {int(one) for one in Status}
+        if status.dtype.kind not in "iu" or not np.all(np.isin(status.values, list(known))):
+            yield f"'status' must hold whole numbers from {min(known)} to {max(known)}"
 
 
 def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:
@@ -200,7 +219,7 @@ def _is(kind: str | int, value: Any) -> bool:
 def _is_table(text: str) -> bool:
     """Whether a text is a JSON object of finite numbers."""
     try:
-        table = json.loads(text)
+        table = parsed_json(text)
     except ValueError:
         return False
     return isinstance(table, dict) and all(

@@ -287,5 +287,5 @@ def test_coefficients_that_cannot_be_read(text: str, tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="there is no such file"):
         read_rexs(tmp_path / "none.rexs")

@@ -296,6 +296,6 @@ def test_files_that_are_no_script(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="hand of the pinion"):
         read("nothing of the kind", tmp_path)
     (tmp_path / "binary.ses").write_bytes(b"\xff\xfe\x00\xd8")
-    for name in ("binary.ses", "none.ses"):
-        with pytest.raises(InputError, match="cannot be read"):
+    for name, words in (("binary.ses", "cannot be read"), ("none.ses", "there is no such file")):
+        with pytest.raises(InputError, match=words):
             read_session_script(tmp_path / name)

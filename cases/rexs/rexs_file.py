@@ -7,9 +7,10 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from ...core.errors import InputError
+from ...core.reading.regular_file import read_bytes
+from ...core.reading.text_file import MODEL_SIZE_LIMIT
 from .rexs_vocabulary import UNIT_FACTORS, Term
 
 Value = str | float | int | tuple[float, ...]
@@ -127,10 +128,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
     InputError
         If the file cannot be read, is no XML, declares a document type, or holds no REXS model.
     """
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    data = read_bytes(path, MODEL_SIZE_LIMIT)
     parser = ET.XMLParser(target=_NoDoctype())
     try:
         parser.feed(data)

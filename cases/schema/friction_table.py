@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
+from ...core.checks import shown
+from ...core.errors import InputError
 from ..mistakes import written
 from .schema_table import Number, Table, number
 
@@ -90,13 +92,17 @@ class FrictionTable(Table):
     out_of_range: Literal["error", "clamp"] = "error"
     feedback: bool = False
     _folder: Path | None = PrivateAttr(default=None)
+    _allow_outside: bool | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _possible(self, info: ValidationInfo) -> Self:
         # The folder of the file is no key of it: the reader hands it over beside the keys. A table that goes from a
         # design to a case is checked again and has it already.
-        if info.context and info.context["folder"] is not None:
-            self._folder = Path(info.context["folder"]).absolute()
+        if info.context:
+            if info.context["folder"] is not None:
+                self._folder = Path(info.context["folder"]).absolute()
+            if self._allow_outside is None:
+                self._allow_outside = info.context["allow_outside"]
         self.model().oil_states(self.operation())
         return self
 
@@ -119,8 +125,39 @@ class FrictionTable(Table):
             "roughness": list(self.roughness),
         }
         if "oil" not in changed:
+            self._require_inside()
             own["oil"] = lubricant(self.oil, self._folder)
         return Operation(**(own | changed))
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether the oil's file is outside the folder of the case, wherever links lead."""
+        from ...friction.lubricants.lubricant import is_shipped
+
+        if is_shipped(self.oil):
+            return False
+        try:
+            folder = os.path.realpath(self._folder or "")
+            return os.path.commonpath([folder, os.path.realpath(os.path.join(folder, self.oil))]) != folder
+        except (OSError, ValueError):  # another drive of Windows, or no path at all
+            return True
+
+    def _require_inside(self) -> None:
+        """Refuse an oil of a file that may be anybody's, and say nothing of the place it names."""
+        from ...friction.lubricants.lubricant import is_shipped
+
+        if self._allow_outside is not False or is_shipped(self.oil):
+            return
+        if self.is_outside:
+            start = "the working folder" if self._folder is None else "the folder of the case"
+            raise InputError(
+                f"oil = {shown(self.oil)}: must be the name of a lubricant, or a file inside {start}; if you trust the "
+                "case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
+            )
+        if Path(self.oil).suffix.lower() != ".toml" and os.path.exists(self.oil_file):
+            raise InputError(
+                f"oil = {shown(self.oil)}: must be the name of a lubricant, or of a file that ends in .toml"
+            )
 
     @property
     def oil_file(self) -> Path:

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal
 
 from ...core.errors import InputError
+from ...core.reading.text_file import LINE_LENGTH_LIMIT, SCRIPT_SIZE_LIMIT, read_text
 
 MemberName = Literal["PINION", "GEAR"]
 MenuPath = tuple[str, str, str]
@@ -26,6 +26,7 @@ MENU_NAMES = (
     *("CONCAVE", "CONVEX"),
 )
 MOTION_ORDERS = range(1, 7)
+WORD_COUNT_LIMIT = 1000  # of a line that are read
 MENU_KEYWORDS: dict[str, tuple[str, ...]] = {
     "PAIRS": ("HAND_PINION",),
     "HYPOID": ("GEAR_TYPE",),
@@ -133,17 +134,12 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[MenuPath, dict[str
     InputError
         If the file cannot be read as text, or a keyword stands without a value.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} cannot be read as text: {error}") from error
+    text = read_text(path, SCRIPT_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
     state = _State()
     settings: dict[MenuPath, dict[str, Setting]] = {}
     unknown: list[str] = []
     for line, content in enumerate(text.splitlines(), start=1):
-        words = content.split("//", 1)[0].split()
+        words = content.split("//", 1)[0].split()[:WORD_COUNT_LIMIT]
         while words:
             keyword, rest = words[0].upper(), words[1:]
             if keyword in ("EXIT", "OK"):

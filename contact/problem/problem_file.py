@@ -36,7 +36,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.files import netcdf_reading, whole_file
+from ...core.files import whole_file
+from ...core.reading.netcdf_file import read_dataset
 from .contact_problem import ContactProblem
 from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES
@@ -128,12 +129,12 @@ def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
     ...     read_problems(Path(folder, "problems.nc"))[0].identical(springs)
     True
     """
-    with _opened(path) as dataset:
-        try:
-            data = problem_arrays(dataset)
-            return [_problem(data, i) for i in range(data["separation"].shape[0])]
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from error
+    dataset = _opened(path)
+    try:
+        data = problem_arrays(dataset)
+        return [_problem(data, i) for i in range(data["separation"].shape[0])]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
@@ -156,10 +157,10 @@ def read_labels(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     ...     [str(name) for name in read_labels(Path(folder, "problems.nc"))["name"]]
     ['two springs']
     """
-    with _opened(path) as dataset:
-        problem = dataset["torque"].dims
-        labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
-        return {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
+    dataset = _opened(path)
+    problem = dataset["torque"].dims
+    labels = [str(name) for name in dataset.variables if name not in _OWN_NAMES and dataset[name].dims == problem]
+    return {name: np.atleast_1d(dataset[name].to_numpy()) for name in labels}
 
 
 def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
@@ -227,27 +228,18 @@ def _problem(data: Mapping[str, NDArray[Any]], i: int) -> ContactProblem:
         raise InputError(f"problem {i}: {error}") from error
 
 
-@contextlib.contextmanager
-def _opened(path: str | os.PathLike[str]) -> Any:
-    """Open a file of contact problems; InputError if it is none."""
-    with netcdf_reading(path):
-        dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False)
-    with dataset:
-        if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
-            raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
-        version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
-        with contextlib.suppress(TypeError, ValueError):
-            known = float(version) == FORMAT_VERSION
-        if not known:
-            raise InputError(f"{path} is of format version {version}; this program reads {FORMAT_VERSION}")
-        try:
-            require_arrays(dataset)
-        except InputError as error:
-            raise InputError(f"{path} holds no contact problems: {error}") from error
-        try:
-            yield dataset
-        except RuntimeError as error:
-            # The netCDF library raises this of a variable whose bytes are damaged.
-            if not str(error).startswith("NetCDF"):
-                raise
-            raise InputError(f"{path} is damaged: {error}") from error
+def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
+    """A file of contact problems in memory; InputError if it is none."""
+    dataset = read_dataset(path)
+    if str(dataset.attrs.get("format", FORMAT)) not in (FORMAT, SINGLE_FORMAT):
+        raise InputError(f"{path} holds no contact problems: its attribute 'format' is not {FORMAT!r}")
+    version, known = dataset.attrs.get("format_version", FORMAT_VERSION), False
+    with contextlib.suppress(TypeError, ValueError):
+        known = float(version) == FORMAT_VERSION
+    if not known:
+        raise InputError(f"{path} is of format version {shown(version)}; this program reads {FORMAT_VERSION}")
+    try:
+        require_arrays(dataset)
+    except InputError as error:
+        raise InputError(f"{path} holds no contact problems: {error}") from error
+    return dataset

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import os
 import zipfile
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,13 +24,15 @@ from numpy.typing import NDArray
 
 from ...core.checks import one_of, shown
 from ...core.errors import InputError
-from ...core.files import require_file, whole_file
+from ...core.files import whole_file
+from ...core.reading.array_file import read_arrays
 from .contact_problem import ContactProblem
 from .dual_form import dual_qp
 from .lifted_form import lifted_qp
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
+Arrays = Mapping[str, NDArray[Any] | None]
 
 
 def write_npz(problem: ContactProblem, path: str | os.PathLike[str], *, form: str = "dense") -> None:
@@ -103,17 +106,13 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
     ...     read_npz(Path(folder, "problem.npz")).identical(springs)
     True
     """
-    require_file(path)
+    arrays = read_arrays(path)
     try:
-        with np.load(path, allow_pickle=False) as file:
-            names = set(file.files)
-            return ContactProblem(*(_own_data(file) if "contact_separation" in names else _foreign_data(file, names)))
+        return ContactProblem(*(_own_data(arrays) if "contact_separation" in arrays else _foreign_data(arrays)))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except KeyError as error:
-        raise InputError(f"{path} is incomplete: {error.args[0]}") from error
-    except (OSError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path} is not a NumPy file with a quadratic programme: {error}") from error
+        raise InputError(f"{path} is incomplete: there is no array {error.args[0]!r}") from error
 
 
 def _programme(problem: ContactProblem, form: str) -> Any:
@@ -144,38 +143,31 @@ def _own_arrays(problem: ContactProblem) -> dict[str, Any]:
     return arrays
 
 
-def _own_data(file: Any) -> tuple[Any, Any, Any, Any]:
+def _own_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
     compliance: Any
-    if "contact_compliance_factor" in file.files:
-        compliance = (file["contact_compliance_diagonal"], file["contact_compliance_factor"])
+    if "contact_compliance_factor" in arrays:
+        compliance = (arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"])
     else:
-        compliance = file["contact_compliance"]
-    return file["contact_separation"], file["contact_lever_arm"], file["contact_torque"], compliance
+        compliance = arrays["contact_compliance"]
+    return arrays["contact_separation"], arrays["contact_lever_arm"], arrays["contact_torque"], compliance
 
 
-def _foreign_data(file: Any, names: set[str]) -> tuple[Any, Any, Any, Any]:
-    """Separation, lever arm, torque and compliance from P, q, A and b."""
-    matrix, linear = file["P"], file["q"]
-    row, right = _optional(file, names, "A"), _optional(file, names, "b")
+def _foreign_data(arrays: Arrays) -> tuple[Any, Any, Any, Any]:
+    """Separation, lever arm, torque and compliance from P, q, A and b; qpsolvers stores a missing one as an object."""
+    matrix, linear = arrays["P"], arrays["q"]
+    row, right = arrays.get("A"), arrays.get("b")
     if row is None or right is None:
         raise InputError("A = none: must be the balance of torque, the one equality A x = b")
     row, right = np.atleast_2d(row), np.atleast_1d(right)
     if row.shape[0] != 1 or right.shape != (1,):
         raise InputError(f"A = {shown(row)}: must be one equality, the balance of torque")
-    lower, upper = _optional(file, names, "lb"), _optional(file, names, "ub")
-    if lower is None or np.any(lower != 0.0):
+    lower, upper = arrays.get("lb"), arrays.get("ub")
+    if lower is None or not _is_numeric(lower) or np.any(lower != 0.0):
         raise InputError(f"lb = {shown(lower)}: must be zero, the lower bounds of the normal forces")
-    if _optional(file, names, "G") is not None or (upper is not None and np.any(upper < np.inf)):
+    if arrays.get("G") is not None or (upper is not None and not (_is_numeric(upper) and np.all(upper == np.inf))):
         raise InputError("G, ub: must be left out, a contact problem has no inequalities and no upper bounds")
     return linear, row[0], right[0], matrix
 
 
-def _optional(file: Any, names: set[str], name: str) -> NDArray[Any] | None:
-    """Return an array of the file; qpsolvers stores a missing one as an object that NumPy will not read unasked."""
-    if name not in names:
-        return None
-    try:
-        array: NDArray[Any] = file[name]
-    except ValueError:
-        return None
-    return array
+def _is_numeric(array: NDArray[Any]) -> bool:
+    return array.dtype.kind in "biuf"

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, number, one_of, shown
 from ...core.errors import InputError
+from ...core.reading.regular_file import named
+from ...core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from ...core.suggestion import suggestion
 from ...core.toml_text import toml_tables
 
@@ -281,12 +283,10 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
             f"no {path.absolute()}; a relative path starts from {start}{suggestion(text, available_lubricants())}"
         )
     try:
-        content = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"oil = {text!r}: {path} cannot be read: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is not a TOML file: {error}") from error
-    return _from_table(path, toml_tables(content, str(path)))
+        content = read_text(path, TOML_SIZE_LIMIT)
+    except InputError as error:
+        raise InputError(f"oil = {shown(text)}: {error}") from error
+    return _from_table(path, toml_tables(content, named(path)))
 
 
 def _from_table(path: Path, data: Mapping[str, Any]) -> Lubricant:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
-from ...core.checks import one_of
+from ...core.checks import one_of, whole
 from ...core.errors import InputError
 from .separated_text import cells, excerpt, parted, separator
 
@@ -20,6 +20,8 @@ NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
 DEVIATION_COLUMN = "deviation"
 MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
 HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
+GRID_SIZE_LIMIT = 1001  # rows and columns, as of `easeoff export`
+POINT_COUNT_LIMIT = 100_000  # of a flank
 Points = dict[tuple[str, int, int], list[float]]
 Number = TypeVar("Number", int, float)
 
@@ -87,6 +89,8 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
     one_of(f"{where}: flank", found[0], ("concave", "convex"))
     if min(row, column) < 1:
         raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
+    for name, number in (("row", row), ("column", column)):
+        whole(f"{where}: {name}", number, 1, GRID_SIZE_LIMIT)
     if not np.all(np.isfinite(values)):
         raise InputError(f"{where}: every value must be a finite number")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
@@ -101,6 +105,15 @@ def _read(kind: Callable[[str], Number], where: str, name: str, cell: str) -> Nu
     except ValueError as error:
         wanted = "whole number" if kind is int else "number"
         raise InputError(f"{where}: {name} = {excerpt(cell)}: must be a {wanted}") from error
+
+
+def require_size(rows: int, columns: int, source: str) -> None:
+    """Refuse a grid of more points than are ever measured."""
+    if not (1 <= rows <= GRID_SIZE_LIMIT and 1 <= columns <= GRID_SIZE_LIMIT and rows * columns <= POINT_COUNT_LIMIT):
+        raise InputError(
+            f"{source}: rows, columns = {rows}, {columns}: must be 1 to {GRID_SIZE_LIMIT} each, and at most "
+            f"{POINT_COUNT_LIMIT} points on a flank"
+        )
 
 
 def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:
@@ -122,6 +135,7 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     """
     flanks = sorted({key[0] for key in points})
     rows, columns = max(key[1] for key in points), max(key[2] for key in points)
+    require_size(rows, columns, source)
     if len(points) != len(flanks) * rows * columns:
         missing = next(
             (f, r, c)

@@ -20,6 +20,7 @@ from ...core.checks import one_of, shown
 from ...core.errors import InputError
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import side
+from .csv_points import require_size
 from .measuring_points import EdgeMargins, cmm_points
 from .separated_text import Attributes, cells, comment, excerpt, parted, separator
 
@@ -105,6 +106,7 @@ def parsed_table(content: str, source: str) -> DeviationTable:
     attributes, lines = parted(content, source)
     first, head = lines[0]
     mark = separator(head)
+    require_size(len(lines), len(cells(head, mark)), source)
     rows = [cells(line, mark) for _, line in lines]
     for (number, line), row in zip(lines, rows, strict=True):
         if len(row) != len(rows[0]):

@@ -21,11 +21,13 @@ import xarray as xr
 
 from ...core.checks import one_of
 from ...core.errors import InputError
+from ...core.reading.text_file import LINE_LENGTH_LIMIT
 from . import csv_points as cmm_csv
 from .separated_text import excerpt
 
 LABEL_PATTERN = re.compile(r"(CONCAVE|CONVEX)\D+(\d{1,6})\D+(\d{1,6})")
 FEATURE_PATTERN = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
+LABEL_LENGTH_LIMIT = 200  # [characters]
 UNIT_LENGTHS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
 
 
@@ -77,21 +79,25 @@ def parsed(content: str, source: str) -> xr.Dataset:
             raise InputError(f"{where}: a point stands before the first UNITS/ statement, so that its unit is unknown")
         kind, label = found[1].upper(), found[2].strip().upper()
         if found[3].upper() != "CART":
-            raise InputError(f"{where}: {kind}({label}) in {found[3]} coordinates: only CART is read")
-        index = LABEL_PATTERN.search(label)
+            raise InputError(
+                f"{where}: {kind}({label[:LABEL_LENGTH_LIMIT]}) in {found[3]} coordinates: only CART is read"
+            )
+        index = LABEL_PATTERN.search(label[:LABEL_LENGTH_LIMIT])
         if index is None:
-            raise InputError(f"{where}: label = {label!r}: must tell flank, row and column, as CONCAVE_R1_C1 does")
+            raise InputError(
+                f"{where}: label = {excerpt(label)}: must tell flank, row and column, as CONCAVE_R1_C1 does"
+            )
         key = (index[1].lower(), int(index[2]), int(index[3]))
         values = _numbers(found[4], scale, where)
         # A program defines a point, and its results put it out again.
         if features[kind].setdefault(key, values) != values:
-            raise InputError(f"{where}: a second {kind}({label}), other than the first")
+            raise InputError(f"{where}: a second {kind}({label[:LABEL_LENGTH_LIMIT]}), other than the first")
     return _combined(features["F"], features["FA"], source)
 
 
 def _statements(content: str) -> list[tuple[int, str]]:
     """Numbered statements, comments left out and continued lines joined."""
-    result: list[tuple[int, str]] = []
+    result: list[tuple[int, list[str]]] = []
     open_line = False
     for number, raw in enumerate(content.splitlines(), start=1):
         line = raw.split("$$")[0].strip()
@@ -100,12 +106,11 @@ def _statements(content: str) -> list[tuple[int, str]]:
         continued = line.endswith("$")
         part = line.rstrip("$").strip()
         if open_line:
-            first, begun = result[-1]
-            result[-1] = (first, begun + part)
+            result[-1][1].append(part)
         else:
-            result.append((number, part))
+            result.append((number, [part]))
         open_line = continued
-    return result
+    return [(number, "".join(parts)[:LINE_LENGTH_LIMIT]) for number, parts in result]
 
 
 def _numbers(cells: str, scale: float, where: str) -> list[float]:

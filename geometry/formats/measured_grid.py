@@ -166,7 +166,11 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     cmm.check_points(grid, source, FORMAT)
     if "measured_position" in grid:
         grid = _along_normals(grid, source)
-    if "deviation" not in grid or grid["deviation"].dims != ("flank", "row", "column"):
+    if (
+        "deviation" not in grid
+        or grid["deviation"].dims != ("flank", "row", "column")
+        or grid["deviation"].dtype.kind not in "fiu"
+    ):
         raise InputError(
             f"{source} holds nominal points but nothing measured: add a column 'deviation' [um], or measured_x, "
             "measured_y and measured_z [mm]"
@@ -236,6 +240,9 @@ def flank_deviation(grid: xr.Dataset, member: Member, method: Method = "spline")
 
 def _along_normals(grid: xr.Dataset, source: Path) -> xr.Dataset:
     """Deviations from measured coordinates; a tooth turned in the measuring machine is not turned back."""
+    measured = grid["measured_position"]
+    if set(measured.dims) != set(grid["position"].dims) or measured.dtype.kind not in "fiu":
+        raise InputError(f"{source} is incomplete: no numbers 'measured_position' over the points")
     way = (grid["measured_position"] - grid["position"]).transpose("flank", "row", "column", "xyz").values
     normal = grid["normal"].transpose("flank", "row", "column", "xyz").values
     with np.errstate(over="ignore", invalid="ignore"):  # a slip in a number: it is refused here or by _check_size

@@ -12,8 +12,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
+from ...core.checks import shown
 from ...core.errors import GeometryError, InputError
-from ...core.files import netcdf_reading, require_file, whole_file
+from ...core.files import whole_file
+from ...core.reading.netcdf_file import read_dataset
+from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus
 from ..pair.gear_pair import Member
@@ -28,6 +31,7 @@ DEFAULT_MARGIN_SHARE = 0.1  # of the face width at toe and heel, of the mean dep
 # Tried in this order where the flank ends early.
 ROOT_MARGIN_SHARES = (DEFAULT_MARGIN_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)
 SUFFIXES = (".csv", ".nc")
+COORDINATE_LIMIT = 1e4  # [mm]; no gear is larger
 
 
 @dataclass(frozen=True)
@@ -285,17 +289,12 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
 
 def content(source: Path) -> str:
     """Read a text file. Raises InputError if it does not exist or is not text."""
-    require_file(source)
-    try:
-        return source.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{source} cannot be read as text: {error}") from error
+    return read_text(source, TABLE_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
 
 
 def opened(source: Path) -> xr.Dataset:
     """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
-    with netcdf_reading(source), xr.open_dataset(source, engine="netcdf4", decode_times=False) as file:
-        return file.load()
+    return read_dataset(source)
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
@@ -323,5 +322,14 @@ def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
             )
         if not np.all(np.isfinite(dataset[name].values)):
             raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
+    largest = float(np.max(np.abs(dataset["position"].values), initial=0.0))
+    if largest > COORDINATE_LIMIT:
+        raise InputError(f"{source}: a coordinate of {largest:g} mm: must be at most {COORDINATE_LIMIT:g} mm")
+    cmm_csv.require_size(dataset.sizes["row"], dataset.sizes["column"], str(source))
+    flanks = [str(name) for name in dataset["flank"].values]
+    if dataset["flank"].dims != ("flank",) or not flanks or len({*flanks, "concave", "convex"}) != 2:
+        raise InputError(f"{source}: flank = {shown(flanks)}: must be concave, convex or both")
+    if len(set(flanks)) != len(flanks):
+        raise InputError(f"{source}: flank = {shown(flanks)}: must be names that differ")
     if np.max(np.abs(np.linalg.norm(dataset["normal"].values, axis=-1) - 1.0)) > 1e-6:
         raise InputError(f"{source}: 'normal' holds vectors that are not of length 1")

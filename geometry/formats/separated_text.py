@@ -30,7 +30,10 @@ def comment(line: str) -> str | None:
     quoted = re.fullmatch(r'"(#(?:[^"]|"")*)"[;,\t]*', stripped)
     if quoted:
         stripped = quoted[1].replace('""', '"')
-    return re.sub(r"[;,\t]{2,}$", "", stripped[1:]).strip() if stripped.startswith("#") else None
+    if not stripped.startswith("#"):
+        return None
+    unpadded = stripped[1:].rstrip(";,\t")
+    return (unpadded if len(stripped) - 1 - len(unpadded) >= 2 else stripped[1:]).strip()
 
 
 def separator(line: str) -> str:

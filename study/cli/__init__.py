@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from ...core.errors import EaseoffError
+from ...core.printable import message
 from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
@@ -31,6 +32,13 @@ class _Mistake(click.ClickException):
     """Mistake of the user, with its exit code."""
 
     exit_code = EXIT_MISTAKE
+
+
+def _harmless(error: click.ClickException) -> click.ClickException:
+    """The error with the words of the command line in its message harmless to a terminal, and shortened."""
+    if isinstance(error, click.UsageError):
+        return click.UsageError(message(error.format_message()), error.ctx)
+    return _Mistake(message(error.format_message()))
 
 
 class _Group(click.Group):
@@ -58,6 +66,8 @@ class _Group(click.Group):
             return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
+        except click.ClickException as error:
+            raise _harmless(error) from error
         except MemoryError as error:
             said = f" ({str(error)[:150]})" if str(error) else ""
             raise _Mistake(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from ...core.magnitude import time_in_words
-from .options import MISALIGNMENT, deviation_option, flank_option, misalignment, torques
+from .options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
 from .terminal_bar import terminal_bar
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _PAIR = (
     click.argument("case"),
+    allow_outside_option,
     flank_option,
     click.option(
         "--misalignment",

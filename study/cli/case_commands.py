@@ -8,7 +8,7 @@ import click
 
 from ...core.errors import InputError
 from .command import Command
-from .options import force_option, next_commands, output_option, printable
+from .options import allow_outside_option, echo, force_option, next_commands, output_option, outside_allowed
 
 
 @click.command(cls=Command)
@@ -19,11 +19,12 @@ def cases() -> None:
     shipped = shipped_cases()
     width = max(len(name) for name in shipped)
     for name, title in shipped.items():
-        click.echo(f"{name:<{width}}  {title}")
+        echo(f"{name:<{width}}  {title}")
 
 
 @click.command(cls=Command)
 @click.argument("design")
+@allow_outside_option
 @output_option("Case file to write, .toml.")
 @force_option
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
@@ -41,15 +42,18 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
 
     check_writable(output, design, suffix=".toml")
     require_replaceable(output, force)
-    case, found = design_case(read_design(design))
+    case, found = design_case(read_design(design, allow_outside=outside_allowed()))
     write_case(case, output, f"Made by easeoff from the design {Path(design).name}.")
-    click.echo(f"wrote {output}")
-    click.echo(design_report(found) if report else "\n".join(summary_lines(found)))
-    next_commands(("run", output, "-o", output.with_suffix(".nc")))
+    echo(f"wrote {output}")
+    echo(design_report(found) if report else "\n".join(summary_lines(found)))
+    table = case.friction
+    outside = table is not None and table.seen_from(output.parent).is_outside
+    next_commands(("run", output, "-o", output.with_suffix(".nc"), *(["--allow-outside"] if outside else [])))
 
 
 @click.command(cls=Command)
 @click.argument("source", metavar="INPUT")
+@allow_outside_option
 @output_option("File to write: case file (.toml) or REXS file (.rexs, .xml).")
 @force_option
 def convert(source: str, output: Path, force: bool) -> None:
@@ -70,7 +74,7 @@ def convert(source: str, output: Path, force: bool) -> None:
         require_replaceable(output, force)
     notes: list[str] = []
     if suffix in ("", ".toml"):
-        case = read_case(source)
+        case = read_case(source, allow_outside=outside_allowed())
     elif suffix in (".rexs", ".xml"):
         case, notes = read_rexs(source)
     elif suffix in (".ses", ".txt"):
@@ -82,5 +86,5 @@ def convert(source: str, output: Path, force: bool) -> None:
     else:
         notes = notes + write_rexs(case, output)
     for note in notes:
-        click.echo(printable(note))
-    click.echo(f"wrote {output}")
+        echo(note)
+    echo(f"wrote {output}")

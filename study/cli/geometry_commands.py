@@ -8,11 +8,22 @@ from typing import Any
 import click
 
 from .command import Command
-from .options import deviation_option, flank_option, margins, nodes, output_option, teeth
+from .options import (
+    allow_outside_option,
+    deviation_option,
+    echo,
+    flank_option,
+    margins,
+    nodes,
+    output_option,
+    outside_allowed,
+    teeth,
+)
 
 
 @click.command(cls=Command)
 @click.argument("case")
+@allow_outside_option
 @output_option(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
     "(meshes)."
@@ -63,12 +74,13 @@ def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> 
         given["margins"] = EdgeMargins(**given["margins"])
     if given.get("teeth") == "all":
         given["teeth"] = None
-    written = write(read_case(case), output, member, flank, given)
-    click.echo(f"wrote {output}: {written}")
+    written = write(read_case(case, allow_outside=outside_allowed()), output, member, flank, given)
+    echo(f"wrote {output}: {written}")
 
 
 @click.command(cls=Command)
 @click.argument("case")
+@allow_outside_option
 @flank_option
 @deviation_option(
     "Measured grid of a member: a file, or the name of a shipped one. May be given for both members.", required=True
@@ -83,9 +95,9 @@ def correct(case: str, flank: Any, deviations: Any) -> None:
     from ..deviation_source import flank_deviations
     from ..report.correction_report import correction_report
 
-    pair = gear_pair(read_case(case), flank)
+    pair = gear_pair(read_case(case, allow_outside=outside_allowed()), flank)
     reports = [
         correction_report(name, named_member(pair, name), deviation)
         for name, deviation in flank_deviations(pair, deviations).items()
     ]
-    click.echo("\n\n".join(reports))
+    echo("\n\n".join(reports))

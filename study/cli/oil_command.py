@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .command import Command
-from .options import next_commands, output_option
+from .options import echo, next_commands, output_option
 
 
 @click.command(cls=Command)
@@ -55,9 +55,9 @@ def oil(
     write_lubricant(made, output)
     for temperature in (40.0, 70.0, 100.0):
         state = made.at(temperature)
-        click.echo(
+        echo(
             f"{temperature:3.0f} degC: {1e3 * float(state.viscosity):.4g} mPa s, pressure-viscosity coefficient "
             f"{1e9 * float(state.pressure_viscosity):.3g} / GPa (estimated)"
         )
-    click.echo(f"wrote {output}")
+    echo(f"wrote {output}")
     next_commands(("run", "CASE", "-o", "RESULT.nc", "--speed", "SPEED", "--oil", output))

@@ -11,7 +11,18 @@ import click
 from .analysis_options import show_stage
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import MISALIGNMENT, flank_option, force_option, misalignment, next_commands, output_option, torques
+from .options import (
+    MISALIGNMENT,
+    allow_outside_option,
+    echo,
+    flank_option,
+    force_option,
+    misalignment,
+    next_commands,
+    output_option,
+    outside_allowed,
+    torques,
+)
 from .terminal_bar import terminal_bar
 
 
@@ -21,6 +32,7 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 
 @click.command(cls=Command)
 @click.argument("case")
+@allow_outside_option
 @output_option("netCDF file to write.")
 @flank_option
 @click.option(
@@ -93,22 +105,22 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
     if fitted_case is not None:
         check_writable(fitted_case, case, suffix=".toml")
         require_replaceable(fitted_case, force)
-    checked = read_case(case)
+    checked = read_case(case, allow_outside=outside_allowed())
     bar: Any
     with terminal_bar(desc="convex programmes") as bar:
         tree = optimized(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
-    click.echo(optimization_report(tree))
-    click.echo(f"\nwrote {output}")
+    echo(optimization_report(tree))
+    echo(f"\nwrote {output}")
     if fitted_case is not None:
         fitted, fit = fit_modification(checked, recorded_modification(tree), flank=options["flank"])
         write_case(
             fitted, fitted_case, f"Made by easeoff from {Path(case).name} and the modification in {output.name}."
         )
-        click.echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
+        echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
     fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
     failures = uncertified(tree)
     if failures:
-        click.echo("\n".join(failures), err=True)
+        echo("\n".join(failures), err=True)
         sys.exit(EXIT_UNCERTIFIED)

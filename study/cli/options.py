@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from ...core.printable import printable_lines
 from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
@@ -21,6 +22,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 MISALIGNMENT = "E=..,P=..,G=..,Sigma=.."
 EDGES = ("toe", "heel", "root", "tip")
+ALLOW_OUTSIDE = "easeoff.allow_outside"
 
 
 def flank_option(command: Command) -> Command:
@@ -72,21 +74,35 @@ def deviation_option(text: str, *, required: bool = False) -> Callable[[Command]
     )
 
 
-def printable(text: str) -> str:
-    r"""A text of a foreign file, which must not steer the terminal.
+def allow_outside_option(command: Command) -> Command:
+    """Option ``--allow-outside`` of a command that reads a case or design; see ``outside_allowed``."""
+    return click.option(
+        "--allow-outside",
+        is_flag=True,
+        expose_value=False,
+        callback=_keep_allowed,
+        help="Open files outside the folder of the case, too, if the case names them, such as that of an oil.",
+    )(command)
 
-    Examples
-    --------
-    >>> printable("PAINT \x1b[2J")
-    'PAINT ?[2J'
-    """
-    return "".join(character if character.isprintable() else "?" for character in text)
+
+def _keep_allowed(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
+    ctx.meta[ALLOW_OUTSIDE] = value
+
+
+def outside_allowed() -> bool:
+    """Whether ``--allow-outside`` was given to the command that runs."""
+    return bool(click.get_current_context().meta.get(ALLOW_OUTSIDE, False))
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print lines with foreign text in them, which must not steer the terminal."""
+    click.echo(printable_lines(text), err=err)
 
 
 def next_commands(*commands: Sequence[object]) -> None:
     """Say which commands take what was written; each is given by its words after ``easeoff``."""
     words = (shlex.join(["easeoff", *map(str, command)]) for command in commands)
-    click.echo(f"next: {', or '.join(words)}")
+    echo(f"next: {', or '.join(words)}")
 
 
 def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> tuple[float, ...] | None:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...core.printable import printable
 from .command import Command
-from .options import printable
+from .options import echo
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +22,7 @@ def show(result: Path) -> None:
     from ..report.result_summary import result_summary
     from ..result import read_result
 
-    click.echo(result_summary(read_result(result)))
+    echo(result_summary(read_result(result)))
 
 
 @click.command(cls=Command)
@@ -54,9 +55,9 @@ def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> No
 
     before = pictures_of_results(folder)
     for picture in write_pictures(tree, folder, marking=marking):
-        click.echo(f"wrote {picture}")
+        echo(f"wrote {picture}")
     for title in sorted({title for title in before.values() if title != tree.attrs.get("title", "")}):
-        click.echo(f"replaced the pictures of {printable(title)!r}")
+        echo(f"replaced the pictures of {printable(title)!r}")
     for picture in before:
         if not picture.exists():
-            click.echo(f"removed {picture}, a picture of an earlier result")
+            echo(f"removed {picture}, a picture of an earlier result")

@@ -12,7 +12,7 @@ import click
 from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import next_commands, numbers, roughnesses
+from .options import echo, next_commands, numbers, outside_allowed, roughnesses
 from .result_commands import draw
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def run(
     from ..report.result_summary import doubts, outcome, uncertified
     from ..result import write_result
 
-    checked = read_case(case)
+    checked = read_case(case, allow_outside=outside_allowed())
     table = checked.friction
     oils = [oil] if oil is not None else [table.oil_file] if table is not None else []
     check_writable(output, case, *options["deviations"].values(), *oils, suffix=".nc")
@@ -134,14 +134,14 @@ def run(
     with progress_bar(checked, options["torques"]) as shown:
         tree = analyze(checked, **with_defaults(options), **arguments, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
-    click.echo(f"wrote {output}: {outcome(tree)}")
+    echo(f"wrote {output}: {outcome(tree)}")
     if plots is not None:
         draw(tree, plots)
     for note in doubts(tree):
-        click.echo(note, err=True)
+        echo(note, err=True)
     failures = uncertified(tree)
     if failures:
-        click.echo("\n".join(failures), err=True)
+        echo("\n".join(failures), err=True)
     next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     if failures:
         sys.exit(EXIT_UNCERTIFIED)

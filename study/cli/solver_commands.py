@@ -11,7 +11,7 @@ import click
 from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import folder_option, next_commands, output_option, problem_files, solvers
+from .options import echo, folder_option, next_commands, output_option, outside_allowed, problem_files, solvers
 from .terminal_bar import terminal_bar
 
 
@@ -32,7 +32,7 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     from ..case_in_mesh import CaseInMesh
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
-    checked = read_case(case)
+    checked = read_case(case, allow_outside=outside_allowed())
     require_solver(solver)
     size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
     check_cost(checked, size)
@@ -51,7 +51,7 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
             "mesh_position": position[[item.mesh_position for item in solved]],
         },
     )
-    click.echo(f"wrote {output}: {len(solved)} contact problems")
+    echo(f"wrote {output}: {len(solved)} contact problems")
     next_commands(("compare", output))
 
 
@@ -71,13 +71,13 @@ def library(output: Path, parts: str | None) -> None:
     with terminal_bar(total=total, desc="library", unit="problem") as bar:
         written = write_library(output, chosen, progress=bar.update)
     for one in written:
-        click.echo(
+        echo(
             f"wrote {one.path}: {one.problems} contact problems, worst certificate {one.worst_certificate:.1e}, "
             f"rotations as the reference within {one.worst_difference:.1e}"
         )
     faults = [fault for one in written for fault in one.faults]
     if faults:
-        click.echo("\n".join(faults), err=True)
+        echo("\n".join(faults), err=True)
         sys.exit(EXIT_UNCERTIFIED)
 
 
@@ -130,9 +130,9 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
 
         table = run_comparison(problems, output, progress=progress, **options)
     for path in write_comparison(table, output):
-        click.echo(f"wrote {path}")
+        echo(f"wrote {path}")
     if test_set:
         from ...contact.problem.problem_file import read_problems
 
         for path in write_test_set([item for file in problems for item in read_problems(file)], output / "test_set"):
-            click.echo(f"wrote {path}")
+            echo(f"wrote {path}")

@@ -10,7 +10,7 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import MISALIGNMENT, flank_option, misalignment, torques
+from .options import MISALIGNMENT, allow_outside_option, echo, flank_option, misalignment, outside_allowed, torques
 from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 @click.command(cls=Command)
 @click.argument("case")
+@allow_outside_option
 @flank_option
 @click.option(
     "--misalignment",
@@ -63,7 +64,7 @@ def verify(
 
     if output is not None:
         check_writable(output, case, suffix=".nc")
-    checked = read_case(case)
+    checked = read_case(case, allow_outside=outside_allowed())
     with terminal_bar(desc="verification", unit="step") as bar:
 
         def progress(done: int, total: int, name: str) -> None:
@@ -79,12 +80,12 @@ def verify(
             without_split=without_split,
             progress=progress,
         )
-    click.echo(f"{checked.title}, {flank} flanks\n\n{found.table()}\n")
+    echo(f"{checked.title}, {flank} flanks\n\n{found.table()}\n")
     if output is not None:
         with whole_file(output) as temporary:
             found.dataset().to_netcdf(temporary, engine="netcdf4")
-        click.echo(f"wrote {output}")
+        echo(f"wrote {output}")
     if not found.passed:
-        click.echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
+        echo(f"{len(found.outside)} of {len(found.rows)} comparisons are outside their limits", err=True)
         sys.exit(EXIT_UNCERTIFIED)
-    click.echo("every comparison that applies is within its limit")
+    echo("every comparison that applies is within its limit")

@@ -11,7 +11,7 @@ import click
 from .analysis_options import pair_options, show_stage, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import coefficients, duty_cycle, next_commands, output_option
+from .options import coefficients, duty_cycle, echo, next_commands, output_option, outside_allowed
 from .terminal_bar import terminal_bar
 
 
@@ -72,16 +72,18 @@ def wear(
     flanks are deviations: '--deviation pinion=FILE --deviation gear=FILE' continues the wear, or analyses the worn pair
     in 'easeoff run'.
     """
+    from ...cases import read_case
     from ...core.files import check_writable, whole_file
     from ..wear_simulation import WearLaw
     from ..wear_simulation import wear as worn
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
+    checked = read_case(case, allow_outside=outside_allowed())
     law = WearLaw(*coefficient, revolutions, largest_step, largest_depth, most_steps)
     bar: Any
     with terminal_bar(total=revolutions, desc="wear", unit="rev", unit_scale=True) as bar:
         history = worn(
-            case,
+            checked,
             law,
             torque=torque,
             progress=lambda done: bar.update(done - bar.n),
@@ -92,19 +94,17 @@ def wear(
         history.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
     last = history.isel(step=-1)
     depths = ", ".join(f"{m} {float(last['largest_depth'].sel(member=m)):.2f} um" for m in ("pinion", "gear"))
-    click.echo(
-        f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps"
-    )
-    click.echo(f"largest depth: {depths}")
-    click.echo("contact on lines alone, without tooth edges")
+    echo(f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps")
+    echo(f"largest depth: {depths}")
+    echo("contact on lines alone, without tooth edges")
     for torque_value in torque:
         both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
-        click.echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
-    click.echo(f"wrote {output}")
+        echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")
+    echo(f"wrote {output}")
     worn_flanks = [word for member in ("pinion", "gear") for word in ("--deviation", f"{member}={output}")]
     next_commands(("run", case, *worn_flanks, "-o", "RESULT.nc"))
     if not history.attrs["completed"]:
-        click.echo(
+        echo(
             f"the wear ended early, after {100 * float(last['revolutions']) / revolutions:.3g} % of the revolutions; "
             "the file holds the steps that were solved. A smaller --largest-step may help",
             err=True,

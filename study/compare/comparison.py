@@ -190,7 +190,21 @@ def _stored(attempts: list[Attempt]) -> list[dict[str, Any]]:
 
 
 def _attempts(stored: list[dict[str, Any]]) -> list[Attempt]:
-    return [Attempt(**{**one, "certificate": Certificate(**one["certificate"])}) for one in stored]
+    """Attempts of a checkpoint; raises if a value is of another type than an attempt has."""
+    attempts = [Attempt(**{**one, "certificate": Certificate(**one["certificate"])}) for one in stored]
+    for attempt in attempts:
+        values: dict[str, Any] = asdict(attempt)
+        numbers = [values["run_time"], values["elastic_rotation"], *values["certificate"].values()]
+        if not (
+            all(isinstance(values[name], str) for name in ("claim", "message"))
+            and all(isinstance(value, int | float) for value in numbers)
+            and isinstance(values["iterations"], int)
+            and abs(values["iterations"]) < 2**31
+        ):
+            raise ValueError("no attempt")
+    if not attempts:
+        raise ValueError("no attempts")
+    return attempts
 
 
 def _cells(posed: list[PosedProblem], solvers: list[str], raw: bool) -> Iterator[tuple[PosedProblem, str, str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,10 @@ import numpy as np
 import xarray as xr
 
 from ...contact.problem.certificate import EXACT_TOLERANCE
+from ...core.checks import shown
+from ...core.errors import InputError
 from ...core.files import whole_file
+from ...core.reading.json_text import parsed_json
 from .attempt import SETTINGS
 from .comparison_statistics import RUN_TIME_SHIFT, by_problem, growth, methods, of_method, shifted_geometric_mean
 from .comparison_table import RESIDUALS
@@ -75,8 +77,7 @@ def _subject(dataset: xr.Dataset, problems: Any) -> str:
 
 
 def _made_with(dataset: xr.Dataset, named: list[Method]) -> str:
-    machine = json.loads(dataset.attrs["machine"])
-    versions = json.loads(dataset.attrs["solver_versions"])
+    machine, versions = (_table_of(dataset, name) for name in ("machine", "solver_versions"))
     lines = _table(["what", "which"], [*machine.items(), *((f"solver `{s}`", v) for s, v in versions.items())])
     used = [name for name in SETTINGS if any(settings == name for _, settings, _ in named)]
     meanings = "\n".join(f"- `{name}`: {SETTINGS[name]}" for name in used)
@@ -85,6 +86,17 @@ def _made_with(dataset: xr.Dataset, named: list[Method]) -> str:
         f"limit {dataset.attrs['time_limit_s']:g} s an attempt. Settings:\n\n{meanings}\n\n`native` has no other than "
         "`default`, and needs no polish. It is also the reference of the error of rotation.\n"
     )
+
+
+def _table_of(dataset: xr.Dataset, name: str) -> dict[str, Any]:
+    """Table in an attribute, as JSON; InputError if it holds none."""
+    try:
+        table = parsed_json(str(dataset.attrs.get(name, "{}")))
+    except ValueError:
+        table = None
+    if not isinstance(table, dict):
+        raise InputError(f"attribute {name} = {shown(dataset.attrs[name])}: must be a table in JSON")
+    return table
 
 
 def _success(dataset: xr.Dataset, problems: Any, named: list[Method]) -> str:

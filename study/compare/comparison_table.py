@@ -14,7 +14,8 @@ import xarray as xr
 from ...contact.problem.certificate import Certificate
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import netcdf_reading, whole_file
+from ...core.files import whole_file
+from ...core.reading.netcdf_file import read_dataset
 from .attempt import Attempt
 
 FORMAT = "easeoff comparison of solvers"
@@ -158,11 +159,19 @@ def read_table(path: Path) -> xr.Dataset:
     ...     float(read_table(written[0]).attrs["tolerance"])
     1e-05
     """
-    with netcdf_reading(path), xr.open_dataset(path, engine="netcdf4") as opened:
-        dataset = opened.load()
+    dataset = read_dataset(path)
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{path} holds no comparison of solvers: make one with 'easeoff compare'")
+    wanted = comparison_table([], 0.0, {}).data_vars
+    lacking = [name for name in wanted if name not in dataset or dataset[name].dims != ("attempt",)]
+    lacking += [] if _is_number(dataset.attrs.get("tolerance")) else ["tolerance"]
+    if lacking:
+        raise InputError(f"{path} is incomplete, without {', '.join(map(str, lacking))}: make it anew")
     return dataset
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and math.isfinite(value)
 
 
 def _finite(value: float) -> float:

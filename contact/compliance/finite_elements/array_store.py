@@ -6,7 +6,6 @@ import contextlib
 import hashlib
 import os
 import warnings
-import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from ....core.errors import InputError
 from ....core.files import whole_file
+from ....core.reading.array_file import read_arrays
 
 Array = NDArray[Any]
 #: Shape of every array by name; ``None`` stands for any length.
@@ -27,7 +27,7 @@ Shapes = Mapping[str, tuple[int | None, ...]]
 FOLDER_VARIABLE = "EASEOFF_CACHE"
 FOLDER_SIZE_LIMIT = 500e6  # [bytes], about fifty pairs
 KEY_LENGTH = 40
-KEY_NAME = "key"  # of the key within its file
+KEY_NAME, DIGEST_NAME = "key", "digest"  # of the key and of the digest of the arrays within their file
 #: Folders of the package whose code makes the arrays.
 CODE = ("geometry", "contact/compliance")
 
@@ -71,6 +71,15 @@ def _add(digest: Any, part: Any) -> None:
         raise TypeError(f"{type(part).__name__} has no key by its value")
 
 
+def content_digest(key: str, arrays: Mapping[str, Array]) -> str:
+    """Hexadecimal digest of a key and of the arrays kept under it."""
+    digest = hashlib.sha256(key.encode())
+    for name in sorted(arrays):
+        _add(digest, name)
+        _add(digest, arrays[name])
+    return digest.hexdigest()
+
+
 @cache
 def code_digest() -> str:
     """Digest of the code in ``CODE``."""
@@ -84,9 +93,9 @@ def code_digest() -> str:
 def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> dict[str, Array]:
     """Arrays by name, read from disk if they are there, else made and kept.
 
-    Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file that cannot be read, or
-    holds anything but finite arrays of these names and shapes under this key, is made anew. If it cannot be written, a
-    warning says so, and the arrays are returned all the same.
+    Of more than ``FOLDER_SIZE_LIMIT`` bytes those not asked for the longest are deleted. A file holds its key and the
+    digest of key and arrays: one that cannot be read, is of another key, or whose arrays are not those that were kept,
+    is made anew and replaced. If it cannot be written, a warning says so, and the arrays are returned all the same.
 
     Parameters
     ----------
@@ -107,7 +116,8 @@ def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> d
     arrays = dict(make())
     try:
         with whole_file(path) as temporary, open(temporary, "wb") as stream:
-            np.savez(stream, allow_pickle=False, **arrays, **{KEY_NAME: np.array(key)})
+            own = {KEY_NAME: np.array(key), DIGEST_NAME: np.array(content_digest(key, arrays))}
+            np.savez(stream, allow_pickle=False, **arrays, **own)
         _make_room(folder, path)
     except InputError as error:
         warnings.warn(f"the tooth's compliance is not kept: {error}; set {FOLDER_VARIABLE}", stacklevel=2)
@@ -117,20 +127,23 @@ def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> d
 def _read(path: Path, key: str, shapes: Shapes) -> dict[str, Array] | None:
     """Arrays of a file, or ``None`` if they are not all there as they must be."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-    except (OSError, ValueError, EOFError, KeyError, TypeError, zipfile.BadZipFile):
+        arrays = read_arrays(path)
+    except InputError:
         return None
-    if str(arrays.pop(KEY_NAME, "")) != key or arrays.keys() != shapes.keys():
+    own, digest = (str(arrays.pop(name, "")) for name in (KEY_NAME, DIGEST_NAME))
+    if own != key or arrays.keys() != shapes.keys() or any(array is None for array in arrays.values()):
+        return None
+    found = {name: array for name, array in arrays.items() if array is not None}
+    if digest != content_digest(key, found):
         return None
     for name, shape in shapes.items():
-        found = arrays[name]
-        fits = len(shape) == found.ndim and all(n in (None, m) for n, m in zip(shape, found.shape, strict=True))
-        if not fits or found.dtype != float or not np.all(np.isfinite(found)):
+        array = found[name]
+        fits = len(shape) == array.ndim and all(n in (None, m) for n, m in zip(shape, array.shape, strict=True))
+        if not fits or array.dtype != float or not np.all(np.isfinite(array)):
             return None
     with contextlib.suppress(OSError):  # of a folder that can only be read
         os.utime(path)
-    return arrays
+    return found
 
 
 def _make_room(folder: Path, newest: Path) -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 from functools import cache
 from itertools import combinations_with_replacement
 from pathlib import Path
@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from ....core import checks
 from ....core.errors import InputError
 from ....core.files import check_writable, whole_file
+from ....core.reading.json_text import parsed_json
+from ....core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from ...conditions import STEEL_MODULUS, ContactConditions
 from ...formula_range import Flags, combined_flags
 
@@ -268,17 +270,21 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
     0.1
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = parsed_json(read_text(path, TOML_SIZE_LIMIT))
         if not isinstance(content, dict):
             raise InputError("must be an object with the attributes of a FrictionFormula")
         arrays = {name: checks.array(name, content[name], ndim=1, size=size) for name, size in ARRAY_SIZES.items()}
-        regimes = tuple(RegimeError(*numbers) for numbers in content["regimes"])
+        for row in content["regimes"]:
+            checks.array("regimes", row, ndim=1, size=len(fields(RegimeError)), infinite=True)
+        regimes = tuple(RegimeError(*row) for row in content["regimes"])
         formula = FrictionFormula(**(content | arrays | {"regimes": regimes}))
         checks.positive("boundary_friction", formula.boundary_friction, "1", zero=True)
+        for name in ("cases", "fit_error", "prediction_error", "worst_error", "determination"):
+            checks.number(name, getattr(formula, name))
         return formula
     except KeyError as error:
         raise InputError(f"{path} is not a friction formula: {error} is missing") from error
-    except (OSError, ValueError, TypeError) as error:
+    except (ValueError, TypeError) as error:
         raise InputError(f"{path} is not a friction formula: {error}") from error
 
 

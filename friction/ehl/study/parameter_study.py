@@ -7,6 +7,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from ....core.checkpoint import Checkpoint, digest
 from ....core.child_environment import child_environment
 from ....core.errors import InputError, MissingPackageError, how_to_install
 from ....core.files import check_writable, whole_file
+from ....core.reading.netcdf_file import read_dataset
 from ..equations.film_certificate import Status
 from ..rolling_contact.asperities import Asperities
 from .study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case
@@ -187,10 +189,7 @@ def _check_is_study(target: Path) -> None:
     """Refuse to overwrite a file that is something else."""
     if not target.exists():
         return
-    try:
-        with xr.open_dataset(target, engine="netcdf4") as there:
-            if {"combination", "status", "friction_coefficient"} <= set(there.variables):
-                return
-    except (OSError, ValueError, RuntimeError):
-        pass
+    with suppress(InputError):
+        if {"combination", "status", "friction_coefficient"} <= set(read_dataset(target).variables):
+            return
     raise InputError(f"{target} exists and is no study: it would be overwritten; give another name, or remove it")

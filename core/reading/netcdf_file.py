@@ -1,0 +1,131 @@
+"""netCDF files: what the header declares is checked before any data are read, and every fault is one message."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import xarray as xr
+
+from ..errors import InputError
+from ..printable import printable, shortened
+from .hdf5_references import check_references
+from .regular_file import named, require_file, size_words
+
+UNPACKED_SIZE_LIMIT = 4_000_000_000  # of all variables of a file in memory [bytes]
+MEMORY_SHARE = 0.5  # of the machine's memory that the variables of a file may take
+GROUP_COUNT_LIMIT = 1000
+GROUP_DEPTH_LIMIT = 16
+VARIABLE_COUNT_LIMIT = 10_000
+OPENING_TIME_LIMIT = 10.0  # of a file with objects under several names [s]
+NUMBER_SIZE = 8  # of a number in memory, at least: decoding may widen it [bytes]
+STRING_SIZE = 64  # of a short string in memory [bytes]
+REASON_LENGTH_LIMIT = 200  # of the reason of the netCDF library in a message [characters]
+
+
+def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
+    """All groups of a netCDF file, in memory; the file is closed again.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is no netCDF file, it is damaged, or it declares more than is read.
+    """
+    with _reading(path), xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
+        return opened.load()
+
+
+def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
+    """The outermost group of a netCDF file, in memory; the file is closed again. Raises as ``read_tree``."""
+    with _reading(path), xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
+        return opened.load()
+
+
+@contextlib.contextmanager
+def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Context in which a file whose header was checked is read: every failure is one message, nothing is warned of."""
+    limit = unpacked_size_limit()
+    require_file(path, limit)
+    if not os.path.getsize(path):
+        raise InputError(f"{named(path)} is empty")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what an attribute misleads the decoding to shows in the values
+            if check_references(path):
+                _open_aside(path)
+            _check_header(path, limit)
+            yield
+    except InputError:
+        raise
+    except MemoryError as error:
+        raise InputError(f"{named(path)} needs more memory than there is") from error
+    except Exception as error:  # a damaged file may make netCDF, HDF5 and xarray raise anything
+        why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+        why = shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
+        raise InputError(f"{named(path)} is not a netCDF file, or it is damaged: {why}") from error
+
+
+def unpacked_size_limit() -> int:
+    """Greatest size of all variables of a file in memory [bytes]: ``UNPACKED_SIZE_LIMIT``, less on small machines."""
+    try:
+        memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # Windows does not say it in this way
+        return UNPACKED_SIZE_LIMIT
+    return min(UNPACKED_SIZE_LIMIT, int(MEMORY_SHARE * memory)) if memory > 0 else UNPACKED_SIZE_LIMIT
+
+
+def _open_aside(path: str | os.PathLike[str]) -> None:
+    """Open a file in a process of its own first: netCDF ends the process in which groups lead round in circles."""
+    code = "import sys, netCDF4; netCDF4.Dataset(sys.argv[1]).close()"
+    try:
+        command = [sys.executable, "-I", "-c", code, os.path.abspath(path)]
+        failed = subprocess.run(command, capture_output=True, timeout=OPENING_TIME_LIMIT, check=False).returncode != 0
+    except subprocess.TimeoutExpired:
+        failed = True
+    if failed:
+        raise InputError(f"{named(path)} is damaged: its groups cannot be opened, or lead round in circles")
+
+
+def _check_header(path: str | os.PathLike[str], limit: int) -> None:
+    """Refuse a file by what its header declares: nested groups, types of its own, and sizes."""
+    from netCDF4 import Dataset
+
+    size = count = variables = 0
+    with Dataset(os.fspath(path)) as file:
+        waiting: list[tuple[Any, int]] = [(file, 0)]
+        while waiting:
+            group, depth = waiting.pop()
+            count, variables = count + 1, variables + len(group.variables)
+            if depth > GROUP_DEPTH_LIMIT or count > GROUP_COUNT_LIMIT or variables > VARIABLE_COUNT_LIMIT:
+                raise InputError(
+                    f"{named(path)} has too many groups or variables: more than {GROUP_COUNT_LIMIT} groups, "
+                    f"{GROUP_DEPTH_LIMIT} levels of groups or {VARIABLE_COUNT_LIMIT} variables are not read"
+                )
+            if group.cmptypes or group.vltypes or group.enumtypes:
+                raise InputError(f"{named(path)} has data types of its own; numbers and text alone are read")
+            size += sum(_unpacked_size(path, variable) for variable in group.variables.values())
+            waiting += [(child, depth + 1) for child in group.groups.values()]
+    if size > limit:
+        raise InputError(
+            f"{named(path)} would take {size_words(size)} in memory, by the sizes that it declares: must be at most "
+            f"{size_words(limit)}"
+        )
+
+
+def _unpacked_size(path: str | os.PathLike[str], variable: Any) -> int:
+    """Size of a variable in memory [bytes], or of one of its chunks, if that is greater."""
+    kind = variable.dtype
+    if kind is not str and getattr(kind, "kind", "O") not in "fiuSU":
+        raise InputError(
+            f"{named(path)}: the variable {shortened(repr(str(variable.name)))} holds neither numbers nor text"
+        )
+    each = STRING_SIZE if kind is str else max(NUMBER_SIZE, int(kind.itemsize))
+    chunks = variable.chunking()
+    chunk = math.prod(map(int, chunks)) if isinstance(chunks, list | tuple) else 0
+    return max(math.prod(map(int, variable.shape)), chunk) * each

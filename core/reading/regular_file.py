@@ -1,0 +1,87 @@
+"""Files to be read: there, regular, readable, and not larger than their kind ever is."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ..errors import InputError
+from ..printable import printable
+
+
+def named(path: str | os.PathLike[str]) -> str:
+    """A path as messages show it, in one line."""
+    return printable(os.fspath(path))
+
+
+def size_words(count: float) -> str:
+    """A number of bytes in words.
+
+    Examples
+    --------
+    >>> size_words(1e6), size_words(4e9)
+    ('1 MB', '4 GB')
+    """
+    return f"{count / 1e9:.4g} GB" if count >= 1e9 else f"{count / 1e6:.4g} MB"
+
+
+def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None:
+    """Check that there is a file to read.
+
+    Parameters
+    ----------
+    path
+        The file.
+    limit
+        Greatest size [bytes]; none if left out.
+
+    Raises
+    ------
+    InputError
+        If there is no file, or a folder, a pipe or a device, or it is larger.
+    """
+    # The functions of os.path take a name that is too long, or holds a null character, for one that does not exist.
+    if os.path.isdir(path):
+        raise InputError(f"{named(path)} is a folder: give the name of a file")
+    if not os.path.isfile(path):
+        if os.path.exists(path):
+            raise InputError(f"{named(path)} is a device or a pipe, not a file: give the name of a file")
+        raise InputError(f"{named(path)}: there is no such file")
+    if limit is not None and os.path.getsize(path) > limit:
+        raise too_large(path, limit)
+
+
+def too_large(path: str | os.PathLike[str], limit: int) -> InputError:
+    """The error of a file that is larger than its kind ever is."""
+    return InputError(f"{named(path)} is larger than {size_words(limit)}: it is not read")
+
+
+def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
+    """Content of a file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    limit
+        Greatest size [bytes].
+
+    Raises
+    ------
+    InputError
+        As ``require_file``, or if the file cannot be read.
+
+    Examples
+    --------
+    >>> read_bytes(__file__, 100_000)[3:8]
+    b'Files'
+    """
+    require_file(path, limit)
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(limit + 1)  # some files of the system are larger than they say
+    except OSError as error:
+        raise InputError(f"{named(path)} cannot be read: {error.strerror or error}") from error
+    if len(content) > limit:
+        raise too_large(path, limit)
+    return content
