@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
 from ...contact.solvers import Status
+from ..report.edge_load import edge_notes
 from ..report.pressure_jumps import jump_notes
 from .page import (
     BODY_SIZE,
@@ -43,7 +44,7 @@ def draw(tree: xr.DataTree, views: tuple[ToothView, ...]) -> Figure:
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
     note = "+ peak, dashed: boundary of the common flank"
     note += "" if chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
-    note = SEPARATOR.join([note, *in_print(jump_notes(loaded))])
+    note = SEPARATOR.join([note, *in_print([*edge_notes(loaded), *jump_notes(loaded)])])
     # What the axis labels and the colour bar leave of the page's width.
     height = chosen.size * ((WIDTH - 1.6) / 2 * shared_aspect(views) + 0.27) + 0.35
     figure = page(tree, "Contact pressure over the mesh cycle, gear and pinion flank", height, note)

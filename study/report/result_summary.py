@@ -13,6 +13,7 @@ from ...contact.solvers import Status
 from ...friction.operation import named_models
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .departures import deviations, modification
+from .edge_load import edge_notes
 from .key_numbers import key_numbers
 from .model_name import model_name
 from .plausibility import plausibility
@@ -93,9 +94,10 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on numbers unlike any gear, on pressures that jump, and on what is beyond the range of a friction model."""
+    """Notes on implausible numbers, load on edges, pressures that jump, and ranges of the friction models left."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
-    return [*plausibility(tree), *jump_notes(tree["loaded"].to_dataset()), *ranges]
+    loaded = tree["loaded"].to_dataset()
+    return [*plausibility(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
 
 
 def outcome(tree: xr.DataTree) -> str:
