@@ -17,13 +17,17 @@ run: $(READY)
 test: $(READY_FOR_TESTS)
 	$(PYTEST) -m "not thorough"
 
-# Everything: style, types, all tests, and the quick ones again on the package as it is installed from a wheel.
+# Everything: style, types, all tests, and the quick ones again as below.
 check: $(READY_FOR_CHECKS)
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.ci/types
 	$(PYTEST)
-	.ci/wheel $(WORKERS)
+	.ci/lowest $(WORKERS)
+
+# The quick tests on the package as it is installed from a wheel, with the lowest versions that pyproject.toml allows.
+lowest: $(READY_FOR_CHECKS)
+	.ci/lowest $(WORKERS)
 
 # Other examples than those of the tests, and more of them.
 random: SEED := $(or $(SEED),$(shell $(PYTHON) -c "import secrets; print(secrets.randbits(32))"))
@@ -53,4 +57,4 @@ $(READY_FOR_CHECKS): pyproject.toml | .venv
 	$(PIP) -e '.[test,lint,dask]'
 	touch $(READY) $(READY_FOR_TESTS) $@
 
-.PHONY: run test check random fuzz
+.PHONY: run test check lowest random fuzz
