@@ -19,7 +19,7 @@ LOADED_SEGMENT_SIZE = 280.0  # per torque, mesh position and segment, with the c
 FRICTION_VALUE_SIZE = 100.0  # per value of a field of friction [byte]
 BLOCK_FIELDS = 3  # times that size, of fields of one contact at all conditions
 KEPT_VALUES_LIMIT = 3_000_000  # fields of friction over segments with more values are not kept
-MEAN_LINES, MOST_LINES = 3.0, 4.5  # contact lines in mesh at once, on the mean of the positions and at most
+LEAST_LINES, MEAN_LINES, MOST_LINES = 2.0, 3.0, 4.5  # contact lines at once: the fewest, the mean, and the most
 EDGE_PIECES = 45  # of the edges of the teeth, at a mesh position
 #: Processor time of the start, and per node, mesh position, segment of the lines, contact problem, its segments, and
 #: friction coefficient; of a core of 2024 [s].
@@ -115,7 +115,8 @@ class AnalysisSize:
         segments = self.segments
         conditions = self.speeds * self.temperatures * self.roughnesses
         fields = conditions * self.solved_positions * segments
-        kept = fields if self.feedback or fields <= KEPT_VALUES_LIMIT else 0.0
+        surely = conditions * self.solved_positions * self.segments_per_line * LEAST_LINES
+        kept = fields if self.feedback else min(fields, KEPT_VALUES_LIMIT) if surely <= KEPT_VALUES_LIMIT else 0.0
         sums = conditions * (self.solved_positions + BLOCK_FIELDS)
         velocities = self.mesh_positions * segments * self.speeds
         return {

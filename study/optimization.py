@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..cases.analysis_size import AnalysisSize
 from ..cases.conversion import materials
 from ..cases.schema.case_schema import Case
 from ..contact.modification.convex_programme import (
@@ -134,10 +135,12 @@ def optimize(
     whole("programmes", programmes, 1)
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
+    load = case_torques(checked, torques)
+    AnalysisSize.of(checked, load.size * (1 + len(misalignments))).require_memory()
     own = CaseInMesh.of(checked, flank=flank, stage=stage)
     if stage is not None:
         stage("convex programmes")
-    loaded, _ = own.cycle.loaded(case_torques(checked, torques), edge_contact=False, solver=solver)
+    loaded, _ = own.cycle.loaded(load, edge_contact=False, solver=solver)
     torque = loaded["torque"].values
     states = [own, *(own.misaligned(other) for other in misalignments)]
     contacts = [ModifiedContact(state.cycle, torque, names, solver) for state in states]

@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..cases.analysis_size import AnalysisSize
 from ..cases.schema.case_schema import Case
 from ..contact.archard_wear import engagement, integral, on_flank, rolling_splines, touched
 from ..contact.solvers import Status
@@ -86,7 +87,8 @@ def wear(
     Raises
     ------
     InputError
-        If an argument is out of range, or the wear would take more than ``most_steps`` of the law.
+        If an argument is out of range, the wear would take more than ``most_steps`` of the law, or a step needs more
+        memory than is free.
     GeometryError
         If the flanks do not meet, or the contact to begin with cannot be solved.
 
@@ -101,6 +103,7 @@ def wear(
     'all revolutions done'
     """
     checked, shares = checked_case(case), duty_cycle(torque)
+    AnalysisSize.of(checked, len(shares)).require_memory()
     pair = prepared_pair(checked, flank, misalignment)
     start = flank_deviations(pair, deviations or {}, interpolation)
     designed = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)

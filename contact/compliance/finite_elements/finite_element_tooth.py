@@ -38,7 +38,7 @@ LENGTHWISE_BRICK_LIMITS = (8, 32)
 THROUGH_BRICK_LIMITS = (4, 8)
 SOLID_SHELL_BRICK_SHARE = 0.7  # bricks of a solid shell's body along the face over the usual number
 FUNCTIONS_THROUGH, FUNCTIONS_UP = 4, 7  # trial functions of a solid shell
-FACTOR_SIZE, FACTOR_EXPONENT = 2.0e3, 4.0 / 3.0  # memory of a body's factor [byte] over its nodes to this power
+FACTOR_SIZE, FACTOR_EXPONENT = 1.2e3, 1.4  # memory of a body's factor [byte] over its nodes to this power
 UNKNOWNS_LIMIT = 12000  # of a solid shell: its full matrix then takes 1.2 GB
 FULL_MATRICES = 4.2  # of that size at once
 
