@@ -5,6 +5,7 @@ Each command imports what it needs when it runs, so that ``easeoff --help`` stay
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import click
@@ -16,17 +17,28 @@ from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
 from .oil_command import oil
 from .optimize_command import optimize
+from .options import echo
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
 from .verify_command import verify
 from .wear_command import wear
 
+_SHOW_WARNING = warnings.showwarning
+
 
 class _Mistake(click.ClickException):
     """Mistake of the user, with its exit code."""
 
     exit_code = EXIT_MISTAKE
+
+
+def _show_warning(text: Warning | str, category: type[Warning], *place: Any) -> None:
+    """Show a warning to users as a note of one line, without the place in the code that it comes from."""
+    if category is UserWarning:
+        echo(f"Note: {' '.join(str(text).split())}", err=True)
+    else:
+        _SHOW_WARNING(text, category, *place)
 
 
 def _harmless(error: click.ClickException) -> click.ClickException:
@@ -41,7 +53,9 @@ class _Group(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = _show_warning
+                return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
         except click.ClickException as error:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
 
+from ...core.printable import printable
 from .page import save
 
 SOURCE = "easeoff: picture of a result"
@@ -15,7 +17,7 @@ SOURCE = "easeoff: picture of a result"
 
 def save_picture(figure: Figure, path: Path, tree: xr.DataTree) -> Path:
     """Write a picture of a result, marked with the title of its case. Returns and raises as ``page.save``."""
-    return save(figure, path, {"Source": SOURCE, "Title": str(tree.attrs.get("title", ""))})
+    return save(figure, path, {"Source": SOURCE, "Title": printable(str(tree.attrs.get("title", "")))})
 
 
 def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, str]:
@@ -26,15 +28,17 @@ def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, str]:
     >>> pictures_of_results("no such folder")
     {}
     """
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     found = {}
     for path in sorted(Path(folder).glob("*.png")) if os.path.isdir(folder) else []:
         try:
-            with Image.open(path) as image:
-                marks = dict(image.info)
-        except (OSError, SyntaxError, ValueError, UnidentifiedImageError):
-            continue  # no picture
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                with Image.open(path) as image:
+                    marks = dict(image.info)
+        except Exception:  # no picture, or a damaged or hostile one
+            continue
         if marks.get("Source") == SOURCE:
             found[path] = str(marks.get("Title", ""))
     return found
