@@ -149,8 +149,8 @@ class FrictionTable(Table):
         if self.is_outside:
             start = "the working folder" if self._folder is None else "the folder of the case"
             raise InputError(
-                f"oil = {self._quoted_oil}: must be the name of a lubricant, or a file inside {start}; if you trust the "
-                "case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
+                f"oil = {self._quoted_oil}: must be the name of a lubricant, or a file inside {start}; if you trust "
+                "the case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
             )
         if Path(self.oil).suffix.lower() != ".toml" and os.path.exists(self.oil_file):
             raise InputError(

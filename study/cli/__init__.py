@@ -6,12 +6,12 @@ Each command imports what it needs when it runs, so that ``easeoff --help`` stay
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
+from ...core import printable
 from ...core.errors import EaseoffError
-from ...core.printable import message
 from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
@@ -33,19 +33,26 @@ class _Mistake(click.ClickException):
     exit_code = EXIT_MISTAKE
 
 
-def _show_warning(text: Warning | str, category: type[Warning], *place: Any) -> None:
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
     """Show a warning to users as a note of one line, without the place in the code that it comes from."""
     if category is UserWarning:
-        echo(f"Note: {' '.join(str(text).split())}", err=True)
+        echo(f"Note: {' '.join(str(message).split())}", err=True)
     else:
-        _SHOW_WARNING(text, category, *place)
+        _SHOW_WARNING(message, category, filename, lineno, file, line)
 
 
 def _harmless(error: click.ClickException) -> click.ClickException:
     """The error with the words of the command line in its message harmless to a terminal, and shortened."""
     if isinstance(error, click.UsageError):
-        return click.UsageError(message(error.format_message()), error.ctx)
-    return _Mistake(message(error.format_message()))
+        return click.UsageError(printable.message(error.format_message()), error.ctx)
+    return _Mistake(printable.message(error.format_message()))
 
 
 class _Group(click.Group):
