@@ -41,9 +41,7 @@ def toml_tables(text: str, origin: str) -> dict[str, Any]:
     """
     for part in KEY_ENDS.split(text):
         if part.count(".") > KEY_PART_LIMIT:
-            raise InputError(
-                f"{origin}: {_excerpt(part)}: more than {KEY_PART_LIMIT} points, as in a key of so many parts"
-            )
+            raise InputError(f"{origin}: {_excerpt(part)}: more than {KEY_PART_LIMIT} points in a key")
     try:
         data = tomllib.loads(text)
     except RecursionError as error:

@@ -61,7 +61,7 @@ MEANINGS = {
         "dissertation's",
         "",
     ),
-    "oil": ("lubricant: a shipped name, or the path of a TOML file from the folder of this one", ""),
+    "oil": ("lubricant: a shipped name, or the path of a TOML file inside the folder of this one", ""),
     "film": ("formula for the least film thickness", ""),
     "film_heating": ("how heat of the inlet thins the film", ""),
     "thermal_factor": ("how heat of the inlet lowers the rolling traction", ""),

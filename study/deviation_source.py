@@ -18,9 +18,8 @@ from ..core.printable import printable, shortened
 from ..geometry.deviation.deviated_flank import deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.deviation.ease_off_update import deviated_ease_off
-from ..geometry.formats.csv_points import GRID_SIZE_LIMIT
+from ..geometry.formats.csv_points import COORDINATE_LIMIT, GRID_SIZE_LIMIT
 from ..geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
-from ..geometry.formats.measuring_points import COORDINATE_LIMIT
 from ..geometry.formats.measuring_points import opened as open_netcdf
 from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.tooth.tooth_flanks import MemberName, named_member

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..contact.evaluation.pressure_place import LineEnd
 from ..contact.solvers import Status
 from ..core.reading.json_text import parsed_json
+from ..core.stored_status import StoredStatus
 
 MAGNITUDE_LIMIT = 1e30
 GRID = ("lengthwise", "profile")
@@ -120,8 +122,10 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},
     ),
 }
-#: Groups with the status of solves.
-STATUSES = ("light_load", "loaded", "friction")
+#: Variables whose values have meanings, in the groups of solves and elsewhere.
+FLAGS: dict[str, type[StoredStatus]] = {"status": Status, "max_pressure_line_end": LineEnd}
+#: Groups whose status is that of other things.
+OTHER_STATUS = ("flanks", "ease_off")
 #: The contact at light load has its own torque and segments.
 LIGHT_LOAD = {"torque", "segment"}
 
@@ -162,12 +166,16 @@ def faults(tree: xr.DataTree) -> list[str]:
             size = shared.setdefault(dimension, group.sizes[dimension])
             if not size or size != group.sizes[dimension]:
                 found.append(f"{name}: {group.sizes[dimension]} values along {dimension}, expected {size or 'some'}")
-    found += [
-        f"{name}: {fault}"
-        for name in STATUSES
-        if name in tree.children
-        for fault in _status_faults(tree.children[name])
-    ]
+    for name in ("flanks", "ease_off", "teeth"):
+        for dimension in GRID:
+            fractions = tree.children[name].dataset.variables.get(dimension)
+            if fractions is None or not _rises(fractions.values):
+                found.append(f"{name}: {dimension!r} must hold numbers from 0 to 1 that rise")
+    for name in layout:
+        group = tree.children[name].dataset
+        found += [f"{name}: {fault}" for fault in _index_faults(group)]
+        if name not in OTHER_STATUS:
+            found += [f"{name}: {fault}" for fault in _flag_faults(group)]
     for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
         for name, attributes in table.items():
             if not name or name in layout:
@@ -180,13 +188,32 @@ def faults(tree: xr.DataTree) -> list[str]:
     return found
 
 
-def _status_faults(group: xr.DataTree) -> Iterator[str]:
-    """Values of the status of a solve that there are not."""
-    if "status" in group.dataset.variables:
-        status = group.dataset["status"]
-        known = {int(one) for one in Status}
-        if status.dtype.kind not in "iu" or not np.all(np.isin(status.values, list(known))):
-            yield f"'status' must hold whole numbers from {min(known)} to {max(known)}"
+def _flag_faults(group: xr.Dataset) -> Iterator[str]:
+    """Variables with a value that has no meaning."""
+    for name, meanings in FLAGS.items():
+        if name in group.variables:
+            known = [int(one) for one in meanings]
+            found = group.variables[name]
+            if found.dtype.kind not in "iu" or not np.all(np.isin(found.values, known)):
+                yield f"{name!r} must hold whole numbers from {min(known)} to {max(known)}"
+
+
+def _index_faults(group: xr.Dataset) -> Iterator[str]:
+    """Dimensions whose values are not finite, or not distinct."""
+    for name in map(str, group.sizes):
+        if name in group.variables:
+            values = group.variables[name].values
+            if values.ndim != 1 or np.unique(values.astype(str)).size != values.size:
+                yield f"{name!r} must hold values that differ"
+            elif values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+                yield f"{name!r} must hold finite numbers"
+
+
+def _rises(values: Any) -> bool:
+    """Whether fractions of the flank rise."""
+    if values.dtype.kind != "f" or values.ndim != 1:
+        return False
+    return bool(np.all(np.abs(values - 0.5) <= 0.5 + 1e-9) and np.all(np.diff(values) > 0.0))
 
 
 def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[str, ...]]) -> Iterator[str]:

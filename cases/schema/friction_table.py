@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
-from ...core.checks import shown
 from ...core.errors import InputError
+from ...core.printable import printable, shortened
 from ..mistakes import written
 from .schema_table import Number, Table, number
 
@@ -142,6 +142,10 @@ class FrictionTable(Table):
         except (OSError, ValueError):  # another drive of Windows, or no path at all
             return True
 
+    @property
+    def _quoted_oil(self) -> str:
+        return printable(shortened(repr(self.oil)))
+
     def _require_inside(self) -> None:
         """Refuse an oil of a file that may be anybody's, and say nothing of the place it names."""
         from ...friction.lubricants.lubricant import is_shipped
@@ -151,12 +155,12 @@ class FrictionTable(Table):
         if self.is_outside:
             start = "the working folder" if self._folder is None else "the folder of the case"
             raise InputError(
-                f"oil = {shown(self.oil)}: must be the name of a lubricant, or a file inside {start}; if you trust the "
-                "case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
+                f"oil = {self._quoted_oil}: must be the name of a lubricant, or a file inside {start}; if you trust "
+                "the case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
             )
         if Path(self.oil).suffix.lower() != ".toml" and os.path.exists(self.oil_file):
             raise InputError(
-                f"oil = {shown(self.oil)}: must be the name of a lubricant, or of a file that ends in .toml"
+                f"oil = {self._quoted_oil}: must be the name of a lubricant, or of a file that ends in .toml"
             )
 
     @property

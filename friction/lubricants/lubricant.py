@@ -285,7 +285,7 @@ def lubricant(name: str | os.PathLike[str] | Lubricant, folder: str | os.PathLik
     try:
         content = read_text(path, TOML_SIZE_LIMIT)
     except InputError as error:
-        raise InputError(f"oil = {shown(text)}: {error}") from error
+        raise InputError(f"oil = {text!r}: {error}") from error
     return _from_table(path, toml_tables(content, named(path)))
 
 

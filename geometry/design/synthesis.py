@@ -195,6 +195,11 @@ class _Fit:
 
         The conjugate gear is the envelope of the moving pinion flank: where a setting moves the flank along its normal,
         it moves the envelope as far. No conjugate point has to be sought for it.
+
+        Raises
+        ------
+        GeometryError
+            If settings close by cut no flank.
         """
         if not np.array_equal(steps, self.solved):
             self(steps)
@@ -214,7 +219,10 @@ class _Fit:
             if self.root_line is not None:
                 change.append(ROOT_WEIGHT * self.root_line.change(motion.surface, behind, ahead)[self.rooted])
             columns.append(np.concatenate(change) / (2.0 * step))
-        return np.stack(columns, axis=1)
+        slopes = np.stack(columns, axis=1)
+        if not np.all(np.isfinite(slopes)):
+            raise GeometryError("the fit of the pinion's settings ran to settings that cut no flank")
+        return slopes
 
 
 def fit_pinion(

@@ -31,7 +31,6 @@ DEFAULT_MARGIN_SHARE = 0.1  # of the face width at toe and heel, of the mean dep
 # Tried in this order where the flank ends early.
 ROOT_MARGIN_SHARES = (DEFAULT_MARGIN_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)
 SUFFIXES = (".csv", ".nc")
-COORDINATE_LIMIT = 1e4  # [mm]; no gear is larger
 
 
 @dataclass(frozen=True)
@@ -322,9 +321,13 @@ def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
             )
         if not np.all(np.isfinite(dataset[name].values)):
             raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
-    largest = float(np.max(np.abs(dataset["position"].values), initial=0.0))
-    if largest > COORDINATE_LIMIT:
-        raise InputError(f"{source}: a coordinate of {largest:g} mm: must be at most {COORDINATE_LIMIT:g} mm")
+    for name in ("position", "normal", "measured_position"):
+        if name in dataset and dataset[name].dtype.kind in "fiu":
+            largest = float(np.max(np.abs(dataset[name].values), initial=0.0))
+            if not largest <= cmm_csv.COORDINATE_LIMIT:
+                raise InputError(
+                    f"{source}: {name!r} holds {largest:g}: must be at most {cmm_csv.COORDINATE_LIMIT:g} mm"
+                )
     cmm_csv.require_size(dataset.sizes["row"], dataset.sizes["column"], str(source))
     flanks = [str(name) for name in dataset["flank"].values]
     if dataset["flank"].dims != ("flank",) or not flanks or len({*flanks, "concave", "convex"}) != 2:

@@ -10,22 +10,25 @@ import os
 import sys
 import warnings
 from contextlib import suppress
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
+from ...core import printable
 from ...core.errors import EaseoffError
-from ...core.printable import message
 from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
 from .oil_command import oil
 from .optimize_command import optimize
+from .options import echo
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
 from .verify_command import verify
 from .wear_command import wear
+
+_SHOW_WARNING = warnings.showwarning
 
 
 class _Mistake(click.ClickException):
@@ -34,11 +37,26 @@ class _Mistake(click.ClickException):
     exit_code = EXIT_MISTAKE
 
 
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Show a warning to users as a note of one line, without the place in the code that it comes from."""
+    if category is UserWarning:
+        echo(f"Note: {' '.join(str(message).split())}", err=True)
+    else:
+        _SHOW_WARNING(message, category, filename, lineno, file, line)
+
+
 def _harmless(error: click.ClickException) -> click.ClickException:
     """The error with the words of the command line in its message harmless to a terminal, and shortened."""
     if isinstance(error, click.UsageError):
-        return click.UsageError(message(error.format_message()), error.ctx)
-    return _Mistake(message(error.format_message()))
+        return click.UsageError(printable.message(error.format_message()), error.ctx)
+    return _Mistake(printable.message(error.format_message()))
 
 
 class _Group(click.Group):
@@ -74,11 +92,6 @@ class _Group(click.Group):
                 f"there is not enough memory for this{said}: lower the numbers that decide its size, such as torques, "
                 "mesh_positions, segments_per_line, nodes and fineness"
             ) from error
-
-
-def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Show a warning as the other notes, without the line of code that it came from."""
-    click.echo(str(message), err=True)
 
 
 def _discard_output() -> None:

@@ -56,7 +56,7 @@ def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> No
     before = pictures_of_results(folder)
     for picture in write_pictures(tree, folder, marking=marking):
         echo(f"wrote {picture}")
-    for title in sorted({title for title in before.values() if title != tree.attrs.get("title", "")}):
+    for title in sorted({title for title in before.values() if title != printable(str(tree.attrs.get("title", "")))}):
         echo(f"replaced the pictures of {printable(title)!r}")
     for picture in before:
         if not picture.exists():

@@ -20,6 +20,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from ...core.files import whole_file
+from ...core.printable import printable
 from ..report.departures import deviations, modification
 from ..report.model_name import model_name
 
@@ -55,9 +56,9 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
     note
         Further small print.
     """
-    print_ = even_lines([part for part in (*small_print(tree.attrs), *note.split(SEPARATOR)) if part])
+    print_ = even_lines([printable(part) for part in (*small_print(tree.attrs), *note.split(SEPARATOR)) if part])
     footer = FOOTER + SMALL_PRINT_HEIGHT * (len(print_) - 1)
-    title = textwrap.shorten(str(tree.attrs.get("title", "")), 110, placeholder=" ...")
+    title = textwrap.shorten(printable(str(tree.attrs.get("title", ""))), 110, placeholder=" ...")
     return titled_sheet(heading, title, "\n".join(print_), body_height, footer)
 
 

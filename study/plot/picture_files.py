@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import xarray as xr
+
+from ...core.printable import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +21,7 @@ def save_picture(figure: Figure, path: Path, tree: xr.DataTree) -> Path:
     """Write a picture of a result, marked with the title of its case. Returns and raises as ``page.save``."""
     from .page import save  # loads the drawing library
 
-    return save(figure, path, {"Source": SOURCE, "Title": str(tree.attrs.get("title", ""))})
+    return save(figure, path, {"Source": SOURCE, "Title": printable(str(tree.attrs.get("title", "")))})
 
 
 def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, str]:
@@ -29,15 +32,17 @@ def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, str]:
     >>> pictures_of_results("no such folder")
     {}
     """
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     found = {}
     for path in sorted(Path(folder).glob("*.png")) if os.path.isdir(folder) else []:
         try:
-            with Image.open(path) as image:
-                marks = dict(image.info)
-        except (OSError, SyntaxError, ValueError, UnidentifiedImageError):
-            continue  # no picture
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                with Image.open(path) as image:
+                    marks = dict(image.info)
+        except Exception:  # no picture, or a damaged or hostile one
+            continue
         if marks.get("Source") == SOURCE:
             found[path] = str(marks.get("Title", ""))
     return found

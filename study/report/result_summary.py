@@ -39,7 +39,7 @@ def efficiencies(friction: xr.Dataset) -> str:
         rough = [friction[f"roughness_{member}"].values[at[3]] for member in ("pinion", "gear")]
         conditions[2] += "*" if friction["temperature_clamped"].values[at[2]] else ""
         conditions[3] = f"{rough[0]:g}" if rough[0] == rough[1] else f"{rough[0]:g}/{rough[1]:g}"
-        share = 100.0 * rolling / loss
+        share = 100.0 * rolling / loss if loss else np.nan
         found = (f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}")
         rows.append((*conditions, *found, *films.get(at, ())))
     headers = [

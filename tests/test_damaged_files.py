@@ -1,0 +1,584 @@
+"""Damaged and hostile files: every reader answers with one message of bounded length, and commands leave nothing."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from netCDF4 import Dataset
+
+import easeoff
+from easeoff import InputError
+from easeoff.cases import case_text, parse_case, read_case, read_rexs, read_session_script
+from easeoff.contact import ContactProblem, read_npz, read_problems, write_npz, write_problems
+from easeoff.contact.compliance.finite_elements.array_store import kept, key_of
+from easeoff.core.checkpoint import Checkpoint
+from easeoff.core.checks import distinct, shown
+from easeoff.core.printable import LINE_LENGTH_LIMIT, message
+from easeoff.core.reading.netcdf_file import read_dataset, read_tree
+from easeoff.core.reading.text_file import TOML_SIZE_LIMIT, read_text
+from easeoff.friction import lubricant
+from easeoff.friction.ehl.study import read_formula
+from easeoff.geometry.formats import read_measured_grid
+from easeoff.study.cli import main
+
+SMALL = "[contact]\nmesh_positions = 3\nsegments_per_line = 9\nlengthwise_nodes = 9\nprofile_nodes = 7\n"
+ESCAPE = "\x1b[2J\x9b2J\u202e"
+MESSAGE_LENGTH_LIMIT = 6000
+
+
+def refused(*arguments: object) -> str:
+    """The one message with which the command line refuses a mistake."""
+    found = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    assert found.exit_code == 2, (found.output, found.exception)
+    assert found.output.count("Error:") == 1
+    assert len(found.output) < MESSAGE_LENGTH_LIMIT
+    assert not any(character in found.output for character in ESCAPE if not character.isprintable())
+    return found.output
+
+
+def small_case(more: str = "") -> str:
+    text = case_text("nasa-12x36")
+    keys = ("mesh_positions", "segments_per_line", "lengthwise_nodes", "profile_nodes")
+    kept_lines = [line for line in text.splitlines() if not line.startswith(keys)]
+    return "\n".join(kept_lines).replace("[contact]\n", SMALL) + '\n[compliance]\nmodel = "shell"\n' + more
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a small result, a file of wear and one of contact problems."""
+    folder = tmp_path_factory.mktemp("files")
+    (folder / "case.toml").write_text(small_case(), encoding="utf-8")
+    for words in (
+        ["run", "-o", "result.nc", "--torque", "50", "--speed", "500"],
+        ["wear", "-o", "wear.nc", "--torque", "50", "--revolutions", "1e4"],
+        ["problems", "-o", "problems.nc", "--torque", "50"],
+    ):
+        made = CliRunner().invoke(main, [words[0], str(folder / "case.toml"), "-o", str(folder / words[2]), *words[3:]])
+        assert made.exit_code == 0, made.output
+    return folder
+
+
+# Text
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"a = " + b"[" * 3000 + b"]" * 3000, "nested too deeply"),
+        (b"[" + b".".join([b"a"] * 200) + b"]\n", "nested more than 32 deep"),
+        (b".".join([b"a"] * 3000) + b" = 1", "more than 300 points in a key"),
+        (b"a = " + b"9" * 5000, "not a TOML file"),
+        (b"a = " + b"9" * 400, "must be a whole number of at most 64 bits"),
+        (b"a = 0x" + b"f" * 10000, "must be a whole number of at most 64 bits"),
+        (b"a = 1\n\0", "line 2 holds a null character"),
+        (b"a = 1\nb = \xff", "line 2 is not UTF-8"),
+        (b"# " + b"x" * TOML_SIZE_LIMIT, "larger than 1 MB"),
+        (b"", "is empty"),
+    ],
+)
+def test_toml_that_no_parser_takes(tmp_path: Path, content: bytes, words: str) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(content)
+    assert words in refused("run", path, "-o", tmp_path / "out.nc")
+    if content:
+        with pytest.raises(InputError, match=words):
+            lubricant(path)
+    assert os.listdir(tmp_path) == ["case.toml"]
+
+
+def test_a_file_that_grows_beyond_any_memory_is_not_read(tmp_path: Path) -> None:
+    for name in ("case.toml", "pair.ses", "pair.rexs", "grid.csv", "grid.dmi", "formula.json", "result.nc"):
+        with (tmp_path / name).open("wb") as file:
+            file.truncate(8 << 30)
+    sparse = sorted(os.listdir(tmp_path))
+    for words in (
+        ("run", tmp_path / "case.toml", "-o", tmp_path / "out.nc"),
+        ("convert", tmp_path / "pair.ses", "-o", tmp_path / "out.toml"),
+        ("convert", tmp_path / "pair.rexs", "-o", tmp_path / "out.toml"),
+        ("correct", "nasa-12x36", "--deviation", f"gear={tmp_path / 'grid.csv'}"),
+        ("correct", "nasa-12x36", "--deviation", f"gear={tmp_path / 'grid.dmi'}"),
+        ("show", tmp_path / "result.nc"),
+    ):
+        assert "is larger than" in refused(*words)
+    with pytest.raises(InputError, match="is larger than"):
+        read_formula(tmp_path / "formula.json")
+    assert sorted(os.listdir(tmp_path)) == sparse
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names here")
+def test_pipes_devices_and_folders_are_no_files(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", Path("/dev/zero")):
+        assert "is a device or a pipe" in refused("show", path)
+        assert "is a device or a pipe" in refused("run", path, "-o", tmp_path / "out.nc")
+        with pytest.raises(InputError, match="is a device or a pipe"):
+            read_rexs(path)
+    assert "is a folder" in refused("show", tmp_path)
+
+
+def test_a_byte_order_mark_and_foreign_ends_of_lines_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "text"
+    path.write_bytes(b"\xef\xbb\xbfone\r\ntwo\rthree\n")
+    assert read_text(path, 100) == "one\ntwo\nthree\n"
+
+
+def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    torques = ", ".join(["50.0"] * 150_000)
+    for lines in (
+        f"torques = [{torques}]",
+        *(f"{'k' * 100_000} = {value}" for value in ("1", '"' + "x" * 300_000 + '"')),
+    ):
+        path.write_text(case_text("nasa-12x36").replace("[contact]", f"[contact]\n{lines}"), encoding="utf-8")
+        refused("run", path, "-o", tmp_path / "out.nc")
+    path.write_text("easeoff_case = 1\n" + "\n".join(f"k{i} = 1" for i in range(5000)), encoding="utf-8")
+    assert "and 4984 more" in refused("run", path, "-o", tmp_path / "out.nc")
+    with pytest.raises(InputError) as caught:
+        distinct("speed", [5.0] * 100_000)
+    assert len(str(caught.value)) < 300
+    assert len(str(InputError("x " * 10**6))) <= LINE_LENGTH_LIMIT
+    assert "whole number of too" in shown(10**10000) or len(shown(10**10000)) < 200
+
+
+@pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
+def test_keys_titles_and_paths_do_not_steer_the_terminal(tmp_path: Path, files: Path, drawn: bool) -> None:
+    path = tmp_path / f"{ESCAPE}.toml"
+    path.write_text(small_case('"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'), encoding="utf-8")
+    said = refused("run", path, "-o", tmp_path / "out.nc")
+    assert "?[2J??" in said
+    assert "\nfake" not in said
+    refused("show", tmp_path / f"{ESCAPE}.nc")
+    refused("run", "nasa-12x36", "-o", tmp_path / "out.nc", "--torque", ESCAPE)
+    refused(ESCAPE)
+    result = tmp_path / f"{ESCAPE}r.nc"
+    shutil.copy(files / "result.nc", result)
+    with Dataset(result, "a") as file:
+        file.title = f"{ESCAPE} $x$"
+        file.flank = f"drive{ESCAPE}"
+    for words in (["show", result], *([["plot", result, tmp_path / "pictures"]] if drawn else [])):
+        found = CliRunner().invoke(main, list(map(str, words)))
+        assert found.exit_code == 0, (found.output, found.exception)
+        assert not set(ESCAPE) & {c for c in found.output if not c.isprintable()}
+    assert message("Größe µ — ∅") == "Größe µ — ∅"
+
+
+# netCDF
+
+
+def spoilt(source: Path, target: Path, change: Callable[[Dataset], object]) -> Path:
+    shutil.copy(source, target)
+    with Dataset(target, "a") as file:
+        change(file)
+    return target
+
+
+CHANGES: dict[str, Callable[[Dataset], object]] = {
+    "no attribute": lambda file: file["ease_off"].delncattr("ratio"),
+    "no version": lambda file: file.delncattr("easeoff_version"),
+    "renamed variable": lambda file: file["loaded"].renameVariable("force", "forces"),
+    "renamed dimension": lambda file: file["loaded"].renameDimension("torque", "moment"),
+    "renamed group": lambda file: file.renameGroup("teeth", "tooth"),
+    "unknown status": lambda file: file["loaded"]["status"].__setitem__(slice(None), 77),
+    "unknown line end": lambda file: file["loaded"]["max_pressure_line_end"].__setitem__(slice(None), -5),
+    "not finite torque": lambda file: file["loaded"]["torque"].__setitem__(slice(None), np.nan),
+    "falling coordinate": lambda file: file["ease_off"]["profile"].__setitem__(slice(None), 0.5),
+    "wild number": lambda file: file["loaded"]["force"].__setitem__(slice(None), -1e300),
+    "text for a number": lambda file: file.setncattr("pinion_teeth", "twelve"),
+    "list for a text": lambda file: file.setncattr("title", [1.0, 2.0]),
+    "broken table": lambda file: file.setncattr("modification_um", "[" * 100_000),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.quick(4)
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_result_that_lacks_something_is_refused(tmp_path: Path, files: Path, change: str) -> None:
+    path = spoilt(files / "result.nc", tmp_path / "r.nc", CHANGES[change])
+    refused("show", path)
+    assert os.listdir(tmp_path) == ["r.nc"]
+
+
+@pytest.mark.parametrize("attributes", [{"units": "days since 1e300"}, {"scale_factor": 1e300}, {"units": "s"}])
+def test_attributes_that_mislead_the_decoding_bring_no_warning(
+    tmp_path: Path, files: Path, attributes: dict[str, object]
+) -> None:
+    def change(file: Dataset) -> None:
+        file["loaded"]["torque"].setncatts(attributes)
+
+    found = CliRunner().invoke(main, ["show", str(spoilt(files / "result.nc", tmp_path / "r.nc", change))])
+    assert found.exit_code in (0, 2)
+    assert "Warning" not in found.output
+
+
+def test_flipped_and_missing_bytes_are_a_message_or_harmless(tmp_path: Path, files: Path) -> None:
+    content = (files / "wear.nc").read_bytes()
+    path, random = tmp_path / "w.nc", np.random.default_rng(5)
+    for trial in range(60):
+        spoilt_bytes = bytearray(content)
+        for at in random.integers(0, len(content), 40):
+            spoilt_bytes[at] = random.integers(256)
+        path.write_bytes(bytes(spoilt_bytes[: random.integers(len(content))] if trial % 3 == 0 else spoilt_bytes))
+        with contextlib.suppress(InputError):
+            read_dataset(path)
+
+
+def test_a_small_file_that_unpacks_to_75_gigabytes_is_refused_by_its_header(tmp_path: Path) -> None:
+    path = tmp_path / "large.nc"
+    with Dataset(path, "w") as file:
+        inner = file.createGroup("loaded")
+        for name in ("x", "y"):
+            inner.createDimension(name, 96_825)
+        inner.createVariable("force", "f8", ("x", "y"), zlib=True, chunksizes=(1000, 1000))
+    assert path.stat().st_size < 20_000
+    assert "would take 75 GB in memory" in refused("show", path)
+    assert "would take 75 GB" in refused("compare", path, "-o", tmp_path / "comparison", "--solvers", "native")
+    assert "would take 75 GB" in refused("correct", "nasa-12x36", "--deviation", f"gear={path}")
+    with Dataset(path, "w") as file:
+        file.createDimension("x", 10**9)
+        file.createVariable("name", str, ("x",))
+    assert "would take 64 GB" in refused("show", path)
+    with Dataset(path, "w") as file:
+        file.createDimension("x", None)
+        file.createVariable("x", "f8", ("x",), chunksizes=(520_000_000,))
+    assert "would take 4.16 GB" in refused("show", path)
+
+
+@pytest.mark.parametrize("depth", [17, 900, 3000])
+def test_groups_nested_deeply_are_refused(tmp_path: Path, depth: int) -> None:
+    path = tmp_path / "deep.nc"
+    with Dataset(path, "w") as file:
+        group = file
+        for _ in range(depth):
+            group = group.createGroup("g")
+    refused("show", path)
+
+
+def test_types_of_its_own_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "types.nc"
+    makers: tuple[Callable[[Dataset], Any], ...] = (
+        lambda file: file.createVLType("f8", "row"),
+        lambda file: file.createCompoundType(np.dtype([("a", "f8"), ("b", "i4")]), "both"),
+        lambda file: file.createEnumType(np.uint8, "either", {"A": 0}),
+    )
+    for make in makers:
+        with Dataset(path, "w") as file:
+            file.createDimension("x", 2)
+            file.createVariable("v", make(file), ("x",))
+        with pytest.raises(InputError, match="data types of its own"):
+            read_tree(path)
+
+
+def test_data_in_other_files_are_refused(tmp_path: Path, files: Path) -> None:
+    """References of HDF5 to other files, as the library would follow them, appended to a good file."""
+    content = (files / "wear.nc").read_bytes()
+    heap = len(content).to_bytes(8, "little")
+    forms = {
+        "data in other files": (
+            b"HEAP\0\0\0\0" + b"\0" * 24 + b"\x01\0\0\0\x01\0\x01\0" + heap,
+            b"GCOL\x01\0\0\0" + b"\0" * 24 + b"\x04\x03" + heap,
+        ),
+        "links to other names or files": (
+            b"\x01\x08\x40\x01x" + (12).to_bytes(2, "little") + b"\0/secret\0/d\0",
+            b"\x01\x08\x01\x01x" + (1).to_bytes(2, "little") + b"/",
+        ),
+    }
+    for words, appended in forms.items():
+        for form in appended:
+            path = tmp_path / "w.nc"
+            path.write_bytes(content + form)
+            with pytest.raises(InputError, match=words):
+                read_dataset(path)
+    path.write_bytes(b"\0" * 512 + content)
+    with pytest.raises(InputError, match="foreign data before its own"):
+        read_dataset(path)
+
+
+WEAR_CHANGES: dict[str, Callable[[Dataset], object]] = {
+    "step": lambda file: file.renameDimension("step", "time"),
+    "xyz": lambda file: file.renameDimension("xyz", "abc"),
+    "lengthwise": lambda file: file.renameVariable("lengthwise", "along"),
+    "member": lambda file: file.renameVariable("member", "side"),
+    "position": lambda file: file.renameVariable("position", "place"),
+    "deviation": lambda file: file.renameVariable("deviation", "gap"),
+    "teeth": lambda file: file.setncattr("gear_teeth", "many"),
+    "far nodes": lambda file: file["position"].__setitem__(slice(None), -1e300),
+    "not finite": lambda file: file["deviation"].__setitem__(slice(None), np.nan),
+}
+
+
+@pytest.mark.parametrize("change", WEAR_CHANGES)
+def test_a_file_of_wear_that_lacks_something_is_refused(tmp_path: Path, files: Path, change: str) -> None:
+    path = spoilt(files / "wear.nc", tmp_path / "w.nc", WEAR_CHANGES[change])
+    for words in (["correct"], ["run", "-o", tmp_path / "out.nc"]):
+        refused(words[0], files / "case.toml", *words[1:], "--deviation", f"gear={path}")
+    assert os.listdir(tmp_path) == ["w.nc"]
+
+
+PROBLEM_CHANGES: dict[str, Callable[[Dataset], object]] = {
+    "no separation": lambda file: file.renameVariable("separation", "gap"),
+    "renamed dimension": lambda file: file.renameDimension("problem", "item"),
+    "version": lambda file: file.setncattr("format_version", "x" * 100_000),
+    "size": lambda file: file["size"].__setitem__(slice(None), -5),
+    "wild": lambda file: file["separation"].__setitem__(slice(None), -1e300),
+}
+
+
+@pytest.mark.parametrize("change", PROBLEM_CHANGES)
+def test_contact_problems_that_lack_something_are_refused_or_read(tmp_path: Path, files: Path, change: str) -> None:
+    path = spoilt(files / "problems.nc", tmp_path / "p.nc", PROBLEM_CHANGES[change])
+    try:
+        read_problems(path)
+    except InputError:
+        return
+    assert change in ("renamed dimension", "wild")  # names are free, and numbers are the solvers' to judge
+
+
+# Measured grids
+
+
+def grid_text(x: str = "1", rows: int = 3, columns: int = 3, normal: str = "0,0,1") -> str:
+    lines = ["# format: easeoff measured grid", "# format_version: 1", "flank,row,column,x,y,z,nx,ny,nz,deviation"]
+    lines += [f"convex,{r},{c},{x},0,{r + c},{normal},1" for r in range(1, rows + 1) for c in range(1, columns + 1)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (grid_text("-1e300"), "at most 10000"),
+        (grid_text(normal="1e300,0,0"), "at most 10000"),
+        (grid_text("9" * 60_000), "characters: must be at most"),
+        (grid_text().replace("convex,1,1", "convex,1," + "9" * 3000), "must be a whole number from 1 to 1001"),
+        ("# rows: root to tip\n" + ",".join(["1.0"] * 12_000), "must be 1 to 1001 each"),
+        ("#" + ";" * 49_000 + "x", "must have the form"),
+    ],
+)
+def test_grids_of_wild_numbers_are_refused(tmp_path: Path, content: str, words: str) -> None:
+    path = tmp_path / "grid.csv"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_measured_grid(path)
+    assert words in refused("correct", "nasa-12x36", "--deviation", f"gear={path}")
+
+
+def test_a_dmis_statement_of_very_many_lines_ends(tmp_path: Path) -> None:
+    path = tmp_path / "grid.dmi"
+    path.write_text("F(CONCAVE$\n" * 500_000, encoding="utf-8")
+    with pytest.raises(InputError, match="no measured points"):
+        read_measured_grid(path)
+
+
+# Other formats
+
+
+def test_xml_with_entities_or_deep_nesting_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "pair.rexs"
+    bomb = '<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "x"><!ENTITY b "&a;&a;">]><model>&b;</model>'
+    outside = '<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a SYSTEM "file:///etc/passwd">]><model>&a;</model>'
+    for content in (
+        bomb,
+        outside,
+        "<model>" + "<a>" * 200_000,
+        "<model>" + "<a>" * 50_000 + "</a>" * 50_000 + "</model>",
+    ):
+        path.write_text(content, encoding="utf-8")
+        said = refused("convert", path, "-o", tmp_path / "out.toml")
+        assert "root:" not in said
+    assert os.listdir(tmp_path) == ["pair.rexs"]
+
+
+def test_a_script_of_very_many_words_ends(tmp_path: Path) -> None:
+    path = tmp_path / "pair.ses"
+    path.write_text("\n".join(["EXIT " * 9000] * 20), encoding="utf-8")
+    with pytest.raises(InputError, match="hand of the pinion"):
+        read_session_script(path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["[" * 100_000, "[]", "null", '{"share": 1}', '{"boundary_friction": ' + "9" * 5000 + "}", "\x00"],
+)
+def test_a_formula_that_is_none_is_refused(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "formula.json"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError):
+        read_formula(path)
+
+
+def test_damaged_records_of_a_checkpoint_are_computed_anew(tmp_path: Path) -> None:
+    path = tmp_path / "squares.jsonl"
+    Checkpoint(path, "table of squares", encode=int, decode=int).add("2", 4)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(
+            "\n" + "[" * 100_000 + '\n{"key": [], "record": {}}\nnull\n"x"\n{"key": "3", "record": ' + "9" * 5000 + "}"
+        )
+    resumed = Checkpoint(path, "table of squares", encode=int, decode=int)
+    assert (resumed.get("2"), resumed.get("3")) == (4, None)
+
+
+@pytest.mark.thorough
+def test_measurements_of_a_comparison_that_are_none_are_made_anew(tmp_path: Path) -> None:
+    problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    write_problems([problem], tmp_path / "p.nc")
+    words = ["compare", str(tmp_path / "p.nc"), "-o", str(tmp_path / "c"), "--solvers", "native", "--repetitions", "1"]
+    assert CliRunner().invoke(main, words).exit_code == 0
+    (measured,) = (tmp_path / "c").glob("*.jsonl")
+    text = measured.read_text(encoding="utf-8")
+    for old, new in (('"equilibrium": ', '"equilibrium": [1], "x": '), ('"claim": "solved"', '"claim": 5')):
+        assert old in text
+        measured.write_text(text.replace(old, new), encoding="utf-8")
+        again = CliRunner().invoke(main, words)
+        assert again.exit_code == 0, (again.output, again.exception)
+
+
+def test_arrays_that_unpack_hugely_or_are_damaged_are_refused(tmp_path: Path) -> None:
+    problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+    path = tmp_path / "p.npz"
+    write_npz(problem, path)
+    assert read_npz(path).identical(problem)
+    content = path.read_bytes()
+    random = np.random.default_rng(3)
+    for trial in range(60):
+        spoilt_bytes = bytearray(content[: random.integers(len(content))] if trial % 4 == 0 else content)
+        for at in random.integers(0, max(len(spoilt_bytes), 1), 5 if spoilt_bytes else 0):
+            spoilt_bytes[at] = random.integers(256)
+        path.write_bytes(bytes(spoilt_bytes))
+        with contextlib.suppress(InputError):
+            read_npz(path)
+    header = b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little")
+    header += b"{'descr': '<f8', 'fortran_order': False, 'shape': (10000000000,), }".ljust(117) + b"\n"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("contact_separation.npy", header)
+    with pytest.raises(InputError, match="longer than its entry"):
+        read_npz(path)
+
+
+# The store of condensed teeth
+
+
+def test_a_kept_tooth_that_is_not_what_was_kept_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("EASEOFF_CACHE", str(tmp_path))
+    shapes = {"factor": (None, 3), "profile": (2,)}
+
+    def arrays(value: float) -> dict[str, np.ndarray]:
+        return {"factor": np.full((2, 3), value), "profile": np.array([0.0, value])}
+
+    def made(value: float, key: str) -> tuple[float, bool]:
+        """The value that the store gives, and whether it was made anew."""
+        asked = []
+
+        def make() -> dict[str, np.ndarray]:
+            asked.append(key)
+            return arrays(value)
+
+        return float(kept(key, shapes, make)["factor"][0, 0]), bool(asked)
+
+    mine, other = key_of("mine"), key_of("other")
+    assert made(1.0, mine) == (1.0, True)
+    assert made(2.0, other) == (2.0, True)
+    path, foreign = tmp_path / f"{mine}.npz", (tmp_path / f"{other}.npz").read_bytes()
+    good = path.read_bytes()
+    assert made(1.0, mine) == (1.0, False)
+    with np.load(path) as stored:
+        own = {name: stored[name] for name in stored.files}
+    spoilt_files: list[Callable[[], object]] = [
+        lambda: path.write_bytes(foreign),  # another pair's file under this name
+        lambda: np.savez(path, **{**own, **arrays(2.0)}),  # another pair's arrays under this key
+        lambda: np.savez(path, **{name: array for name, array in own.items() if name != "profile"}),
+        lambda: np.savez(path, **{name: array for name, array in own.items() if name != "digest"}),
+        lambda: np.savez(path, **{**own, "factor": np.zeros((2, 4))}),
+        lambda: path.write_bytes(good[:200]),
+        lambda: path.write_bytes(b""),
+    ]
+    for spoil in spoilt_files:
+        spoil()
+        assert made(1.0, mine) == (1.0, True)  # found out
+        assert made(1.0, mine) == (1.0, False)  # and replaced
+
+
+# Files that a case names
+
+
+SECRET = "Kq7-secret-4711"
+FRICTION = "\n[friction]\nspeed = 500\noil = '{}'\n"
+
+
+def test_a_case_opens_no_file_outside_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "strange"
+    folder.mkdir()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "secret.toml").write_text(f'key = 1\n[key]\nx = "{SECRET}"\n[{SECRET}', encoding="utf-8")
+    (folder / "link.toml").symlink_to(tmp_path / "secret.toml")
+    (folder / "plain").write_text(SECRET, encoding="utf-8")
+    case, output = folder / "case.toml", tmp_path / "out.nc"
+    outside = [
+        "../secret.toml",
+        str(tmp_path / "secret.toml"),
+        "link.toml",
+        "../absent.toml",
+        "/etc/passwd",
+        "sub/../../x",
+    ]
+    answers = set()
+    for oil in outside:
+        case.write_text(small_case(FRICTION.format(oil)), encoding="utf-8")
+        said = refused("run", case, "-o", output)
+        assert "--allow-outside" in said
+        assert SECRET not in said
+        answers.add(said.replace(repr(oil), "OIL"))
+        with pytest.raises(InputError, match="allow_outside=True"):
+            read_case(case)
+        with pytest.raises(InputError, match="allow_outside=True"):
+            parse_case(case.read_text(encoding="utf-8"), folder=folder)
+    assert len(answers) == 1  # whether there is such a file is not told
+    case.write_text(small_case(FRICTION.format("plain")), encoding="utf-8")
+    said = refused("run", case, "-o", output)
+    assert "ends in .toml" in said
+    assert SECRET not in said
+    assert sorted(os.listdir(tmp_path)) == ["secret.toml", "strange"]
+
+
+COMMANDS = {
+    "run": ["-o", "out.nc", "--torque", "50"],
+    "problems": ["-o", "out.nc", "--torque", "50"],
+    "wear": ["-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
+    "optimize": ["-o", "out.nc", "--torque", "50", "--order", "2"],
+    "verify": ["--torque", "50"],
+    "export": ["-o", "out.csv"],
+    "convert": ["-o", "out.rexs"],
+    "correct": ["--deviation", "gear=nothing"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_asks_for_the_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
+    (tmp_path / "away").mkdir()
+    case = tmp_path / "away" / "case.toml"
+    case.write_text(small_case(FRICTION.format("../mine.toml")), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert "--allow-outside" in refused(command, case, *COMMANDS[command])
+    said = refused(command, case, *COMMANDS[command], "--allow-outside")  # there is no such oil
+    assert "there is no" in said
+    assert os.listdir(tmp_path) == ["away"]
+
+
+def test_with_the_word_it_is_opened(tmp_path: Path) -> None:
+    (tmp_path / "away").mkdir()
+    oil = Path(easeoff.__file__).parent / "friction" / "lubricants" / "75w90.toml"
+    shutil.copy(oil, tmp_path / "mine.toml")
+    case = tmp_path / "away" / "case.toml"
+    case.write_text(small_case(FRICTION.format("../mine.toml")), encoding="utf-8")
+    table = read_case(case, allow_outside=True).friction
+    assert table is not None
+    assert table.operation().lubricant.name == "mine"
+    made = CliRunner().invoke(main, ["export", str(case), "-o", str(tmp_path / "o.csv"), "--allow-outside"])
+    assert made.exit_code == 0, made.output
