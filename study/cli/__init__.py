@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-import warnings
 from contextlib import suppress
 from typing import Any
 
@@ -42,9 +41,7 @@ class _Group(click.Group):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with warnings.catch_warnings():
-                warnings.showwarning = _show_warning
-                return super().main(*args, **kwargs)
+            return super().main(*args, **kwargs)
         except OSError as error:  # of a full disk, above all, that holds the output
             if not kwargs.get("standalone_mode", True):
                 raise
@@ -58,11 +55,6 @@ class _Group(click.Group):
             return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
-
-
-def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Show a warning as the other notes, without the line of code that it came from."""
-    click.echo(str(message), err=True)
 
 
 def _discard_output() -> None:
