@@ -547,24 +547,6 @@ def test_a_folder_is_made_for_what_succeeds(tmp_path: Path) -> None:
 # The terminal.
 
 
-def test_a_warning_is_a_line_without_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A cache of condensed teeth that cannot be written does not matter to the result."""
-    (tmp_path / "cache").write_text("a file", encoding="utf-8")
-    monkeypatch.setenv(array_store.FOLDER_VARIABLE, str(tmp_path / "cache"))
-
-    @main.command()
-    def store() -> None:
-        array_store.kept(40 * "a", {"x": (None,)}, lambda: {"x": np.zeros(3)})
-
-    try:
-        found = CliRunner().invoke(main, ["store"])
-    finally:
-        del main.commands["store"]
-    assert found.exit_code == 0
-    assert found.output.startswith("the tooth's compliance is not kept: ")
-    assert found.output.count("\n") == 1
-
-
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp437", "utf-8"])
 def test_a_terminal_that_lacks_characters_gets_escape_sequences(tmp_path: Path, encoding: str) -> None:
     code = (

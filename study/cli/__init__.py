@@ -68,9 +68,7 @@ class _Group(click.Group):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with warnings.catch_warnings():
-                warnings.showwarning = _show_warning
-                return super().main(*args, **kwargs)
+            return super().main(*args, **kwargs)
         except OSError as error:  # of a full disk, above all, that holds the output
             if not kwargs.get("standalone_mode", True):
                 raise
@@ -81,7 +79,9 @@ class _Group(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = _show_warning
+                return super().invoke(ctx)
         except EaseoffError as error:
             raise _Mistake(str(error)) from error
         except click.ClickException as error:
