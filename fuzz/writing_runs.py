@@ -78,7 +78,9 @@ class Stage:
     def __init__(self, folder: Path, run: WritingRun, bases: Bases, *, older: bool = True) -> None:
         self.folder, self.run, self.bases = folder, run, bases
         self.cache = folder.with_name(folder.name + "-cache")
-        folder.mkdir(parents=True)
+        self.temporary = folder.with_name(folder.name + "-temporary")
+        for place in (folder, self.temporary):
+            place.mkdir(parents=True)
         for name in run.sources:
             shutil.copyfile(bases[name], folder / name)
         for name in run.outputs:
@@ -89,7 +91,7 @@ class Stage:
     @property
     def environment(self) -> dict[str, str]:
         """Variables of the environment of its runs."""
-        return {"EASEOFF_CACHE": str(self.cache)}
+        return {"EASEOFF_CACHE": str(self.cache), "TMPDIR": str(self.temporary)}
 
     def again(self) -> Outcome:
         """Run the command to its end."""
@@ -111,11 +113,12 @@ class Stage:
             if path.is_file() and (path.name.startswith(".") or path.suffix == ".tmp"):
                 found.append(path.name)
         known = {*self.run.sources, *self.run.outputs}
+        found += os.listdir(self.temporary)
         return found + [name for name in os.listdir(self.folder) if name not in known and name not in found]
 
     def clear(self) -> None:
         """Remove everything."""
-        for folder in (self.folder, self.cache):
+        for folder in (self.folder, self.cache, self.temporary):
             shutil.rmtree(folder, ignore_errors=True)
 
 

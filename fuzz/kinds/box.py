@@ -54,6 +54,8 @@ class Box:
         self.root, self.bases = root, bases
         self.folder = root / INNER
         self.folder.mkdir(parents=True)
+        self.temporary = root / "temporary"
+        self.temporary.mkdir()
         (root / "secret.toml").write_text(f"{SECRET} = \"{SECRET}\"\ntitle = '{SECRET}'\n[{SECRET}\n")
 
     def copy(self, base: str, name: str = "") -> str:
