@@ -43,10 +43,10 @@ class WritingRun:
 
 
 OIL = "oil --viscosity-40 100 --viscosity-100 14 --density 880 --base-oil pao"
+#: The cheap ones first.
 RUNS = (
     WritingRun("run nasa.toml -o out.nc --torque 50,150 --speed 500,1500", ("nasa.toml",), ("out.nc",)),
     WritingRun("run nasa.toml -o out.nc --torque 50 --plots pictures", ("nasa.toml",), ("out.nc", "pictures")),
-    WritingRun("run fe.toml -o out.nc --torque 50", ("fe.toml",), ("out.nc",)),
     WritingRun("plot nasa.nc pictures", ("nasa.nc",), ("pictures",)),
     WritingRun("problems nasa.toml -o out.nc --torque 50", ("nasa.toml",), ("out.nc",)),
     WritingRun("wear fm.toml -o out.nc --torque 100 --revolutions 1e5", ("fm.toml",), ("out.nc",)),
@@ -55,7 +55,6 @@ RUNS = (
         ("nasa.toml",),
         ("out.nc", "fit.toml"),
     ),
-    WritingRun("verify nasa.toml --torque 50 -o out.nc", ("nasa.toml",), ("out.nc",)),
     WritingRun("design design-fm-11x41.toml -o out.toml --force", ("design-fm-11x41.toml",), ("out.toml",)),
     WritingRun("convert fm.rexs -o out.toml --force", ("fm.rexs",), ("out.toml",)),
     WritingRun("convert nasa.toml -o out.rexs --force", ("nasa.toml",), ("out.rexs",)),
@@ -68,6 +67,8 @@ RUNS = (
     WritingRun(
         "compare problems.nc -o study --solvers native --repetitions 1 --test-set", ("problems.nc",), ("study",)
     ),
+    WritingRun("run fe.toml -o out.nc --torque 50", ("fe.toml",), ("out.nc",)),
+    WritingRun("verify nasa.toml --torque 50 -o out.nc", ("nasa.toml",), ("out.nc",)),
     WritingRun("library -o parts --parts small", (), ("parts",)),
 )
 
