@@ -30,6 +30,8 @@ class Input:
         A reader that no command has, instead of a command.
     environment
         Variables of the environment.
+    same_as
+        The base file that the output must equal.
     fresh
         In a fresh interpreter instead of a forked one.
     """
@@ -39,6 +41,7 @@ class Input:
     inputs: list[str] = field(default_factory=list)
     call: str = ""
     environment: dict[str, str] = field(default_factory=dict)
+    same_as: str = ""
     fresh: bool = False
 
     @property
