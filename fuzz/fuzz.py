@@ -115,7 +115,7 @@ def while_writing(name: str) -> Part:
 #: Parts, and how many they try for a hundred inputs.
 PARTS: dict[str, tuple[Part, int]] = {
     "inputs": (mutated_inputs, 100),
-    "analyses": (analyses, 40),
+    "analyses": (analyses, 20),
     "kill": (while_writing("kill"), 8),
     "fill": (while_writing("fill"), 4),
     "fill_disk": (while_writing("fill_disk"), 4),
@@ -146,7 +146,7 @@ def main() -> None:
         bases.write_texts()
         place = Place(bases, work, given.kind, given.command)
         for part in given.part or PARTS:
-            count = given.count if given.part else max(1, given.count * PARTS[part][1] // 100)
+            count = given.count if len(given.part) == 1 else max(1, given.count * PARTS[part][1] // 100)
             found += _run(part, range(given.seed, given.seed + count), place)
     sys.exit(1 if found else 0)
 

@@ -16,6 +16,7 @@ from kinds.box import INNER, Box, Input
 from kinds.drawing import draw
 from processes import Outcome, command_line, forked, fresh
 from readers import reading, written_files
+from writing_runs import content, equal
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def keep(verdict: Verdict, bases: Bases, folder: Path, kind: str | None = None) 
 
 def run(made: Input, box: Box) -> Outcome:
     """Run an input in its box."""
-    environment = {"EASEOFF_CACHE": str(box.bases.cache), **made.environment}
+    environment = {"EASEOFF_CACHE": str(box.bases.cache), "TMPDIR": str(box.temporary), **made.environment}
     if any("\0" in word for word in made.args):
         return Outcome(2, "", "Error: no argument of a process can hold this", 0.0, 0.0)
     if made.fresh:
@@ -102,6 +103,8 @@ def _reading_faults(
     """Whether what was written can be read back."""
     touched = [name for name in made.args if after.get(f"{INNER}/{name}") not in (None, before.get(f"{INNER}/{name}"))]
     faults = []
+    if made.same_as and not equal(content(box.folder / "out.nc"), content(box.bases[made.same_as])):
+        faults.append(f"out.nc is not what it is without the mutated files: {made.same_as}")
     for kind, path in written_files(made.command, made.args, touched):
         outcome = forked(reading(kind, path), box.folder)
         if outcome.code != 0:

@@ -7,6 +7,7 @@ import os
 import resource
 import signal
 import sys
+import tempfile
 import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
@@ -152,6 +153,7 @@ def _child(
     try:
         os.chdir(folder)
         os.environ.update(environment)
+        tempfile.tempdir = None  # found anew from the environment
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (limits.processor_time, limits.processor_time + 5))
         taken = 0 if words else _address_space()

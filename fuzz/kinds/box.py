@@ -30,6 +30,8 @@ class Input:
         A reader that no command has, instead of a command.
     environment
         Variables of the environment.
+    same_as
+        The base file that the output must equal.
     fresh
         In a fresh interpreter instead of a forked one.
     """
@@ -39,6 +41,7 @@ class Input:
     inputs: list[str] = field(default_factory=list)
     call: str = ""
     environment: dict[str, str] = field(default_factory=dict)
+    same_as: str = ""
     fresh: bool = False
 
     @property
@@ -54,6 +57,8 @@ class Box:
         self.root, self.bases = root, bases
         self.folder = root / INNER
         self.folder.mkdir(parents=True)
+        self.temporary = root / "temporary"
+        self.temporary.mkdir()
         (root / "secret.toml").write_text(f"{SECRET} = \"{SECRET}\"\ntitle = '{SECRET}'\n[{SECRET}\n")
 
     def copy(self, base: str, name: str = "") -> str:

@@ -6,7 +6,7 @@ import random
 import shutil
 from pathlib import Path
 
-from mutations import byte_mutations, path_mutations
+from mutations import array_mutations, byte_mutations, path_mutations
 
 from .box import Box, Input
 from .mutated_file import any_mutation
@@ -130,14 +130,16 @@ def formula(rng: random.Random, box: Box) -> Input:
 
 
 def teeth(rng: random.Random, box: Box) -> Input:
-    """Mutated, exchanged or foreign files of condensed teeth in the cache."""
+    """Mutated, exchanged or foreign files of condensed teeth in the cache: the result is the same without them."""
     files = box.bases.teeth()
-    way = rng.choice(["bytes", "bytes", "exchange", "text", "folder", "empty", "link"])
+    way = rng.choice(["arrays", "arrays", "arrays", "bytes", "bytes", "exchange", "text", "folder", "empty", "link"])
     for path in files:
         box.put(f"teeth/{path.name}", path.read_bytes())
     chosen = box.folder / "teeth" / rng.choice(files).name
     if way == "bytes":
         chosen.write_bytes(byte_mutations.mutated(rng, chosen.read_bytes()))
+    elif way == "arrays":
+        array_mutations.mutate(rng, chosen)
     elif way == "exchange" and len(files) > 1:
         shutil.copyfile(rng.choice(files), chosen)
     elif way == "text":
@@ -145,4 +147,5 @@ def teeth(rng: random.Random, box: Box) -> Input:
     else:
         path_mutations.occupy(rng, chosen, {"folder": "folder", "link": "circle of links"}.get(way, "empty"))
     name = box.copy("fe.toml", "case.toml")
-    return Input("", ["run", name, "-o", "out.nc", "--torque", "50"], [name], environment={"EASEOFF_CACHE": "teeth"})
+    words = ["run", name, "-o", "out.nc", "--torque", "50"]
+    return Input("", words, [name], environment={"EASEOFF_CACHE": "teeth"}, same_as="fe.nc")

@@ -37,6 +37,8 @@ def draw(seed: int, box: Box, kind: str | None = None) -> Input:
     kind = kind or rng.choices(list(KINDS), [weight for weight, _ in KINDS.values()])[0]
     made = KINDS[kind][1](rng, box)
     made.kind = kind
+    # Few, because a fresh process takes seconds to import what it needs.
+    made.fresh = made.fresh or (not made.call and rng.random() < 0.01)
     if kind not in ("paths", "modules") and rng.random() < 0.15:
         _existing_output(rng, box, made)
     return made

@@ -10,6 +10,7 @@ from mutations import (
     byte_mutations,
     markup_mutations,
     netcdf_mutations,
+    number_changes,
     table_mutations,
     text_mutations,
     toml_mutations,
@@ -33,7 +34,10 @@ def any_mutation(rng: random.Random, box: Box, base: str, name: str = "") -> str
     text = source.read_text(encoding="utf-8")
     if suffix == ".toml":
         keys = DESIGN_KEYS if base.startswith("design-") else None if base.startswith("oil-") else CASE_KEYS
-        text = toml_mutations.mutated(rng, _with_tables(rng, text) if keys else text, keys)
+        if keys and rng.random() < 0.25:
+            text = number_changes.disturbed(rng, text)
+        else:
+            text = toml_mutations.mutated(rng, _with_tables(rng, text) if keys else text, keys)
     elif suffix in (".csv", ".dmi"):
         text = table_mutations.mutated(rng, text)
     elif suffix in (".rexs", ".xml"):

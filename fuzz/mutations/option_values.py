@@ -97,7 +97,8 @@ OPTIONS: dict[str, Options] = {
         "--allow-outside": None,
         "--fitted-case": ("fit.toml", "fit.nc", *PATHS), "--force": None,
     },
-    "verify": {"--allow-outside": None, "--torque": TORQUE, "--misalignment": MISALIGNMENT, "--flank": FLANK, "-o": ("v.nc", "v.txt", *PATHS)},
+    "verify": {"--allow-outside": None, "--torque": TORQUE, "--misalignment": MISALIGNMENT,
+        "--flank": FLANK, "-o": ("v.nc", "v.txt", *PATHS)},
     "export": {
         "--member": ("pinion", "gear", "wheel"), "--flank": ("concave", "convex", "both", "drive"), "--rows": ("5",
         "2", "1", "-1", "x", "1001", "3"),

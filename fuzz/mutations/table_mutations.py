@@ -84,7 +84,11 @@ def rows(rng: random.Random, text: str) -> str:
     way = rng.choice(["shuffle", "keep", "repeat", "reverse"])
     if way == "shuffle":
         rng.shuffle(lines)
-    return "\n".join({"keep": lines[: rng.randrange(12)], "repeat": lines * 2, "reverse": lines[::-1]}.get(way, lines))
+    return "\n".join(
+        {"keep": lines[: rng.randrange(12)], "repeat": lines * rng.choice([2, 2, 3000]), "reverse": lines[::-1]}.get(
+            way, lines
+        )
+    )
 
 
 def matrix(rng: random.Random, text: str) -> str:

@@ -73,14 +73,14 @@ def _with_fragment(rng: random.Random, text: str) -> str:
     return "\n".join(lines)
 
 
-def _places(tree: Any) -> list[Place]:
+def places(tree: Any) -> list[Place]:
     """Every entry of a tree, tables and arrays among them."""
     entries = list(tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else [])
-    return [(tree, key) for key, _ in entries] + [place for _, value in entries for place in _places(value)]
+    return [(tree, key) for key, _ in entries] + [place for _, value in entries for place in places(value)]
 
 
 def _place(rng: random.Random, tree: Tree, *types: type) -> Place | None:
-    found = [(at, key) for at, key in _places(tree) if not types or isinstance(at[key], types)]
+    found = [(at, key) for at, key in places(tree) if not types or isinstance(at[key], types)]
     return rng.choice(found) if found else None
 
 
@@ -120,7 +120,7 @@ def delete(rng: random.Random, tree: Tree) -> None:
 
 def rename(rng: random.Random, tree: Tree) -> None:
     """Misspell a key, or give it odd characters."""
-    found = [(at, key) for at, key in _places(tree) if isinstance(at, dict)]
+    found = [(at, key) for at, key in places(tree) if isinstance(at, dict)]
     if found:
         at, key = rng.choice(found)
         at[
