@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -277,29 +278,33 @@ def test_types_of_its_own_are_refused(tmp_path: Path) -> None:
             read_tree(path)
 
 
-def test_data_in_other_files_are_refused(tmp_path: Path, files: Path) -> None:
-    """References of HDF5 to other files, as the library would follow them, appended to a good file."""
-    content = (files / "wear.nc").read_bytes()
-    heap = len(content).to_bytes(8, "little")
-    forms = {
-        "data in other files": (
-            b"HEAP\0\0\0\0" + b"\0" * 24 + b"\x01\0\0\0\x01\0\x01\0" + heap,
-            b"GCOL\x01\0\0\0" + b"\0" * 24 + b"\x04\x03" + heap,
-        ),
-        "links to other names or files": (
-            b"\x01\x08\x40\x01x" + (12).to_bytes(2, "little") + b"\0/secret\0/d\0",
-            b"\x01\x08\x01\x01x" + (1).to_bytes(2, "little") + b"/",
-        ),
-    }
-    for words, appended in forms.items():
-        for form in appended:
-            path = tmp_path / "w.nc"
-            path.write_bytes(content + form)
-            with pytest.raises(InputError, match=words):
-                read_dataset(path)
-    path.write_bytes(b"\0" * 512 + content)
-    with pytest.raises(InputError, match="foreign data before its own"):
+@pytest.mark.parametrize(
+    ("words", "add"),
+    [
+        ("links to other names", lambda file: file.__setitem__("x", h5py.ExternalLink("secret.nc", "/deviation"))),
+        ("links to other names", lambda file: file.__setitem__("x", h5py.SoftLink("/deviation"))),
+        ("data in other files", lambda file: file.create_dataset("x", (4,), "f8", external=[("secret.bin", 0, 32)])),
+        ("data in other files", lambda file: file.create_virtual_dataset("x", virtual_layout())),
+        ("a group under two names", lambda file: file.create_group("x").__setitem__("again", file["x"])),
+        ("a group under two names", lambda file: file.__setitem__("x", file["/"])),
+    ],
+)
+def test_links_out_of_a_file_or_in_circles_are_refused(
+    tmp_path: Path, files: Path, words: str, add: Callable[[Any], object]
+) -> None:
+    path = tmp_path / "w.nc"
+    shutil.copy(files / "wear.nc", path)
+    with h5py.File(path, "a") as file:
+        add(file)
+    with pytest.raises(InputError, match=words):
         read_dataset(path)
+    assert words in refused("show", path)
+
+
+def virtual_layout() -> Any:
+    layout = h5py.VirtualLayout((4,), "f8")
+    layout[:] = h5py.VirtualSource("secret.h5", "x", (4,))
+    return layout
 
 
 WEAR_CHANGES: dict[str, Callable[[Dataset], object]] = {

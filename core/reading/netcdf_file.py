@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import subprocess
-import sys
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -15,7 +13,7 @@ import xarray as xr
 
 from ..errors import InputError
 from ..printable import printable, shortened
-from .hdf5_references import check_references
+from .hdf5_links import check_links
 from .regular_file import named, require_file, size_words
 
 UNPACKED_SIZE_LIMIT = 4_000_000_000  # of all variables of a file in memory [bytes]
@@ -23,7 +21,6 @@ MEMORY_SHARE = 0.5  # of the machine's memory that the variables of a file may t
 GROUP_COUNT_LIMIT = 1000
 GROUP_DEPTH_LIMIT = 16
 VARIABLE_COUNT_LIMIT = 10_000
-OPENING_TIME_LIMIT = 10.0  # of a file with objects under several names [s]
 NUMBER_SIZE = 8  # of a number in memory, at least: decoding may widen it [bytes]
 STRING_SIZE = 64  # of a short string in memory [bytes]
 REASON_LENGTH_LIMIT = 200  # of the reason of the netCDF library in a message [characters]
@@ -57,8 +54,7 @@ def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what an attribute misleads the decoding to shows in the values
-            if check_references(path):
-                _open_aside(path)
+            check_links(path)
             _check_header(path, limit)
             yield
     except InputError:
@@ -78,18 +74,6 @@ def unpacked_size_limit() -> int:
     except (AttributeError, ValueError, OSError):  # Windows does not say it in this way
         return UNPACKED_SIZE_LIMIT
     return min(UNPACKED_SIZE_LIMIT, int(MEMORY_SHARE * memory)) if memory > 0 else UNPACKED_SIZE_LIMIT
-
-
-def _open_aside(path: str | os.PathLike[str]) -> None:
-    """Open a file in a process of its own first: netCDF ends the process in which groups lead round in circles."""
-    code = "import sys, netCDF4; netCDF4.Dataset(sys.argv[1]).close()"
-    try:
-        command = [sys.executable, "-I", "-c", code, os.path.abspath(path)]
-        failed = subprocess.run(command, capture_output=True, timeout=OPENING_TIME_LIMIT, check=False).returncode != 0
-    except subprocess.TimeoutExpired:
-        failed = True
-    if failed:
-        raise InputError(f"{named(path)} is damaged: its groups cannot be opened, or lead round in circles")
 
 
 def _check_header(path: str | os.PathLike[str], limit: int) -> None:
