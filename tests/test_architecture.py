@@ -9,9 +9,11 @@ import tomllib
 from collections import Counter
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from itertools import chain
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 import easeoff
 
@@ -131,3 +133,14 @@ def test_every_folder_with_code_is_listed_as_a_package() -> None:
     packages = [name for name, path in modules().items() if path.name == "__init__.py"]
     assert sorted(packages) == sorted(project["tool"]["setuptools"]["packages"])
     assert {path.parent for path in modules().values()} == {modules()[name].parent for name in packages}
+
+
+def test_every_requirement_has_a_lower_bound() -> None:
+    """`make lowest` would otherwise take the very first version of a package, or none."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lines = chain(project["dependencies"], *project["optional-dependencies"].values())
+    wanted = [Requirement(line) for line in lines]
+    own = [requirement for requirement in wanted if requirement.name == "easeoff"]
+    assert own, "the extra test asks for others of this package"
+    for requirement in wanted:
+        assert requirement in own or ">=" in {part.operator for part in requirement.specifier}, str(requirement)
