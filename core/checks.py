@@ -269,7 +269,7 @@ def distinct(name: str, values: Any, unit: str = "1", **bounds: Any) -> NDArray[
     array([1500.])
     >>> distinct("speed", [500, 500], "1/min", above=0.0)
     Traceback (most recent call last):
-    easeoff.core.errors.InputError: speed = [500.0, 500.0]: must be numbers that differ; 500 comes twice
+    easeoff.core.errors.InputError: speed = [500, 500]: must be numbers that differ; 500 comes twice
     """
     found = np.atleast_1d(array(name, values, unit, fewest=1, **bounds))
     if found.ndim > 1:
