@@ -438,7 +438,11 @@ def test_measurements_of_a_comparison_that_are_none_are_made_anew(tmp_path: Path
     assert CliRunner().invoke(main, words).exit_code == 0
     (measured,) = (tmp_path / "c").glob("*.jsonl")
     text = measured.read_text(encoding="utf-8")
-    for old, new in (('"equilibrium": ', '"equilibrium": [1], "x": '), ('"claim": "solved"', '"claim": 5')):
+    for old, new in (
+        ('"equilibrium": ', '"equilibrium": [1], "x": '),
+        ('"claim": "solved"', '"claim": 5'),
+        ('"polished": ', '"polished": "False", "x": '),
+    ):
         assert old in text
         measured.write_text(text.replace(old, new), encoding="utf-8")
         again = CliRunner().invoke(main, words)

@@ -60,4 +60,4 @@ def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> No
         echo(f"replaced the pictures of {printable(title)!r}")
     for picture in before:
         if not picture.exists():
-            echo(f"removed {picture}, a picture of an earlier result")
+            echo(f"removed {printable(str(picture))}, a picture of an earlier result")

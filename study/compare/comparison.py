@@ -200,6 +200,7 @@ def _attempts(stored: list[dict[str, Any]]) -> list[Attempt]:
             and all(isinstance(value, int | float) for value in numbers)
             and isinstance(values["iterations"], int)
             and abs(values["iterations"]) < 2**31
+            and isinstance(values["polished"], bool)
         ):
             raise ValueError("no attempt")
     if not attempts:
