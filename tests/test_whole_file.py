@@ -537,7 +537,6 @@ def test_another_users_file_in_a_shared_folder_is_refused_before_the_work(
         with pytest.raises(InputError, match="another user's"):
             check_writable(target)
     tmp_path.chmod(0o777)
-    monkeypatch.setattr(private_folder, "clear_remains", lambda _: None)
     check_writable(path)
 
 
