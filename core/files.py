@@ -155,17 +155,15 @@ def check_folder(path: str | os.PathLike[str], purpose: str) -> None:
 
 
 def _check_replaceable(target: Path) -> None:
-    """Check that a path can be that of a file, and that a file which is there may be replaced."""
+    """Check that a path can be that of a file, and that a file or link which is there may be replaced."""
     check_name(target)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder: give the name of a file")
-    if not os.path.exists(target):
-        return
-    if not os.path.isfile(target):
+    if os.path.exists(target) and not os.path.isfile(target):
         raise InputError(f"{target} is a device or a pipe, not a file: give the name of a file")
-    if not os.access(target, os.W_OK):
+    if os.path.exists(target) and not os.access(target, os.W_OK):
         raise InputError(f"{target} cannot be written: no permission")
-    if hasattr(os, "geteuid"):
+    if os.path.lexists(target) and hasattr(os, "geteuid"):
         folder, user = os.stat(target.parent), os.geteuid()
         if folder.st_mode & stat.S_ISVTX and user not in (0, folder.st_uid, os.lstat(target).st_uid):
             raise InputError(f"{target} cannot be written: it is another user's, and only they can replace it there")

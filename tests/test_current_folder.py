@@ -24,7 +24,12 @@ LIBRARIES = (
 MARK = "executed.txt"
 PLANTED = f"with open({MARK!r}, 'a') as mark: mark.write(__name__ + ' ')\nraise ImportError(__name__)\n"
 #: What the entry point of the installed package does; started from a folder of its own, as that is.
-ENTRY_POINT = "import sys; from easeoff.study.cli import main; sys.exit(main())"
+ENTRY_POINT = """
+import sys
+from easeoff.study.cli import main
+if __name__ == "__main__":
+    sys.exit(main())
+"""
 TEX = "text.usetex: True\nfont.size: 30\nbackend: module://evil_backend\n"
 
 
@@ -52,6 +57,14 @@ def command(trap: Path, *words: str) -> str:
     return done.stdout
 
 
+def compared(trap: Path, solvers: str) -> None:
+    """Compare solvers in the trap; each has to solve the problem."""
+    command(trap, "compare", "problems.nc", "--solvers", solvers, "--repetitions", "1", "-o", "study")
+    rows = (trap / "study" / "results.csv").read_text(encoding="utf-8").splitlines()[1:]
+    assert {row.split(",")[6] for row in rows} == set(solvers.split(","))
+    assert all(",solved," in row for row in rows)
+
+
 def executed(trap: Path) -> str:
     mark = trap / MARK
     return mark.read_text(encoding="utf-8") if mark.exists() else ""
@@ -73,24 +86,23 @@ def test_a_process_of_a_solver_starts_without_the_current_folder(trap: Path) -> 
 
 @pytest.mark.thorough
 def test_a_comparison_runs_nothing_of_the_current_folder(trap: Path) -> None:
-    command(trap, "compare", "problems.nc", "--solvers", "native,clarabel", "--repetitions", "1", "-o", "study")
+    compared(trap, "native,clarabel")
     assert executed(trap) == ""
 
 
 @pytest.mark.thorough
 def test_libraries_that_look_for_further_solvers_find_none_in_the_current_folder(trap: Path) -> None:
-    command(trap, "compare", "problems.nc", "--solvers", "cvxpy,osqp", "--repetitions", "1", "-o", "study")
+    compared(trap, "cvxpy,osqp")
     assert executed(trap) == ""
 
 
 @pytest.mark.thorough
 def test_a_solver_of_ones_own_is_run_and_brings_no_other_module(trap: Path) -> None:
     """It is in the current folder, where the names of solvers that are not installed wait beside it."""
-    own = "from easeoff.contact.solvers.adapters.clarabel import solve_scaled\n"
+    own = "import qpsolvers\nfrom easeoff.contact.solvers.adapters.clarabel import solve_scaled\n"
     (trap / "my_solver.py").write_text(own, encoding="utf-8")
-    command(trap, "compare", "problems.nc", "--solvers", "my_solver:solve_scaled", "--repetitions", "1", "-o", "study")
+    compared(trap, "my_solver:solve_scaled")
     assert executed(trap) == ""
-    assert "my_solver:solve_scaled" in (trap / "study" / "results.csv").read_text(encoding="utf-8")
 
 
 @pytest.mark.thorough

@@ -532,8 +532,10 @@ def test_another_users_file_in_a_shared_folder_is_refused_before_the_work(
     path.chmod(0o666)
     tmp_path.chmod(0o1777)
     monkeypatch.setattr(os, "geteuid", lambda: path.stat().st_uid + 1)
-    with pytest.raises(InputError, match="another user's"):
-        check_writable(path)
+    (tmp_path / "link.nc").symlink_to("nowhere")
+    for target in (path, tmp_path / "link.nc"):
+        with pytest.raises(InputError, match="another user's"):
+            check_writable(target)
     tmp_path.chmod(0o777)
     check_writable(path)
 
