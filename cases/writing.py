@@ -10,9 +10,9 @@ from pathlib import Path
 import tomli_w
 
 from ..core.errors import InputError
-from ..core.files import check_writable, whole_file
 from ..core.reading.regular_file import read_bytes
 from ..core.reading.text_file import TOML_SIZE_LIMIT
+from ..core.writing.output_file import check_writable, whole_file
 from .schema.case_schema import Case
 
 SEAL = "# checksum of the lines above, as easeoff wrote them:"

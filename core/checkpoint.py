@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, BinaryIO, Generic, TypeVar
 
 from .errors import InputError
-from .files import check_writable, existing_folder, whole_file
 from .reading.json_text import parsed_json
 from .reading.regular_file import read_bytes
 from .reading.text_file import RECORD_SIZE_LIMIT
 from .writing.file_lock import wait_for_lock
+from .writing.output_file import check_writable, existing_folder, whole_file
 
 Record = TypeVar("Record")
 

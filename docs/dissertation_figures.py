@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage
-from easeoff.core.files import whole_file
+from easeoff.core.writing.output_file import whole_file
 from easeoff.study.plot.contact_pattern import (
     ContactPattern,
     contact_pattern,

@@ -17,7 +17,7 @@ import xarray as xr
 from tabulate import tabulate
 from tqdm import tqdm
 
-from easeoff.core.files import whole_file
+from easeoff.core.writing.output_file import whole_file
 from easeoff.friction import friction_coefficient
 from easeoff.friction.ehl.study import Design, fit_friction, run_study, study_inputs, write_formula
 from easeoff.friction.ehl.study.formula_regression import REGIMES

@@ -13,7 +13,7 @@ from pathlib import Path
 from tabulate import tabulate
 
 from easeoff.cases import shipped_cases
-from easeoff.core.files import whole_file
+from easeoff.core.writing.output_file import whole_file
 from easeoff.geometry import FlankName
 from easeoff.verification import RowStatus, Verification, VerificationRow, verify
 

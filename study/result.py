@@ -9,9 +9,9 @@ import xarray as xr
 
 from ..cases.reading import CASE
 from ..core.errors import InputError
-from ..core.files import whole_file
 from ..core.reading.netcdf_file import read_tree
 from ..core.reading.regular_file import named
+from ..core.writing.output_file import whole_file
 from .result_layout import VARIABLES, faults
 
 FAULT_COUNT_LIMIT = 3  # that a message names

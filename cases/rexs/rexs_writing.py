@@ -14,7 +14,7 @@ from importlib.metadata import version
 
 from pydantic import BaseModel
 
-from ...core.files import whole_file
+from ...core.writing.output_file import whole_file
 from ..conversion import machine_settings
 from ..recording import with_blanks
 from ..schema.case_schema import Case, MemberTable

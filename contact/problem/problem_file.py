@@ -36,8 +36,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.files import whole_file
 from ...core.reading.netcdf_file import read_dataset
+from ...core.writing.output_file import whole_file
 from .contact_problem import ContactProblem
 from .problem_arrays import problem_arrays, require_arrays
 from .problem_dataset import ATTRIBUTES

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from ...core.checks import one_of, shown
 from ...core.errors import InputError
-from ...core.files import whole_file
 from ...core.reading.array_file import read_arrays
+from ...core.writing.output_file import whole_file
 from .contact_problem import ContactProblem
 from .dual_form import dual_qp
 from .lifted_form import lifted_qp

@@ -1,1 +1,1 @@
-"""Writing of files: names, private folders, locks and permissions; ``files.whole_file`` uses them all."""
+"""Writing of files: whole or not at all, by a private folder, with the permissions of the file replaced."""

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...core.attributes import labelled
 from ...core.checks import shown
 from ...core.errors import GeometryError, InputError
-from ...core.files import whole_file
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
+from ...core.writing.output_file import whole_file
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus
 from ..pair.gear_pair import Member

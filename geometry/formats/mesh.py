@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from ...core.files import whole_file
+from ...core.writing.output_file import whole_file
 from ..vectors import rotate_z
 from .mesh_file import stl_file, vtk_file, vtu_file
 from .patches import merged, oriented, rotations

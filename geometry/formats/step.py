@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from ...core.errors import InputError, MissingPackageError, how_to_install
-from ...core.files import whole_file
+from ...core.writing.output_file import whole_file
 from .patches import oriented, rotations
 
 Array = NDArray[Any]

@@ -36,7 +36,7 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
     """
     from ...cases import read_design, write_case
     from ...cases.writing import require_replaceable
-    from ...core.files import check_writable
+    from ...core.writing.output_file import check_writable
     from ..case_design import design_case
     from ..report.design_report import design_report, summary_lines
 
@@ -64,7 +64,7 @@ def convert(source: str, output: Path, force: bool) -> None:
     """
     from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
     from ...cases.writing import require_replaceable
-    from ...core.files import check_writable
+    from ...core.writing.output_file import check_writable
 
     suffix, target = Path(source).suffix.lower(), output.suffix.lower()
     if target not in (".toml", ".rexs", ".xml"):

@@ -64,7 +64,7 @@ from .options import (
 def export(case: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
     """Export teeth of CASE as points, CAD surfaces or a mesh."""
     from ...cases import read_case
-    from ...core.files import check_writable
+    from ...core.writing.output_file import check_writable
     from ...geometry.formats import EdgeMargins
     from ..geometry_export import export as write
 

@@ -94,7 +94,7 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
     """
     from ...cases import read_case, write_case
     from ...cases.writing import require_replaceable
-    from ...core.files import check_writable
+    from ...core.writing.output_file import check_writable
     from ..fitted_settings import fit_modification, recorded_modification
     from ..optimization import optimize as optimized
     from ..report.optimization_report import optimization_report

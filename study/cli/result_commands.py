@@ -40,7 +40,7 @@ def plot(result: Path, folder: Path, marking: float | None) -> None:
 
     Pictures of another result in FOLDER are replaced or removed.
     """
-    from ...core.files import check_folder
+    from ...core.writing.output_file import check_folder
     from ..result import read_result
 
     tree = read_result(result)

@@ -105,7 +105,7 @@ def run(
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
-    from ...core.files import check_folder, check_writable
+    from ...core.writing.output_file import check_folder, check_writable
     from ..analysis import analyze, case_torques, operation_of
     from ..report.result_summary import doubts, outcome, uncertified
     from ..result import write_result

@@ -27,7 +27,7 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.problem_file import write_problems
     from ...contact.solvers import require_solver
-    from ...core.files import check_writable
+    from ...core.writing.output_file import check_writable
     from ..analysis import case_torques, contact_analysis
     from ..case_in_mesh import CaseInMesh
 

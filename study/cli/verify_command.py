@@ -59,7 +59,7 @@ def verify(
     code is 1 if a difference is outside its limit.
     """
     from ...cases import read_case
-    from ...core.files import check_writable, whole_file
+    from ...core.writing.output_file import check_writable, whole_file
     from ...verification.case_verification import verify as run_verification
 
     if output is not None:

@@ -73,7 +73,7 @@ def wear(
     in 'easeoff run'.
     """
     from ...cases import read_case
-    from ...core.files import check_writable, whole_file
+    from ...core.writing.output_file import check_writable, whole_file
     from ..wear_simulation import WearLaw
     from ..wear_simulation import wear as worn
 

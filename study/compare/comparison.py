@@ -16,7 +16,7 @@ from ...contact.solvers import available_solvers, require_solver
 from ...core.checkpoint import Checkpoint, digest
 from ...core.checks import number, whole
 from ...core.errors import InputError
-from ...core.files import check_folder
+from ...core.writing.output_file import check_folder
 from .attempt import CRASHED, SETTINGS, TIME_LIMIT, Attempt
 from .comparison_table import comparison_table
 from .environment import find_module, machine, solver_version

@@ -12,8 +12,8 @@ import xarray as xr
 from ...contact.problem.certificate import EXACT_TOLERANCE
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.files import whole_file
 from ...core.reading.json_text import parsed_json
+from ...core.writing.output_file import whole_file
 from .attempt import SETTINGS
 from .comparison_statistics import RUN_TIME_SHIFT, by_problem, growth, methods, of_method, shifted_geometric_mean
 from .comparison_table import RESIDUALS

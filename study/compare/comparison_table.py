@@ -14,8 +14,8 @@ import xarray as xr
 from ...contact.problem.certificate import Certificate
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import whole_file
 from ...core.reading.netcdf_file import read_dataset
+from ...core.writing.output_file import whole_file
 from .attempt import Attempt
 
 FORMAT = "easeoff comparison of solvers"

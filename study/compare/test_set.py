@@ -13,7 +13,7 @@ from typing import Any
 
 from ...contact.problem.contact_problem import ContactProblem
 from ...core.errors import InputError
-from ...core.files import check_folder, check_writable, whole_file
+from ...core.writing.output_file import check_folder, check_writable, whole_file
 
 SCRIPT = "contact_qpbenchmark.py"
 

@@ -16,7 +16,7 @@ from ...contact.problem.problem_file import write_problems
 from ...contact.solvers import solve
 from ...core.attributes import labelled
 from ...core.errors import InputError
-from ...core.files import check_folder, check_writable
+from ...core.writing.output_file import check_folder, check_writable
 from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, Entry, entries
 from .problem_generation import generate
 from .reference_answers import ReferenceAnswer, reference_answers

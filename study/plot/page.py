@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from ...core.files import whole_file
 from ...core.printable import printable
+from ...core.writing.output_file import whole_file
 from ..report.departures import deviations, modification
 from ..report.model_name import model_name
 

@@ -17,8 +17,8 @@ import platformdirs
 from numpy.typing import NDArray
 
 from ....core.errors import InputError
-from ....core.files import whole_file
 from ....core.reading.array_file import read_arrays
+from ....core.writing.output_file import whole_file
 
 Array = NDArray[Any]
 #: Shape of every array by name; ``None`` stands for any length.

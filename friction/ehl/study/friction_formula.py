@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ....core import checks
 from ....core.errors import InputError
-from ....core.files import check_writable, whole_file
 from ....core.reading.json_text import parsed_json
 from ....core.reading.text_file import TOML_SIZE_LIMIT, read_text
+from ....core.writing.output_file import check_writable, whole_file
 from ...conditions import STEEL_MODULUS, ContactConditions
 from ...formula_range import Flags, combined_flags
 

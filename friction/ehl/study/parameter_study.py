@@ -20,8 +20,8 @@ from ....core.attributes import labelled
 from ....core.checkpoint import Checkpoint, digest
 from ....core.child_environment import child_environment
 from ....core.errors import InputError, MissingPackageError, how_to_install
-from ....core.files import check_writable, whole_file
 from ....core.reading.netcdf_file import read_dataset
+from ....core.writing.output_file import check_writable, whole_file
 from ..equations.film_certificate import Status
 from ..rolling_contact.asperities import Asperities
 from .study_case import MODEL_VERSION, NUMBERS, Resolution, Row, run_case

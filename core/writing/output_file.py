@@ -1,4 +1,4 @@
-"""Files to be written: whole or not at all, and paths checked before any work is done; see ``reading`` for others."""
+"""Files to be written: whole or not at all, and paths checked before any work is done."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-from .errors import InputError
-from .writing.file_name import check_name
-from .writing.permissions import take_over_permissions
-from .writing.private_folder import private_folder
+from ..errors import InputError
+from .file_name import check_name
+from .permissions import take_over_permissions
+from .private_folder import private_folder
 
 #: Format of a suffix, in messages.
 FORMATS = {".nc": "netCDF", ".toml": "TOML"}
