@@ -121,7 +121,7 @@ def cases(draw: st.DrawFn) -> Case:
         )
     )  # fmt: skip
     data["contact"] = draw(
-        some(torques=st.lists(number(0.0, 1e7), min_size=1, max_size=3, unique=True), separation=number(0.0, 1e3))
+        some(torques=st.lists(number(1e-6, 1e7), min_size=1, max_size=3, unique=True), separation=number(1e-3, 1e3))
     )
     roots = st.sampled_from(["weber", "odonnell", "clamped"])
     shell = some(root=roots, shear_factor=number(0.0, 1.0)).map(lambda keys: keys | {"model": "shell"})

@@ -115,7 +115,7 @@ MISTAKES = {
     "out of range": (r"^shaft_angle = .*$", "shaft_angle = 190.0", ["shaft_angle", "190", "175"]),
     "cones the wrong way": (r"^face_angle = .*$", "face_angle = 10.0", ["face_angle", "10", "root_angle"]),
     "face too wide": (r"^face_width = .*$", "face_width = 100.0", ["face_width", "100", "outer_cone_distance"]),
-    "negative torque": (r"^torques = .*$", "torques = [50.0, -1.0]", ["torques", "-1", "greater than 0"]),
+    "negative torque": (r"^torques = .*$", "torques = [50.0, -1.0]", ["torques", "-1", "at least 1e-06"]),
     "no torque": (r"^torques = .*$", "torques = []", ["contact.torques = []: must have at least 1 value"]),
     "true for a number": (r"^shaft_angle = .*$", "shaft_angle = true", ["pair.shaft_angle = true: must be a number"]),
     "a number in quotes": (r"^shaft_angle = .*$", 'shaft_angle = "90"', ["pair.shaft_angle = '90': must be a number"]),
@@ -128,7 +128,7 @@ MISTAKES = {
     "true for depths": (r"^\[contact\]$", "[compliance]\nrim_depth = true\n[contact]", ["rim_depth.0 = true: must be"]),
     "one torque twice": (r"^torques = .*$", "torques = [50.0, 60.0, 50]", ["torques contains 50.0 twice"]),
     "a torque that is no list": (r"^torques = .*$", "torques = 50.0", ["contact.torques = 50.0", "list in brackets"]),
-    "torque zero": (r"^torques = .*$", "torques = [0.0]", ["torques", "0.0", "greater than 0"]),
+    "torque zero": (r"^torques = .*$", "torques = [0.0]", ["torques", "0.0", "at least 1e-06"]),
     "modified roll without roll": (r"^ratio_of_roll = .*$", "modified_roll_2c = 0.1", ["ratio_of_roll"]),
     "centre missing": (r"^radial_distance = .*$", "", ["radial_distance and cradle_angle"]),
 }

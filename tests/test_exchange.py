@@ -333,7 +333,7 @@ def test_version_may_be_any_kind_of_number(tmp_path: Path, version: Any) -> None
         ),
         (lambda ds: ds.assign(torque=ds["torque"].astype(str)), r"torque = array of .*: must hold numbers"),
         (lambda ds: ds.assign(torque=ds["torque"] * np.nan), "problem 0: torque"),
-        (lambda ds: ds.assign_attrs(format_version="two"), "format version two"),
+        (lambda ds: ds.assign_attrs(format_version="two"), "format version 'two'"),
         (lambda ds: ds.assign_attrs(format_version=[1, 2]), "format version"),
         (lambda ds: ds.assign_attrs(format=[1, 2]), "'format' is not"),
     ],

@@ -278,7 +278,7 @@ def test_a_file_larger_than_the_limit_of_the_system_is_one_message(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from easeoff.core import files
+from easeoff.core.writing.output_file import whole_file
 from easeoff.core.writing import private_folder
 step, path = sys.argv[1], sys.argv[2]
 
@@ -289,7 +289,7 @@ if step == "lock":
     private_folder.try_lock = end
 elif step in ("open", "fsync", "replace", "chmod"):
     setattr(os, step, end)
-with files.whole_file(path) as temporary:
+with whole_file(path) as temporary:
     if step == "before":
         end()
     temporary.write_text("half")

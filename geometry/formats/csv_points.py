@@ -20,7 +20,7 @@ NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
 DEVIATION_COLUMN = "deviation"
 MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
 HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
-COORDINATE_LIMIT = 1e4  # [mm]; no gear is larger
+COORDINATE_LIMIT = 1e4  # of a node [mm]; no gear is larger
 GRID_SIZE_LIMIT = 1001  # rows and columns, as of `easeoff export`
 POINT_COUNT_LIMIT = 100_000  # of a flank
 Points = dict[tuple[str, int, int], list[float]]
@@ -94,8 +94,8 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
         whole(f"{where}: {name}", number, 1, GRID_SIZE_LIMIT)
     if not np.all(np.isfinite(values)):
         raise InputError(f"{where}: every value must be a finite number")
-    if max(map(abs, values)) > COORDINATE_LIMIT:
-        raise InputError(f"{where}: every value must be at most {COORDINATE_LIMIT:g}")
+    if max(map(abs, values[:6])) > COORDINATE_LIMIT:
+        raise InputError(f"{where}: every coordinate must be at most {COORDINATE_LIMIT:g} mm")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
         raise InputError(f"{where}: normal = ({', '.join(found[6:9])}): must be of length 1")
     return (found[0], row, column), values
