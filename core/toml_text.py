@@ -18,7 +18,6 @@ NESTING_LIMIT = 32  # tables and lists within each other; a case has 5
 KEY_PART_LIMIT = 300  # of a dotted key; on more the parser would spend minutes
 KEY_ENDS = re.compile(r"[\n=,\[\]{}]")
 WHOLE_NUMBER_BITS = 64
-SHOWN_DIGIT_COUNT = 25
 
 
 def toml_tables(text: str, origin: str) -> dict[str, Any]:
@@ -78,8 +77,7 @@ def _check_values(data: dict[str, Any], origin: str) -> None:
             waiting += [(key, entry, depth + 1) for entry in value]
         elif isinstance(value, int) and value.bit_length() >= WHOLE_NUMBER_BITS:
             raise InputError(
-                f"{origin}: {shortened(printable(key))} = {shortened(str(value), SHOWN_DIGIT_COUNT)}: must be a whole "
-                f"number of at most {WHOLE_NUMBER_BITS} bits"
+                f"{origin}: {shortened(printable(key))}: must be a whole number of at most {WHOLE_NUMBER_BITS} bits"
             )
 
 

@@ -137,7 +137,7 @@ def test_mistakes_name_key_value_and_what_is_allowed(lines: str, words: list[str
 @pytest.mark.parametrize("key", ["coefficient", "roughness"])
 def test_whole_numbers_that_toml_does_not_have_are_refused(key: str) -> None:
     lines = f"speed = 100\n{key} = {10**400}"
-    with pytest.raises(InputError, match=f"mine.toml: friction.{key} = 1000+ .* 0+: must be .* at most 64 bits"):
+    with pytest.raises(InputError, match=f"mine.toml: friction.{key}: must be a whole number of at most 64 bits"):
         parse_case(f"{case_text('nasa-12x36')}\n[friction]\n{lines}\n", "mine.toml")
 
 

@@ -321,7 +321,7 @@ def check_points(dataset: xr.Dataset, source: Path, kind: str) -> None:
             )
         if not np.all(np.isfinite(dataset[name].values)):
             raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
-    for name in ("position", "normal", "measured_position"):
+    for name in ("position", "normal"):
         if name in dataset and dataset[name].dtype.kind in "fiu":
             largest = float(np.max(np.abs(dataset[name].values), initial=0.0))
             if not largest <= cmm_csv.COORDINATE_LIMIT:
