@@ -1,18 +1,23 @@
-"""netCDF files: what the header declares is checked before any data are read, and every fault is one message."""
+"""netCDF files: what the header declares is checked before any data are read, and every fault is one message.
+
+The libraries for netCDF and HDF5 crash on some damaged files; they read in a process of their own.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import importlib
 import math
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import xarray as xr
 
 from ..errors import InputError
 from ..printable import printable, shortened
+from .forked_process import ProcessEndedError, in_forked_process
 from .hdf5_links import check_links
 from .regular_file import named, require_file, size_words
 
@@ -34,14 +39,29 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     InputError
         If there is no such file, it is no netCDF file, it is damaged, or it declares more than is read.
     """
-    with _reading(path), xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
-        return opened.load()
+    return _read(path, xr.open_datatree)
 
 
 def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     """The outermost group of a netCDF file, in memory; the file is closed again. Raises as ``read_tree``."""
-    with _reading(path), xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as opened:
-        return opened.load()
+    return _read(path, xr.open_dataset)
+
+
+def _read(path: str | os.PathLike[str], opened: Callable[..., Any]) -> Any:
+    """What a function of xarray opens, read by a process of its own."""
+    # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
+    for library in ("netCDF4", "h5py"):
+        importlib.import_module(library)
+    xr.Variable((), 0).astype(float)
+
+    def loaded() -> Any:
+        with _reading(path), opened(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as found:
+            return found.load()
+
+    try:
+        return in_forked_process(loaded)
+    except ProcessEndedError as error:
+        raise InputError(f"{named(path)} is not a netCDF file, or it is damaged: {error}") from error
 
 
 @contextlib.contextmanager

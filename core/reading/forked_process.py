@@ -1,0 +1,96 @@
+"""Work in a process of its own, so that a library which a damaged file makes crash takes nothing else with it."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import pickle
+import signal
+import warnings
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from ..errors import EaseoffError, InputError
+
+Result = TypeVar("Result")
+
+PROCESSOR_TIME_LIMIT = 300  # of the process [s]; the largest file that is read takes a tenth
+
+
+class ProcessEndedError(EaseoffError):
+    """The process ended without a result."""
+
+
+def in_forked_process(work: Callable[[], Result]) -> Result:
+    """Result of a function that is called in a copy of this process.
+
+    Where processes cannot be copied (Windows) the function is called in this one.
+
+    Parameters
+    ----------
+    work
+        Function without arguments; its result must be one that can be pickled.
+
+    Raises
+    ------
+    InputError
+        If the function raises it.
+    ProcessEndedError
+        If the process crashes, raises anything else, or takes more than ``PROCESSOR_TIME_LIMIT``.
+
+    Examples
+    --------
+    >>> in_forked_process(lambda: 6 * 7)
+    42
+    >>> in_forked_process(lambda: os.abort())
+    Traceback (most recent call last):
+    easeoff.core.reading.forked_process.ProcessEndedError: the library that reads it crashed
+    """
+    if not hasattr(os, "fork"):
+        return work()
+    source, sink = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # other threads, of which the copy uses nothing
+        child = os.fork()
+    if child == 0:
+        os.close(source)
+        _work_and_exit(work, sink)
+    os.close(sink)
+    try:
+        with open(source, "rb") as stream:
+            content = stream.read()
+    finally:
+        _, status = os.waitpid(child, 0)
+    if status != 0 or not content:
+        raise ProcessEndedError("the library that reads it crashed")
+    succeeded, result = pickle.loads(content)
+    if not succeeded:
+        raise InputError(result)
+    return result  # type: ignore[no-any-return]
+
+
+def _work_and_exit(work: Callable[[], Any], sink: int) -> None:
+    """Call the function and send its result or the message of its error; nothing of the first process is run again."""
+    code = 1
+    try:
+        faulthandler.disable()
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for stream in (0, 1, 2):
+            os.dup2(nowhere, stream)
+        for name in ("SIGINT", "SIGTERM"):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
+        with contextlib.suppress(ImportError, OSError, ValueError):
+            import resource
+
+            resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_TIME_LIMIT, PROCESSOR_TIME_LIMIT))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        try:
+            answer: tuple[bool, Any] = (True, work())
+        except InputError as error:
+            answer = (False, str(error))
+        with open(sink, "wb") as stream:
+            pickle.dump(answer, stream, protocol=pickle.HIGHEST_PROTOCOL)
+        code = 0
+    finally:
+        os._exit(code)

@@ -1,0 +1,43 @@
+"""What a damaged file makes a library do stays in the process that reads it."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from easeoff import InputError
+from easeoff.core.reading import netcdf_file
+from easeoff.core.reading.forked_process import ProcessEndedError, in_forked_process
+
+
+def refuse() -> None:
+    raise InputError("speed = 0: must be above 0")
+
+
+def test_a_result_and_a_mistake_come_back() -> None:
+    assert in_forked_process(lambda: {"pid": os.getpid()})["pid"] != os.getpid()
+    with pytest.raises(InputError, match="speed = 0: must be above 0"):
+        in_forked_process(refuse)
+
+
+@pytest.mark.parametrize("ending", [signal.SIGSEGV, signal.SIGABRT, signal.SIGKILL])
+def test_a_crash_is_an_error(ending: signal.Signals, capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(ProcessEndedError):
+        in_forked_process(lambda: os.kill(os.getpid(), ending))
+    with pytest.raises(ProcessEndedError):
+        in_forked_process(lambda: 1 // 0)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_file_on_which_the_library_crashes_is_damaged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "good.nc"
+    xr.Dataset({"a": ("x", [1.0, 2.0])}).to_netcdf(path, engine="netcdf4")
+    assert netcdf_file.read_dataset(path)["a"].values.tolist() == [1.0, 2.0]
+    monkeypatch.setattr(netcdf_file, "check_links", lambda _: os.abort())
+    for read in (netcdf_file.read_dataset, netcdf_file.read_tree):
+        with pytest.raises(InputError, match=r"good\.nc is not a netCDF file, or it is damaged: .* crashed"):
+            read(path)
