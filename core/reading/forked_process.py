@@ -89,8 +89,8 @@ def _work_and_exit(work: Callable[[], Any], sink: int) -> None:
             answer: tuple[bool, Any] = (True, work())
         except InputError as error:
             answer = (False, str(error))
-        with open(sink, "wb") as stream:
-            pickle.dump(answer, stream, protocol=pickle.HIGHEST_PROTOCOL)
+        with open(sink, "wb") as output:
+            pickle.dump(answer, output, protocol=pickle.HIGHEST_PROTOCOL)
         code = 0
     finally:
         os._exit(code)

@@ -11,7 +11,7 @@ import math
 import os
 import warnings
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, TypeVar
 
 import xarray as xr
 
@@ -20,6 +20,8 @@ from ..printable import printable, shortened
 from .forked_process import ProcessEndedError, in_forked_process
 from .hdf5_links import check_links
 from .regular_file import named, require_file, size_words
+
+Content = TypeVar("Content", xr.Dataset, xr.DataTree)
 
 UNPACKED_SIZE_LIMIT = 4_000_000_000  # of all variables of a file in memory [bytes]
 MEMORY_SHARE = 0.5  # of the machine's memory that the variables of a file may take
@@ -47,14 +49,14 @@ def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     return _read(path, xr.open_dataset)
 
 
-def _read(path: str | os.PathLike[str], opened: Callable[..., Any]) -> Any:
+def _read(path: str | os.PathLike[str], opened: Callable[..., Content]) -> Content:
     """What a function of xarray opens, read by a process of its own."""
     # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
     for library in ("netCDF4", "h5py"):
         importlib.import_module(library)
     xr.Variable((), 0).astype(float)
 
-    def loaded() -> Any:
+    def loaded() -> Content:
         with _reading(path), opened(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as found:
             return found.load()
 
