@@ -11,7 +11,7 @@ from ..core.printable import printable, shortened
 from ..core.suggestion import suggestion
 
 VALUE_LENGTH = 80  # of a value in a message [characters]
-LINE_COUNT_LIMIT = 20  # of the mistakes that a message names
+LINE_COUNT_LIMIT = 12  # of the mistakes that a message names
 LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),

@@ -142,7 +142,7 @@ def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> N
         path.write_text(case_text("nasa-12x36").replace("[contact]", f"[contact]\n{lines}"), encoding="utf-8")
         refused("run", path, "-o", tmp_path / "out.nc")
     path.write_text("easeoff_case = 1\n" + "\n".join(f"k{i} = 1" for i in range(5000)), encoding="utf-8")
-    assert "and 4984 more" in refused("run", path, "-o", tmp_path / "out.nc")
+    assert "and 4992 more" in refused("run", path, "-o", tmp_path / "out.nc")
     with pytest.raises(InputError) as caught:
         distinct("speed", [5.0] * 100_000)
     assert len(str(caught.value)) < 300
