@@ -385,10 +385,12 @@ def test_a_dmis_statement_of_very_many_lines_ends(tmp_path: Path) -> None:
 # Other formats
 
 
-def test_xml_with_entities_or_deep_nesting_is_refused(tmp_path: Path) -> None:
+def test_xml_with_entities_or_deep_nesting_is_refused(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path / "pair.rexs"
+    secret = tmp_path_factory.mktemp("outside") / "secret.txt"
+    secret.write_text("root:secret", encoding="utf-8")
     bomb = '<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "x"><!ENTITY b "&a;&a;">]><model>&b;</model>'
-    outside = '<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a SYSTEM "file:///etc/passwd">]><model>&a;</model>'
+    outside = f'<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a SYSTEM "{secret.as_uri()}">]><model>&a;</model>'
     for content in (
         bomb,
         outside,

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..printable import printable, shortened
-from .netcdf_file import REASON_LENGTH_LIMIT, unpacked_size_limit
-from .regular_file import named, require_file, size_words
+from .netcdf_file import unpacked_size_limit
+from .regular_file import faults_in_words, named, require_file, size_words
 
 ARRAY_COUNT_LIMIT = 1000
 
@@ -27,28 +26,19 @@ def read_arrays(path: str | os.PathLike[str]) -> dict[str, NDArray[Any] | None]:
     """
     limit = unpacked_size_limit()
     require_file(path, limit)
-    try:
-        with zipfile.ZipFile(path) as archive:
-            entries = archive.infolist()
-            size = sum(entry.file_size for entry in entries)
-            if len(entries) > ARRAY_COUNT_LIMIT or size > limit:
-                raise InputError(
-                    f"{named(path)} would take {size_words(size)} in {len(entries)} arrays: at most "
-                    f"{size_words(limit)} in {ARRAY_COUNT_LIMIT} arrays are read"
-                )
-            return {
-                entry.filename.removesuffix(".npy"): _array(archive, entry)
-                for entry in entries
-                if entry.filename.endswith(".npy")
-            }
-    except InputError:
-        raise
-    except MemoryError as error:
-        raise InputError(f"{named(path)} needs more memory than there is") from error
-    except Exception as error:  # a damaged archive may make zipfile, zlib and NumPy raise anything
-        why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
-        why = shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
-        raise InputError(f"{named(path)} is not a file of NumPy arrays, or it is damaged: {why}") from error
+    with faults_in_words(path, "a file of NumPy arrays"), zipfile.ZipFile(path) as archive:
+        entries = archive.infolist()
+        size = sum(entry.file_size for entry in entries)
+        if len(entries) > ARRAY_COUNT_LIMIT or size > limit:
+            raise InputError(
+                f"{named(path)} would take {size_words(size)} in {len(entries)} arrays: at most "
+                f"{size_words(limit)} in {ARRAY_COUNT_LIMIT} arrays are read"
+            )
+        return {
+            entry.filename.removesuffix(".npy"): _array(archive, entry)
+            for entry in entries
+            if entry.filename.endswith(".npy")
+        }
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any] | None:

@@ -16,10 +16,10 @@ from typing import Any, TypeVar
 import xarray as xr
 
 from ..errors import InputError
-from ..printable import printable, shortened
+from ..printable import shortened
 from .forked_process import ProcessEndedError, in_forked_process
 from .hdf5_links import check_links
-from .regular_file import named, require_file, size_words
+from .regular_file import faults_in_words, named, require_file, size_words
 
 Content = TypeVar("Content", xr.Dataset, xr.DataTree)
 
@@ -30,7 +30,6 @@ GROUP_DEPTH_LIMIT = 16
 VARIABLE_COUNT_LIMIT = 10_000
 NUMBER_SIZE = 8  # of a number in memory, at least: decoding may widen it [bytes]
 STRING_SIZE = 64  # of a short string in memory [bytes]
-REASON_LENGTH_LIMIT = 200  # of the reason of the netCDF library in a message [characters]
 
 
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
@@ -73,20 +72,11 @@ def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
     require_file(path, limit)
     if not os.path.getsize(path):
         raise InputError(f"{named(path)} is empty")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what an attribute misleads the decoding to shows in the values
-            check_links(path)
-            _check_header(path, limit)
-            yield
-    except InputError:
-        raise
-    except MemoryError as error:
-        raise InputError(f"{named(path)} needs more memory than there is") from error
-    except Exception as error:  # a damaged file may make netCDF, HDF5 and xarray raise anything
-        why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
-        why = shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
-        raise InputError(f"{named(path)} is not a netCDF file, or it is damaged: {why}") from error
+    with faults_in_words(path, "a netCDF file"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what an attribute misleads the decoding to shows in the values
+        check_links(path)
+        _check_header(path, limit)
+        yield
 
 
 def unpacked_size_limit() -> int:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import InputError
-from ..printable import printable
+from ..printable import printable, shortened
+
+REASON_LENGTH_LIMIT = 200  # of the reason that a library gives, in a message [characters]
 
 
 def named(path: str | os.PathLike[str]) -> str:
@@ -49,6 +53,34 @@ def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None
         raise InputError(f"{named(path)}: there is no such file")
     if limit is not None and os.path.getsize(path) > limit:
         raise too_large(path, limit)
+
+
+@contextlib.contextmanager
+def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
+    """Context in which libraries read a file: whatever a damaged one makes them raise becomes one message.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kind
+        Kind of file that is expected, with its article.
+
+    Raises
+    ------
+    InputError
+        If anything is raised within; an ``InputError`` as it is.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except MemoryError as error:
+        raise InputError(f"{named(path)} needs more memory than there is") from error
+    except Exception as error:
+        why = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+        why = shortened(printable(" ".join(why.split())), REASON_LENGTH_LIMIT)
+        raise InputError(f"{named(path)} is not {kind}, or it is damaged: {why}") from error
 
 
 def too_large(path: str | os.PathLike[str], limit: int) -> InputError:
