@@ -11,6 +11,8 @@ from oracle import EXECUTED
 from .box import Box, Input
 from .damaged_files import case_commands
 
+OIL = ("oil", "--viscosity-40", "100", "--viscosity-100", "14", "--density", "880", "--base-oil", "pao")
+
 
 def paths(rng: random.Random, box: Box) -> Input:
     """Something else than a file where one is read or written."""
@@ -39,15 +41,7 @@ def paths(rng: random.Random, box: Box) -> Input:
             ["verify", pair, "--torque", "50", "-o", "table.nc"],
             ["correct", pair, "--deviation", "gear=grid.csv"],
             [
-                "oil",
-                "--viscosity-40",
-                "100",
-                "--viscosity-100",
-                "14",
-                "--density",
-                "880",
-                "--base-oil",
-                "pao",
+                *OIL,
                 "-o",
                 "o.toml",
             ],
@@ -117,15 +111,7 @@ def surroundings(rng: random.Random, box: Box) -> Input:
             ["show", box.copy("nasa.nc", name)],
             ["problems", source, "-o", folder + name, "--torque", "50"],
             [
-                "oil",
-                "--viscosity-40",
-                "100",
-                "--viscosity-100",
-                "14",
-                "--density",
-                "880",
-                "--base-oil",
-                "pao",
+                *OIL,
                 "--title",
                 name,
                 "-o",
