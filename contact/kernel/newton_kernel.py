@@ -1,0 +1,699 @@
+"""Newton's method in the bending modes, compiled: contact problems from the given data to the certificate.
+
+The method is that of ``solvers/modal_newton.py``, one problem after another: the first contact of the rigid bodies, a
+start from uncoupled springs, Newton's steps with their line search, gaps and certificate. Two things differ. The
+unknowns are modal amplitudes and rotation, whatever the number of segments; so the problem is first solved on every
+eighth segment of each block, each standing for its neighbours, and this answer starts the whole. And as long as the
+set of touching segments stays as it is, factors are kept.
+
+All compiled code is in this one file: numba recompiles a function when the file that it is in has changed, but does not
+notice a change of a file from which that calls another one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+import numpy as np
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+MAX_ITERATIONS = 60
+MAX_HALVINGS = 20
+ROUNDING_RESIDUAL, STALLED_RESIDUAL = 2e-15, 1e-8
+ROUNDING_SLOPE = 1e-12
+#: Steps on a part of the segments, and the residual at which they end where the law is not linear.
+MAX_COARSE_ITERATIONS, COARSE_RESIDUAL = 12, 1e-2
+WINKLER_ROW_SUM_FRACTION = 0.4
+#: Part of the segments that is taken to touch before anything is known.
+TOUCHING_GUESS = 0.4
+MAX_INVERSION_STEPS = 30
+INVERSION_TOLERANCE = 1e-8
+CANCELLATION_FLOOR = 1e-5
+#: Columns of the parameters of a line contact.
+LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORRECTION, CUT = 0, 1, 3, 5, 7, 8, 9, 10, 11, 12, 13
+#: Columns of the numbers of an answer.
+ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
+
+
+def _compiled(**options: Any) -> Callable[[Function], Function]:
+    """Compile a function; kept on disk where numba finds a folder that can be written."""
+
+    def decorate(function: Function) -> Function:
+        try:
+            return numba.njit(cache=True, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+        except RuntimeError:  # no such folder
+            return numba.njit(error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+
+    return decorate
+
+
+_sums = _compiled(fastmath={"reassoc", "contract", "nsz"})  # sums in any order, by several at a time
+_exact = _compiled()
+
+
+@_exact
+def _first_contact(separation: Any, arm: Any, shifted: Any) -> float:
+    """Rotation at which the rigid bodies touch; the separations from there."""
+    rotation, first = np.inf, 0
+    for i in range(shifted.size):
+        if arm[i] > 0.0:
+            own = separation[i] / arm[i]
+            if own < rotation:
+                rotation, first = own, i
+    for i in range(shifted.size):
+        gap = separation[i] - rotation * arm[i]
+        shifted[i] = max(gap, 0.0) if arm[i] > 0.0 else gap
+    shifted[first] = 0.0
+    return rotation
+
+
+@_exact
+def _strip(p: Any, load: float) -> tuple[float, float]:
+    """Secant and tangent of the deflection over the line load, see ``weber_line_contact``."""
+    if load < p[FLOOR]:
+        bend = p[BEND] * max(load, 0.0)
+        return p[START] + bend, p[START] + 2.0 * bend
+    squared = p[WIDTH] * load
+    half, growth, cut, slope = math.sqrt(squared), 0.5, 0.0, 0.0
+    e = p[OVERHANG]
+    if not math.isnan(e):
+        half = squared / (math.sqrt(e * e + 3.0 * squared) + e)
+        ends, twice = 2.0 * e + 3.0 * half, 2.0 * e + 6.0 * half
+        growth, cut = ends / twice, 2.0 * e / ends
+        slope = cut * (1.0 - 3.0 * half / twice)
+    secant, tangent = p[CORRECTION] + p[CUT] * cut, p[CORRECTION] + p[CUT] * slope
+    for body in range(2):
+        h, unit, contraction = p[DEPTHS + body], p[UNITS + body], p[CONTRACTIONS + body]
+        s = math.sqrt(h * h + half * half)
+        logarithm = math.log((h + s) / half) if h > half else math.asinh(h / half)
+        share = h / (s + h)
+        secant += unit * (logarithm - contraction * share)
+        drop = share * (1.0 - growth * (s - h) / s)
+        tangent += unit * (logarithm - growth * h / s - contraction * drop)
+    return secant, tangent
+
+
+@_exact
+def _pressed(p: Any, indentation: float, guess: float) -> tuple[float, float]:
+    """Force and stiffness of a line contact at an indentation, from a force of the usual size."""
+    length = p[LENGTH]
+    load = indentation / _strip(p, guess / length)[0]
+    tangent = 1.0
+    for _ in range(MAX_INVERSION_STEPS):
+        secant, tangent = _strip(p, load)
+        error = indentation - secant * load
+        load = max(load + error / tangent, 0.0)
+        if abs(error) <= INVERSION_TOLERANCE * indentation:
+            break
+    return load * length, length / tangent
+
+
+@_sums
+def _add_closing(columns: Any, at: int, count: int, rank: int, amplitudes: Any, c0: int, gap: Any, x0: int) -> None:
+    """Add U c to the gaps of one block."""
+    a = 0
+    while a + 4 <= rank:
+        c, d, e, f = amplitudes[c0 + a], amplitudes[c0 + a + 1], amplitudes[c0 + a + 2], amplitudes[c0 + a + 3]
+        own = at + a * count
+        for j in range(count):
+            gap[x0 + j] += (
+                c * columns[own + j]
+                + d * columns[own + count + j]
+                + e * columns[own + 2 * count + j]
+                + f * columns[own + 3 * count + j]
+            )
+        a += 4
+    while a < rank:
+        c = amplitudes[c0 + a]
+        for j in range(count):
+            gap[x0 + j] += c * columns[at + a * count + j]
+        a += 1
+
+
+@_sums
+def _products(z: Any, rank: int, vector: Any, low: int, high: int, result: Any, c0: int) -> None:
+    """Z v of one block."""
+    for a in range(0, rank, 4):
+        s0 = s1 = s2 = s3 = 0.0
+        for x in range(low, high):
+            v = vector[x]
+            s0 += z[a, x] * v
+            s1 += z[a + 1, x] * v
+            s2 += z[a + 2, x] * v
+            s3 += z[a + 3, x] * v
+        result[c0 + a] = s0
+        result[c0 + a + 1] = s1
+        result[c0 + a + 2] = s2
+        result[c0 + a + 3] = s3
+
+
+@_sums
+def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
+    """I + Z Z' of one block, the lower triangle."""
+    for a in range(0, rank, 4):
+        for b in range(0, a + 1, 4):
+            s00 = s01 = s02 = s03 = s10 = s11 = s12 = s13 = 0.0
+            s20 = s21 = s22 = s23 = s30 = s31 = s32 = s33 = 0.0
+            for x in range(low, high):
+                p, q, r, s = z[a, x], z[a + 1, x], z[a + 2, x], z[a + 3, x]
+                t, u, v, w = z[b, x], z[b + 1, x], z[b + 2, x], z[b + 3, x]
+                s00 += p * t
+                s01 += p * u
+                s02 += p * v
+                s03 += p * w
+                s10 += q * t
+                s11 += q * u
+                s12 += q * v
+                s13 += q * w
+                s20 += r * t
+                s21 += r * u
+                s22 += r * v
+                s23 += r * w
+                s30 += s * t
+                s31 += s * u
+                s32 += s * v
+                s33 += s * w
+            gram[a, b], gram[a, b + 1], gram[a, b + 2], gram[a, b + 3] = s00, s01, s02, s03
+            gram[a + 1, b], gram[a + 1, b + 1], gram[a + 1, b + 2], gram[a + 1, b + 3] = s10, s11, s12, s13
+            gram[a + 2, b], gram[a + 2, b + 1], gram[a + 2, b + 2], gram[a + 2, b + 3] = s20, s21, s22, s23
+            gram[a + 3, b], gram[a + 3, b + 1], gram[a + 3, b + 2], gram[a + 3, b + 3] = s30, s31, s32, s33
+    for a in range(rank):
+        gram[a, a] += 1.0
+
+
+@_sums
+def _factor(matrix: Any, rank: int) -> None:
+    """Cholesky factor in place, the inverse of its diagonal on the diagonal."""
+    for j in range(rank):
+        pivot = matrix[j, j]
+        for t in range(j):
+            pivot -= matrix[j, t] * matrix[j, t]
+        inverse = 1.0 / math.sqrt(pivot)
+        matrix[j, j] = inverse
+        for i in range(j + 1, rank):
+            value = matrix[i, j]
+            for t in range(j):
+                value -= matrix[i, t] * matrix[j, t]
+            matrix[i, j] = value * inverse
+
+
+@_sums
+def _solve(factor: Any, rank: int, right: Any, c0: int) -> None:
+    """Solve with the factor, in place."""
+    for i in range(rank):
+        value = right[c0 + i]
+        for t in range(i):
+            value -= factor[i, t] * right[c0 + t]
+        right[c0 + i] = value * factor[i, i]
+    for i in range(rank - 1, -1, -1):
+        value = right[c0 + i] * factor[i, i]
+        right[c0 + i] = value
+        for t in range(i):
+            right[c0 + t] -= value * factor[i, t]
+
+
+@_sums
+def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: Any, state: Any, work: Any) -> Any:
+    """Gaps, forces and their sums at a point.
+
+    Returns moment of the forces, sum of stiffness times squared arm, and whether the touching set has changed; blocks in
+    which it has are marked.
+    """
+    separation, arm, stiffness, segment = given
+    amplitudes, rotation = at
+    gap, root, pull, lever, force, z = state
+    loads, spans = work
+    width = z.shape[0]
+    moment, pivot, changed = 0.0, 0.0, not linear
+    for q in range(blocks.shape[0]):
+        x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
+        x1 = x0 + count
+        for x in range(x0, x1):
+            gap[x] = separation[x] - rotation * arm[x]
+        _add_closing(columns, own, count, rank, amplitudes, q * width, gap, x0)
+        low, high = x1, x0
+        different = not linear
+        if linear:
+            for x in range(x0, x1):
+                if gap[x] < 0.0:
+                    if root[x] == 0.0:
+                        different = True
+                    root[x] = stiffness[x]
+                    low, high = min(low, x), x + 1
+                else:
+                    if root[x] != 0.0:
+                        different = True
+                    root[x] = 0.0
+                pull[x] = -gap[x] * root[x]
+        else:
+            weight = stiffness[x0]
+            for x in range(x0, x1):
+                if gap[x] < 0.0:
+                    force[x], tangent = _pressed(law[segment[x]], -gap[x], force[x])
+                    root[x] = math.sqrt(weight * tangent)
+                    pull[x] = weight * force[x] / root[x]
+                    low, high = min(low, x), x + 1
+                else:
+                    root[x] = pull[x] = 0.0
+        if different:
+            changed = True
+            low = min(low, high)
+            spans[q, 0], spans[q, 1], spans[q, 2] = low, high, 1
+            _fill(columns, own, count, rank, root, x0, low, high, z)
+            for x in range(low, high):
+                lever[x] = root[x] * arm[x]
+        _products(z, rank, pull, spans[q, 0], spans[q, 1], loads, q * width)
+        for x in range(spans[q, 0], spans[q, 1]):
+            moment += pull[x] * lever[x]
+            pivot += lever[x] * lever[x]
+    return moment, pivot, changed
+
+
+@_exact
+def _fill(columns: Any, own: int, count: int, rank: int, root: Any, x0: int, low: int, high: int, z: Any) -> None:
+    """Modes of a block times the roots of the stiffness."""
+    for a in range(rank):
+        first = own + a * count - x0
+        for x in range(low, high):
+            z[a, x] = columns[first + x] * root[x]
+    for a in range(rank, rank + (-rank) % 4):
+        for x in range(low, high):
+            z[a, x] = 0.0
+
+
+@_sums
+def _direction(
+    blocks: Any, balance: Any, at: Any, state: Any, work: Any, factors: Any, change: Any
+) -> float:
+    """Newton's change of amplitudes; returns that of the rotation."""
+    amplitudes, _ = at
+    _, _, _, lever, _, z = state
+    loads, spans = work
+    grams, border, solved = factors
+    imbalance, pivot = balance
+    width = z.shape[0]
+    for q in range(blocks.shape[0]):
+        rank, c0 = blocks[q, 3], q * width
+        if spans[q, 2] == 1:
+            spans[q, 2] = 0
+            _gram(z, rank, spans[q, 0], spans[q, 1], grams[q])
+            _factor(grams[q], rank)
+            _products(z, rank, lever, spans[q, 0], spans[q, 1], border, c0)
+            for a in range(c0, c0 + rank):
+                solved[a] = border[a]
+            _solve(grams[q], rank, solved, c0)
+        for a in range(c0, c0 + rank):
+            change[a] = loads[a] - amplitudes[a]
+        _solve(grams[q], rank, change, c0)
+        for a in range(c0, c0 + rank):
+            pivot -= border[a] * solved[a]
+            imbalance += border[a] * change[a]
+    turn = imbalance / pivot
+    for q in range(blocks.shape[0]):
+        for a in range(q * width, q * width + blocks[q, 3]):
+            change[a] += turn * solved[a]
+    return turn
+
+
+@_sums
+def _stuck(blocks: Any, columns: Any, given: Any, touching: Any, state: Any, work: Any) -> Any:
+    """As `_point` at amplitudes and rotation zero, where chosen segments stick together and no others touch."""
+    separation, arm, stiffness, _ = given
+    _, root, pull, lever, _, z = state
+    loads, spans = work
+    width = z.shape[0]
+    moment, pivot = 0.0, 0.0
+    for q in range(blocks.shape[0]):
+        x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
+        for x in range(x0, x0 + count):
+            root[x] = stiffness[x] if touching[x] else 0.0
+            pull[x] = -separation[x] * root[x]
+            lever[x] = root[x] * arm[x]
+            moment += pull[x] * lever[x]
+            pivot += lever[x] * lever[x]
+        spans[q, 0], spans[q, 1], spans[q, 2] = x0, x0 + count, 1
+        _fill(columns, own, count, rank, root, x0, x0, x0 + count, z)
+        _products(z, rank, pull, x0, x0 + count, loads, q * width)
+    return moment, pivot
+
+
+@_sums
+def _slope(blocks: Any, width: int, torque: float, moment: float, loads: Any, amplitudes: Any, step: Any) -> Any:
+    """Slope of phi along a step, and what of it is rounding."""
+    change, turn = step
+    bending, local = 0.0, -turn * moment
+    for q in range(blocks.shape[0]):
+        for a in range(q * width, q * width + blocks[q, 3]):
+            bending += change[a] * amplitudes[a]
+            local += change[a] * loads[a]
+    work = torque * turn
+    return bending - local - work, ROUNDING_SLOPE * (abs(bending) + abs(local) + abs(work))
+
+
+@_exact
+def _iterate(
+    blocks: Any, columns: Any, law: Any, linear: bool, coarse: bool, given: Any, torque: float, rotation: float,
+    amplitudes: Any, state: Any, work: Any, factors: Any, spare: Any,
+) -> Any:  # fmt: skip
+    """Newton's method from amplitudes and a rotation; returns rotation, steps and whether it ended."""
+    loads, width = work[0], state[5].shape[0]
+    change, begin, best = spare
+    least, steps, ended, kept, current = np.inf, 0, False, rotation, 0
+    moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+    for iteration in range(MAX_COARSE_ITERATIONS if coarse else MAX_ITERATIONS):
+        current = iteration
+        amplitude, left = 0.0, 0.0
+        for q in range(blocks.shape[0]):
+            for a in range(q * width, q * width + blocks[q, 3]):
+                amplitude = max(amplitude, abs(amplitudes[a]))
+                left = max(left, abs(loads[a] - amplitudes[a]))
+        residual = abs(torque - moment) / torque
+        if amplitude > 0.0:
+            left /= amplitude
+        residual = max(residual, left)
+        if coarse and (residual < COARSE_RESIDUAL or (linear and iteration > 0 and not changed)):
+            return rotation, iteration, True
+        before = least
+        if residual < least:
+            least, steps, kept = residual, iteration, rotation
+            best[:] = amplitudes
+        if residual <= ROUNDING_RESIDUAL or (not residual < 0.5 * before and before < STALLED_RESIDUAL):
+            ended = True
+            break
+        if not math.isfinite(residual):
+            break
+        turn = _direction(blocks, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change)
+        begin[:] = amplitudes
+        at_begin = rotation
+        for a in range(change.size):
+            amplitudes[a] = begin[a] + change[a]
+        rotation = at_begin + turn
+        moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+        if coarse:
+            continue
+        slope, rounding = _slope(blocks, width, torque, moment, loads, amplitudes, (change, turn))
+        length = 1.0
+        for _ in range(MAX_HALVINGS):
+            if not slope > rounding:
+                break
+            for a in range(change.size):
+                amplitudes[a] = begin[a] + 0.5 * length * change[a]
+            rotation = at_begin + 0.5 * length * turn
+            moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+            half_slope, _ = _slope(blocks, width, torque, moment, loads, amplitudes, (change, turn))
+            if not half_slope + slope > 0.0:  # the longer step it is
+                for a in range(change.size):
+                    amplitudes[a] = begin[a] + length * change[a]
+                rotation = at_begin + length * turn
+                moment, pivot, changed = _point(
+                    blocks, columns, law, linear, given, (amplitudes, rotation), state, work
+                )
+                break
+            length, slope = 0.5 * length, half_slope
+    if coarse:
+        return rotation, current, True
+    if steps != current:
+        amplitudes[:] = best
+        rotation = kept
+        _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+    return rotation, steps, ended
+
+
+@_sums
+def _winkler_rotation(separation: Any, arm: Any, weight: Any, torque: float) -> float:
+    """Rotation at which springs without coupling balance the torque, from above: a convex function of one number."""
+    top, bottom = torque, 0.0
+    for x in range(separation.size):
+        if arm[x] > 0.0:
+            stiff = weight[x] * arm[x]
+            top += stiff * separation[x]
+            bottom += stiff * arm[x]
+    rotation = top / bottom
+    for _ in range(MAX_ITERATIONS):
+        top, bottom = torque, 0.0
+        for x in range(separation.size):
+            if arm[x] > 0.0 and rotation * arm[x] > separation[x]:
+                stiff = weight[x] * arm[x]
+                top += stiff * separation[x]
+                bottom += stiff * arm[x]
+        if not bottom > 0.0:
+            break
+        turned = top / bottom
+        if not turned < rotation * (1.0 - 1e-3):
+            break
+        rotation = turned
+    return rotation
+
+
+@_sums
+def _certificate(
+    force: Any, deflection: Any, gap: Any, shifted: Any, arm: Any, whole: Any, torque: float, numbers: Any
+) -> None:
+    """Violations of the conditions of the contact problem, see ``certificate.violations``."""
+    elastic = numbers[ELASTIC]
+    unit = np.spacing(abs(elastic))
+    total = moment = size_of_moment = strain = work = preload = rooted = 0.0
+    largest, least_force, far = 0.0, np.inf, 0.0
+    finite = math.isfinite(numbers[ROTATION])
+    for i in range(force.size):
+        own = abs(force[i])
+        total += own
+        moment += force[i] * arm[i]
+        size_of_moment += own * abs(arm[i])
+        strain += own * abs(deflection[i])
+        work += force[i] * (deflection[i] + shifted[i])
+        preload += own * abs(shifted[i])
+        if own > 0.0:
+            rooted += own * math.sqrt(whole[i])
+        largest = max(largest, own)
+        least_force = min(least_force, force[i])
+        far = max(far, abs(shifted[i]))
+        finite = finite and math.isfinite(gap[i]) and math.isfinite(force[i])
+    if not finite:
+        numbers[EQUILIBRIUM : DUALITY + 1] = np.inf
+        return
+    scale = 0.0
+    if total > 0.0:
+        scale = max(strain / total, CANCELLATION_FLOOR * rooted * rooted / total)
+    if not scale > 0.0:
+        scale = far if far > 0.0 else 1.0
+    penetration, shared = 0.0, 0.0
+    for i in range(force.size):
+        unknown = unit * abs(arm[i])
+        penetration = max(penetration, -gap[i] - unknown)
+        shared = max(shared, min(force[i] / largest if largest > 0.0 else force[i], (gap[i] - unknown) / scale))
+    numbers[EQUILIBRIUM] = _relative(abs(moment - torque), max(torque, CANCELLATION_FLOOR * size_of_moment))
+    numbers[NEGATIVE_FORCE] = _relative(max(-least_force, 0.0), largest)
+    numbers[NEGATIVE_GAP] = penetration / scale
+    numbers[COMPLEMENTARITY] = shared
+    missing = max(abs(work - elastic * torque) - unit * torque, 0.0)
+    numbers[DUALITY] = _relative(missing, total * scale + preload)
+
+
+@_exact
+def _relative(error: float, scale: float) -> float:
+    if error == 0.0:
+        return 0.0
+    return error / scale if scale > 0.0 else np.inf
+
+
+@_exact
+def solve_batch(
+    modes: Any, problems: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any, start: Any,
+    force_of: Any, gap_of: Any, secant_of: Any, numbers: Any, counts: Any,
+) -> None:  # fmt: skip
+    """Solve problems one after another.
+
+    Parameters
+    ----------
+    modes
+        See ``mode_columns``.
+    problems
+        Of every problem (b, 5): number of its modes; where its segments begin in the separations and in all results,
+        in the lever arms, in the local compliances, in the line contacts.
+    torque
+        Of every problem (b) [N mm].
+    separation, arm, local
+        Of the segments [mm], [mm], [mm/N].
+    law
+        Parameters of line contacts (s, 14), empty where the compliances are given.
+    mask, start
+        Segments that are assumed in contact, or forces near the solution [N]; empty for none.
+    force_of, gap_of, secant_of
+        For the results; the last is empty where there are no line contacts.
+    numbers, counts
+        For the numbers (b, 8), and steps and whether the method ended (b, 2).
+    """
+    ranges, places, blocks_of, order, columns, bending, row_sum = modes
+    linear = law.shape[0] == 0
+    levels, most, wide, blocks_most = places.shape[0], 0, 4, 1
+    for b in range(problems.shape[0]):
+        own = problems[b, 0]
+        most = max(most, ranges[own, 3])
+        blocks_most = max(blocks_most, ranges[own, 1] - ranges[own, 0])
+    for q in range(blocks_of.shape[1]):
+        wide = max(wide, 4 * ((blocks_of[0, q, 3] + 3) // 4))
+    vectors = np.empty((10, most))
+    shifted, sep, lev, stiff, gap, root, pull, lever, force, local_here = (
+        vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6], vectors[7], vectors[8],
+        vectors[9],
+    )  # fmt: skip
+    segment, touching = np.empty(most, np.int64), np.empty(most, np.bool_)
+    z = np.empty((wide, most))
+    small = np.zeros((7, blocks_most * wide))
+    amplitudes, loads, change, begin, best, border, solved = (
+        small[0], small[1], small[2], small[3], small[4], small[5], small[6],
+    )  # fmt: skip
+    spans = np.zeros((blocks_most, 3), np.int64)
+    grams = np.empty((blocks_most, wide, wide))
+    for b in range(problems.shape[0]):
+        own, at, arm_at, local_at, law_at = problems[b]
+        q0, q1, size_at, size = ranges[own]
+        arms, gaps_given = arm[arm_at : arm_at + size], separation[at : at + size]
+        first_contact = _first_contact(gaps_given, arms, shifted[:size])
+        factors, spare = (grams, border, solved), (change, begin, best)
+        rotation, steps, ended, began = 0.0, 0, False, False
+        guess = 0.0
+        if not linear:
+            positive, sum_positive = 0, 0.0
+            for i in range(size):
+                if arms[i] > 0.0:
+                    positive += 1
+                    sum_positive += arms[i]
+            guess = torque[b] / (sum_positive * TOUCHING_GUESS)
+        own_law = law[law_at : law_at + size] if not linear else law
+        given_start = mask.size > 0 or start.size > 0
+        for level in range(0 if given_start else places[0, own], -1, -1):
+            blocks = blocks_of[level, q0:q1]
+            total = blocks[-1, 0] + blocks[-1, 1]
+            first_place = places[1 + level, own]
+            for q in range(blocks.shape[0]):
+                weight = blocks_of[0, q0 + q, 1] / blocks[q, 1]
+                for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                    i = order[first_place + x]
+                    segment[x], sep[x], lev[x] = i, shifted[i], arms[i]
+                    if linear:
+                        local_here[x] = local[local_at + i]
+                    elif not began:
+                        local_here[x] = _strip(own_law[i], guess / own_law[i, LENGTH])[0] / own_law[i, LENGTH]
+                    stiff[x] = math.sqrt(weight / local_here[x]) if linear or not began else weight
+                    root[x] = 0.0
+                spans[q, 2] = 1
+                spans[q, 0] = spans[q, 1] = blocks[q, 0]
+            given = (sep[:total], lev[:total], stiff, segment)
+            state, work = (gap, root, pull, lever, force, z), (loads, spans)
+            if not began:
+                began = True
+                if start.size > 0:
+                    rotation = _from_forces(
+                        blocks, columns, own_law, given, start[at : at + size], torque[b], amplitudes, force, wide
+                    )
+                    for q in range(blocks.shape[0]):
+                        for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                            stiff[x] = 1.0
+                            if not force[x] > 0.0:
+                                force[x] = guess
+                else:
+                    any_touches = False
+                    winkler = 0.0
+                    if mask.size > 0:
+                        for x in range(total):
+                            touching[x] = mask[at + segment[x]] and lev[x] > 0.0
+                            any_touches = any_touches or touching[x]
+                        if not any_touches:
+                            for x in range(total):
+                                touching[x] = sep[x] == 0.0 and lev[x] > 0.0
+                    else:
+                        for q in range(blocks.shape[0]):
+                            weight = blocks_of[0, q0 + q, 1] / blocks[q, 1]
+                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                                i = size_at + segment[x]
+                                whole = max(
+                                    WINKLER_ROW_SUM_FRACTION * (row_sum[i] + local_here[x]), local_here[x] + bending[i]
+                                )
+                                gap[x] = weight / whole
+                        winkler = _winkler_rotation(sep[:total], lev[:total], gap, torque[b])
+                        for x in range(total):
+                            touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
+                    amplitudes[:] = 0.0
+                    moment, pivot = _stuck(blocks, columns, given, touching, state, work)
+                    rotation = _direction(
+                        blocks, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
+                    )
+                    amplitudes[:] = change
+                    if not math.isfinite(rotation):
+                        amplitudes[:] = 0.0
+                        rotation = winkler
+                    if not linear:
+                        rotation, _, _ = _iterate(
+                            blocks, columns, own_law, True, True, given, torque[b], rotation, amplitudes, state, work,
+                            factors, spare,
+                        )  # fmt: skip
+                        for q in range(blocks.shape[0]):
+                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                                stiff[x] = blocks_of[0, q0 + q, 1] / blocks[q, 1]
+            if not linear and start.size == 0:
+                for x in range(total):
+                    force[x] = guess
+            rotation, steps, ended = _iterate(
+                blocks, columns, own_law, linear, level > 0, given, torque[b], rotation, amplitudes, state, work,
+                factors, spare,
+            )  # fmt: skip
+        counts[b, 0], counts[b, 1] = steps + 1, ended
+        # Forces and gaps in the order of the segments, and the deflection from the forces themselves.
+        blocks = blocks_of[0, q0:q1]
+        forces, gaps = force_of[at : at + size], gap_of[at : at + size]
+        for x in range(size):
+            if linear:
+                sep[x] = pull[x] * root[x]
+            else:
+                sep[x] = force[x] if gap[x] < 0.0 else 0.0
+            gap[x] = 0.0
+        for q in range(blocks.shape[0]):
+            _add_closing(columns, blocks[q, 2], blocks[q, 1], blocks[q, 3], loads, q * wide, gap, blocks[q, 0])
+        for x in range(size):
+            i = segment[x]
+            forces[i] = sep[x]
+            if linear:
+                own_compliance = local[local_at + i]
+            else:
+                own_compliance = _strip(own_law[i], sep[x] / own_law[i, LENGTH])[0] / own_law[i, LENGTH]
+                secant_of[at + i] = own_compliance
+            pull[i] = own_compliance * sep[x] + gap[x]
+            lever[i] = own_compliance + bending[size_at + i]
+        numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + rotation, rotation
+        for i in range(size):
+            gaps[i] = pull[i] + shifted[i] - rotation * arms[i]
+        _certificate(
+            forces, pull[:size], gaps, shifted[:size], arms, lever[:size], torque[b], numbers[b]
+        )
+
+
+@_exact
+def _from_forces(
+    blocks: Any, columns: Any, law: Any, given: Any, start: Any, torque: float, amplitudes: Any, force: Any, wide: int
+) -> float:
+    """Amplitudes, and the rotation at which the torque does the work of given forces, brought to balance."""
+    separation, arm, _, segment = given
+    moment = 0.0
+    for x in range(separation.size):
+        force[x] = max(start[segment[x]], 0.0)
+        moment += force[x] * arm[x]
+    work = 0.0
+    for x in range(separation.size):
+        force[x] *= torque / moment
+        p = law[segment[x]]
+        work += force[x] * (separation[x] + _strip(p, force[x] / p[LENGTH])[0] * force[x] / p[LENGTH])
+    for q in range(blocks.shape[0]):
+        x0, count, own = blocks[q, 0], blocks[q, 1], blocks[q, 2]
+        for a in range(blocks[q, 3]):
+            value = 0.0
+            for j in range(count):
+                value += columns[own + a * count + j] * force[x0 + j]
+            amplitudes[q * wide + a] = value
+            work += value * value
+    return work / torque
