@@ -39,16 +39,23 @@ LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORREC
 ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
 
 
-def _compiled(**options: Any) -> Callable[[Function], Function]:
+def _compiled(*signature: Any, **options: Any) -> Callable[[Function], Function]:
     """Compile a function; kept on disk where numba finds a folder that can be written."""
 
     def decorate(function: Function) -> Function:
         try:
-            return numba.njit(cache=True, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
-        except RuntimeError:  # no such folder
-            return numba.njit(error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+            return numba.njit(*signature, cache=True, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+        except RuntimeError as error:
+            if "cache" not in str(error):
+                raise
+            return numba.njit(*signature, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
 
     return decorate
+
+
+def _read(kind: Any, dimensions: int) -> Any:
+    """An array that is read: writeable ones may stand for it."""
+    return numba.types.Array(kind, dimensions, "C", readonly=True)
 
 
 _sums = _compiled(fastmath={"reassoc", "contract", "nsz"})  # sums in any order, by several at a time
@@ -115,36 +122,61 @@ def _pressed(p: Any, indentation: float, guess: float) -> tuple[float, float]:
 @_sums
 def _add_closing(columns: Any, at: int, count: int, rank: int, amplitudes: Any, c0: int, gap: Any, x0: int) -> None:
     """Add U c to the gaps of one block."""
-    a = 0
+    # Slices that are read from zero on: compiled indices may be negative otherwise, and loops take one at a time.
+    own, a = gap[x0 : x0 + count], 0
     while a + 4 <= rank:
         c, d, e, f = amplitudes[c0 + a], amplitudes[c0 + a + 1], amplitudes[c0 + a + 2], amplitudes[c0 + a + 3]
-        own = at + a * count
+        p, q = columns[at : at + count], columns[at + count : at + 2 * count]
+        r, s = columns[at + 2 * count : at + 3 * count], columns[at + 3 * count : at + 4 * count]
         for j in range(count):
-            gap[x0 + j] += (
-                c * columns[own + j]
-                + d * columns[own + count + j]
-                + e * columns[own + 2 * count + j]
-                + f * columns[own + 3 * count + j]
-            )
-        a += 4
+            own[j] += c * p[j] + d * q[j] + e * r[j] + f * s[j]
+        a, at = a + 4, at + 4 * count
     while a < rank:
-        c = amplitudes[c0 + a]
+        c, p = amplitudes[c0 + a], columns[at : at + count]
         for j in range(count):
-            gap[x0 + j] += c * columns[at + a * count + j]
-        a += 1
+            own[j] += c * p[j]
+        a, at = a + 1, at + count
+
+
+@_sums
+def _loads(columns: Any, own: int, count: int, rank: int, vector: Any, x0: int, low: int, high: int, result: Any, c0: int) -> None:
+    """U' v of one block."""
+    v, a, at, length = vector[low:high], 0, own + low - x0, high - low
+    while a + 4 <= rank:
+        p, q = columns[at : at + length], columns[at + count : at + count + length]
+        r, s = columns[at + 2 * count : at + 2 * count + length], columns[at + 3 * count : at + 3 * count + length]
+        s0 = s1 = s2 = s3 = 0.0
+        for x in range(length):
+            s0 += p[x] * v[x]
+            s1 += q[x] * v[x]
+            s2 += r[x] * v[x]
+            s3 += s[x] * v[x]
+        result[c0 + a] = s0
+        result[c0 + a + 1] = s1
+        result[c0 + a + 2] = s2
+        result[c0 + a + 3] = s3
+        a, at = a + 4, at + 4 * count
+    while a < rank:
+        p = columns[at : at + length]
+        s0 = 0.0
+        for x in range(length):
+            s0 += p[x] * v[x]
+        result[c0 + a] = s0
+        a, at = a + 1, at + count
 
 
 @_sums
 def _products(z: Any, rank: int, vector: Any, low: int, high: int, result: Any, c0: int) -> None:
     """Z v of one block."""
+    v = vector[low:high]
     for a in range(0, rank, 4):
+        p, q, r, s = z[a, low:high], z[a + 1, low:high], z[a + 2, low:high], z[a + 3, low:high]
         s0 = s1 = s2 = s3 = 0.0
-        for x in range(low, high):
-            v = vector[x]
-            s0 += z[a, x] * v
-            s1 += z[a + 1, x] * v
-            s2 += z[a + 2, x] * v
-            s3 += z[a + 3, x] * v
+        for x in range(high - low):
+            s0 += p[x] * v[x]
+            s1 += q[x] * v[x]
+            s2 += r[x] * v[x]
+            s3 += s[x] * v[x]
         result[c0 + a] = s0
         result[c0 + a + 1] = s1
         result[c0 + a + 2] = s2
@@ -155,12 +187,14 @@ def _products(z: Any, rank: int, vector: Any, low: int, high: int, result: Any, 
 def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
     """I + Z Z' of one block, the lower triangle."""
     for a in range(0, rank, 4):
+        za, zb, zc, zd = z[a, low:high], z[a + 1, low:high], z[a + 2, low:high], z[a + 3, low:high]
         for b in range(0, a + 1, 4):
+            ze, zf, zg, zh = z[b, low:high], z[b + 1, low:high], z[b + 2, low:high], z[b + 3, low:high]
             s00 = s01 = s02 = s03 = s10 = s11 = s12 = s13 = 0.0
             s20 = s21 = s22 = s23 = s30 = s31 = s32 = s33 = 0.0
-            for x in range(low, high):
-                p, q, r, s = z[a, x], z[a + 1, x], z[a + 2, x], z[a + 3, x]
-                t, u, v, w = z[b, x], z[b + 1, x], z[b + 2, x], z[b + 3, x]
+            for x in range(high - low):
+                p, q, r, s = za[x], zb[x], zc[x], zd[x]
+                t, u, v, w = ze[x], zf[x], zg[x], zh[x]
                 s00 += p * t
                 s01 += p * u
                 s02 += p * v
@@ -181,39 +215,117 @@ def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
             gram[a + 1, b], gram[a + 1, b + 1], gram[a + 1, b + 2], gram[a + 1, b + 3] = s10, s11, s12, s13
             gram[a + 2, b], gram[a + 2, b + 1], gram[a + 2, b + 2], gram[a + 2, b + 3] = s20, s21, s22, s23
             gram[a + 3, b], gram[a + 3, b + 1], gram[a + 3, b + 2], gram[a + 3, b + 3] = s30, s31, s32, s33
-    for a in range(rank):
+    for a in range(rank + (-rank) % 4):
         gram[a, a] += 1.0
 
 
 @_sums
-def _factor(matrix: Any, rank: int) -> None:
-    """Cholesky factor in place, the inverse of its diagonal on the diagonal."""
-    for j in range(rank):
-        pivot = matrix[j, j]
-        for t in range(j):
-            pivot -= matrix[j, t] * matrix[j, t]
-        inverse = 1.0 / math.sqrt(pivot)
-        matrix[j, j] = inverse
-        for i in range(j + 1, rank):
-            value = matrix[i, j]
+def _factor(matrix: Any, size: int) -> None:
+    """Cholesky factor in place, the inverse of its diagonal on the diagonal; the size is a multiple of four."""
+    for i in range(0, size, 4):
+        za, zb, zc, zd = matrix[i], matrix[i + 1], matrix[i + 2], matrix[i + 3]
+        for j in range(0, i + 1, 4):
+            s00, s01, s02, s03 = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
+            s10, s11, s12, s13 = matrix[i + 1, j], matrix[i + 1, j + 1], matrix[i + 1, j + 2], matrix[i + 1, j + 3]
+            s20, s21, s22, s23 = matrix[i + 2, j], matrix[i + 2, j + 1], matrix[i + 2, j + 2], matrix[i + 2, j + 3]
+            s30, s31, s32, s33 = matrix[i + 3, j], matrix[i + 3, j + 1], matrix[i + 3, j + 2], matrix[i + 3, j + 3]
+            ze, zf, zg, zh = matrix[j], matrix[j + 1], matrix[j + 2], matrix[j + 3]
             for t in range(j):
-                value -= matrix[i, t] * matrix[j, t]
-            matrix[i, j] = value * inverse
+                p, q, r, s = za[t], zb[t], zc[t], zd[t]
+                k, u, v, w = ze[t], zf[t], zg[t], zh[t]
+                s00 -= p * k
+                s01 -= p * u
+                s02 -= p * v
+                s03 -= p * w
+                s10 -= q * k
+                s11 -= q * u
+                s12 -= q * v
+                s13 -= q * w
+                s20 -= r * k
+                s21 -= r * u
+                s22 -= r * v
+                s23 -= r * w
+                s30 -= s * k
+                s31 -= s * u
+                s32 -= s * v
+                s33 -= s * w
+            if i == j:
+                d0 = 1.0 / math.sqrt(s00)
+                l10, l20, l30 = s10 * d0, s20 * d0, s30 * d0
+                d1 = 1.0 / math.sqrt(s11 - l10 * l10)
+                l21, l31 = (s21 - l20 * l10) * d1, (s31 - l30 * l10) * d1
+                d2 = 1.0 / math.sqrt(s22 - l20 * l20 - l21 * l21)
+                l32 = (s32 - l30 * l20 - l31 * l21) * d2
+                d3 = 1.0 / math.sqrt(s33 - l30 * l30 - l31 * l31 - l32 * l32)
+                matrix[i, i], matrix[i + 1, i + 1], matrix[i + 2, i + 2], matrix[i + 3, i + 3] = d0, d1, d2, d3
+                matrix[i + 1, i], matrix[i + 2, i], matrix[i + 3, i] = l10, l20, l30
+                matrix[i + 2, i + 1], matrix[i + 3, i + 1], matrix[i + 3, i + 2] = l21, l31, l32
+            else:
+                d0, d1, d2, d3 = matrix[j, j], matrix[j + 1, j + 1], matrix[j + 2, j + 2], matrix[j + 3, j + 3]
+                l10, l20, l30 = matrix[j + 1, j], matrix[j + 2, j], matrix[j + 3, j]
+                l21, l31, l32 = matrix[j + 2, j + 1], matrix[j + 3, j + 1], matrix[j + 3, j + 2]
+                s00, s10, s20, s30 = s00 * d0, s10 * d0, s20 * d0, s30 * d0
+                s01, s11 = (s01 - s00 * l10) * d1, (s11 - s10 * l10) * d1
+                s21, s31 = (s21 - s20 * l10) * d1, (s31 - s30 * l10) * d1
+                s02, s12 = (s02 - s00 * l20 - s01 * l21) * d2, (s12 - s10 * l20 - s11 * l21) * d2
+                s22, s32 = (s22 - s20 * l20 - s21 * l21) * d2, (s32 - s30 * l20 - s31 * l21) * d2
+                s03 = (s03 - s00 * l30 - s01 * l31 - s02 * l32) * d3
+                s13 = (s13 - s10 * l30 - s11 * l31 - s12 * l32) * d3
+                s23 = (s23 - s20 * l30 - s21 * l31 - s22 * l32) * d3
+                s33 = (s33 - s30 * l30 - s31 * l31 - s32 * l32) * d3
+                matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3] = s00, s01, s02, s03
+                matrix[i + 1, j], matrix[i + 1, j + 1] = s10, s11
+                matrix[i + 1, j + 2], matrix[i + 1, j + 3] = s12, s13
+                matrix[i + 2, j], matrix[i + 2, j + 1] = s20, s21
+                matrix[i + 2, j + 2], matrix[i + 2, j + 3] = s22, s23
+                matrix[i + 3, j], matrix[i + 3, j + 1] = s30, s31
+                matrix[i + 3, j + 2], matrix[i + 3, j + 3] = s32, s33
 
 
 @_sums
-def _solve(factor: Any, rank: int, right: Any, c0: int) -> None:
+def _solve(factor: Any, size: int, right: Any, c0: int) -> None:
     """Solve with the factor, in place."""
-    for i in range(rank):
-        value = right[c0 + i]
+    for i in range(0, size, 4):
+        s0, s1, s2, s3 = right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3]
         for t in range(i):
-            value -= factor[i, t] * right[c0 + t]
-        right[c0 + i] = value * factor[i, i]
-    for i in range(rank - 1, -1, -1):
-        value = right[c0 + i] * factor[i, i]
-        right[c0 + i] = value
+            v = right[c0 + t]
+            s0 -= factor[i, t] * v
+            s1 -= factor[i + 1, t] * v
+            s2 -= factor[i + 2, t] * v
+            s3 -= factor[i + 3, t] * v
+        s0 *= factor[i, i]
+        s1 = (s1 - s0 * factor[i + 1, i]) * factor[i + 1, i + 1]
+        s2 = (s2 - s0 * factor[i + 2, i] - s1 * factor[i + 2, i + 1]) * factor[i + 2, i + 2]
+        s3 -= s0 * factor[i + 3, i] + s1 * factor[i + 3, i + 1] + s2 * factor[i + 3, i + 2]
+        s3 *= factor[i + 3, i + 3]
+        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
+    for i in range(size - 4, -1, -4):
+        s3 = right[c0 + i + 3] * factor[i + 3, i + 3]
+        s2 = (right[c0 + i + 2] - s3 * factor[i + 3, i + 2]) * factor[i + 2, i + 2]
+        s1 = (right[c0 + i + 1] - s3 * factor[i + 3, i + 1] - s2 * factor[i + 2, i + 1]) * factor[i + 1, i + 1]
+        s0 = right[c0 + i] - s3 * factor[i + 3, i] - s2 * factor[i + 2, i] - s1 * factor[i + 1, i]
+        s0 *= factor[i, i]
+        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
         for t in range(i):
-            right[c0 + t] -= value * factor[i, t]
+            right[c0 + t] -= s0 * factor[i, t] + s1 * factor[i + 1, t] + s2 * factor[i + 2, t] + s3 * factor[i + 3, t]
+
+
+@_sums
+def _combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0: int) -> None:
+    """Z' v of one block of few rows."""
+    result[c0 : c0 + rank] = 0.0
+    _add_combination(z, size, factor, rank, result, c0)
+
+
+@_sums
+def _add_combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0: int) -> None:
+    """Add Z' v."""
+    own = result[c0 : c0 + rank]
+    for i in range(0, size, 4):
+        p, q, r, s = z[i], z[i + 1], z[i + 2], z[i + 3]
+        c, d, e, f = factor[i], factor[i + 1], factor[i + 2], factor[i + 3]
+        for a in range(rank):
+            own[a] += c * p[a] + d * q[a] + e * r[a] + f * s[a]
 
 
 @_sums
@@ -263,52 +375,92 @@ def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: An
             changed = True
             low = min(low, high)
             spans[q, 0], spans[q, 1], spans[q, 2] = low, high, 1
-            _fill(columns, own, count, rank, root, x0, low, high, z)
             for x in range(low, high):
                 lever[x] = root[x] * arm[x]
-        _products(z, rank, pull, spans[q, 0], spans[q, 1], loads, q * width)
-        for x in range(spans[q, 0], spans[q, 1]):
+        low, high = spans[q, 0], spans[q, 1]
+        for x in range(low, high):
             moment += pull[x] * lever[x]
             pivot += lever[x] * lever[x]
+            pull[x] *= root[x]
+        _loads(columns, own, count, rank, pull, x0, low, high, loads, q * width)
     return moment, pivot, changed
 
 
 @_exact
 def _fill(columns: Any, own: int, count: int, rank: int, root: Any, x0: int, low: int, high: int, z: Any) -> None:
     """Modes of a block times the roots of the stiffness."""
+    stiff = root[low:high]
     for a in range(rank):
-        first = own + a * count - x0
-        for x in range(low, high):
-            z[a, x] = columns[first + x] * root[x]
+        first, target = own + a * count - x0 + low, z[a, low:high]
+        mode = columns[first : first + high - low]
+        for x in range(high - low):
+            target[x] = mode[x] * stiff[x]
     for a in range(rank, rank + (-rank) % 4):
-        for x in range(low, high):
-            z[a, x] = 0.0
+        z[a, low:high] = 0.0
+
+
+@_exact
+def _fill_rows(columns: Any, own: int, count: int, rank: int, root: Any, x0: int, low: int, high: int, z: Any) -> None:
+    """As `_fill`, one segment after the other."""
+    padded, size = rank + (-rank) % 4, high - low
+    for x in range(size):
+        row, stiff, at = z[x], root[low + x], own + low + x - x0
+        for a in range(rank):
+            row[a] = columns[at] * stiff
+            at += count
+        row[rank:padded] = 0.0
+    for x in range(size, size + (-size) % 4):
+        z[x, :padded] = 0.0
 
 
 @_sums
 def _direction(
-    blocks: Any, balance: Any, at: Any, state: Any, work: Any, factors: Any, change: Any
+    blocks: Any, columns: Any, balance: Any, at: Any, state: Any, work: Any, factors: Any, change: Any
 ) -> float:
-    """Newton's change of amplitudes; returns that of the rotation."""
+    """Newton's change of amplitudes; returns that of the rotation.
+
+    The matrix of a block is I + Z Z'. Where fewer segments touch than there are modes, it is solved by Woodbury's
+    identity: its inverse is I - Z (I + Z'Z)^-1 Z'.
+    """
     amplitudes, _ = at
-    _, _, _, lever, _, z = state
+    _, root, _, lever, _, z = state
     loads, spans = work
-    grams, border, solved = factors
+    grams, border, solved, rows, few = factors
     imbalance, pivot = balance
     width = z.shape[0]
     for q in range(blocks.shape[0]):
         rank, c0 = blocks[q, 3], q * width
+        low, high = spans[q, 0], spans[q, 1]
+        padded, size = rank + (-rank) % 4, high - low + (low - high) % 4
+        segments = size < padded
         if spans[q, 2] == 1:
             spans[q, 2] = 0
-            _gram(z, rank, spans[q, 0], spans[q, 1], grams[q])
-            _factor(grams[q], rank)
-            _products(z, rank, lever, spans[q, 0], spans[q, 1], border, c0)
-            for a in range(c0, c0 + rank):
-                solved[a] = border[a]
-            _solve(grams[q], rank, solved, c0)
-        for a in range(c0, c0 + rank):
+            if segments:
+                _fill_rows(columns, blocks[q, 2], blocks[q, 1], rank, root, blocks[q, 0], low, high, rows[q])
+                _gram(rows[q], size, 0, padded, grams[q])
+                _factor(grams[q], size)
+                few[:size] = 0.0
+                few[: high - low] = lever[low:high]
+                _combination(rows[q], size, few, padded, border, c0)
+                _solve(grams[q], size, few, 0)
+                _combination(rows[q], size, few, padded, solved, c0)
+            else:
+                _fill(columns, blocks[q, 2], blocks[q, 1], rank, root, blocks[q, 0], low, high, z)
+                _gram(z, rank, low, high, grams[q])
+                _factor(grams[q], padded)
+                _products(z, rank, lever, low, high, border, c0)
+                solved[c0 : c0 + padded] = border[c0 : c0 + padded]
+                _solve(grams[q], padded, solved, c0)
+        for a in range(c0, c0 + padded):
             change[a] = loads[a] - amplitudes[a]
-        _solve(grams[q], rank, change, c0)
+        if segments:
+            _products(rows[q], size, change[c0 : c0 + padded], 0, padded, few, 0)
+            _solve(grams[q], size, few, 0)
+            for i in range(size):
+                few[i] = -few[i]
+            _add_combination(rows[q], size, few, padded, change, c0)
+        else:
+            _solve(grams[q], padded, change, c0)
         for a in range(c0, c0 + rank):
             pivot -= border[a] * solved[a]
             imbalance += border[a] * change[a]
@@ -329,15 +481,21 @@ def _stuck(blocks: Any, columns: Any, given: Any, touching: Any, state: Any, wor
     moment, pivot = 0.0, 0.0
     for q in range(blocks.shape[0]):
         x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
+        low, high = x0 + count, x0
         for x in range(x0, x0 + count):
-            root[x] = stiffness[x] if touching[x] else 0.0
+            root[x] = 0.0
+            if touching[x]:
+                root[x] = stiffness[x]
+                low, high = min(low, x), x + 1
             pull[x] = -separation[x] * root[x]
             lever[x] = root[x] * arm[x]
             moment += pull[x] * lever[x]
             pivot += lever[x] * lever[x]
-        spans[q, 0], spans[q, 1], spans[q, 2] = x0, x0 + count, 1
-        _fill(columns, own, count, rank, root, x0, x0, x0 + count, z)
-        _products(z, rank, pull, x0, x0 + count, loads, q * width)
+        low = min(low, high)
+        spans[q, 0], spans[q, 1], spans[q, 2] = low, high, 1
+        for x in range(low, high):
+            pull[x] *= root[x]
+        _loads(columns, own, count, rank, pull, x0, low, high, loads, q * width)
     return moment, pivot
 
 
@@ -386,7 +544,7 @@ def _iterate(
             break
         if not math.isfinite(residual):
             break
-        turn = _direction(blocks, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change)
+        turn = _direction(blocks, columns, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change)
         begin[:] = amplitudes
         at_begin = rotation
         for a in range(change.size):
@@ -502,178 +660,6 @@ def _relative(error: float, scale: float) -> float:
 
 
 @_exact
-def solve_batch(
-    modes: Any, problems: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any, start: Any,
-    force_of: Any, gap_of: Any, secant_of: Any, numbers: Any, counts: Any,
-) -> None:  # fmt: skip
-    """Solve problems one after another.
-
-    Parameters
-    ----------
-    modes
-        See ``mode_columns``.
-    problems
-        Of every problem (b, 5): number of its modes; where its segments begin in the separations and in all results,
-        in the lever arms, in the local compliances, in the line contacts.
-    torque
-        Of every problem (b) [N mm].
-    separation, arm, local
-        Of the segments [mm], [mm], [mm/N].
-    law
-        Parameters of line contacts (s, 14), empty where the compliances are given.
-    mask, start
-        Segments that are assumed in contact, or forces near the solution [N]; empty for none.
-    force_of, gap_of, secant_of
-        For the results; the last is empty where there are no line contacts.
-    numbers, counts
-        For the numbers (b, 8), and steps and whether the method ended (b, 2).
-    """
-    ranges, places, blocks_of, order, columns, bending, row_sum = modes
-    linear = law.shape[0] == 0
-    levels, most, wide, blocks_most = places.shape[0], 0, 4, 1
-    for b in range(problems.shape[0]):
-        own = problems[b, 0]
-        most = max(most, ranges[own, 3])
-        blocks_most = max(blocks_most, ranges[own, 1] - ranges[own, 0])
-    for q in range(blocks_of.shape[1]):
-        wide = max(wide, 4 * ((blocks_of[0, q, 3] + 3) // 4))
-    vectors = np.empty((10, most))
-    shifted, sep, lev, stiff, gap, root, pull, lever, force, local_here = (
-        vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6], vectors[7], vectors[8],
-        vectors[9],
-    )  # fmt: skip
-    segment, touching = np.empty(most, np.int64), np.empty(most, np.bool_)
-    z = np.empty((wide, most))
-    small = np.zeros((7, blocks_most * wide))
-    amplitudes, loads, change, begin, best, border, solved = (
-        small[0], small[1], small[2], small[3], small[4], small[5], small[6],
-    )  # fmt: skip
-    spans = np.zeros((blocks_most, 3), np.int64)
-    grams = np.empty((blocks_most, wide, wide))
-    for b in range(problems.shape[0]):
-        own, at, arm_at, local_at, law_at = problems[b]
-        q0, q1, size_at, size = ranges[own]
-        arms, gaps_given = arm[arm_at : arm_at + size], separation[at : at + size]
-        first_contact = _first_contact(gaps_given, arms, shifted[:size])
-        factors, spare = (grams, border, solved), (change, begin, best)
-        rotation, steps, ended, began = 0.0, 0, False, False
-        guess = 0.0
-        if not linear:
-            positive, sum_positive = 0, 0.0
-            for i in range(size):
-                if arms[i] > 0.0:
-                    positive += 1
-                    sum_positive += arms[i]
-            guess = torque[b] / (sum_positive * TOUCHING_GUESS)
-        own_law = law[law_at : law_at + size] if not linear else law
-        given_start = mask.size > 0 or start.size > 0
-        for level in range(0 if given_start else places[0, own], -1, -1):
-            blocks = blocks_of[level, q0:q1]
-            total = blocks[-1, 0] + blocks[-1, 1]
-            first_place = places[1 + level, own]
-            for q in range(blocks.shape[0]):
-                weight = blocks_of[0, q0 + q, 1] / blocks[q, 1]
-                for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                    i = order[first_place + x]
-                    segment[x], sep[x], lev[x] = i, shifted[i], arms[i]
-                    if linear:
-                        local_here[x] = local[local_at + i]
-                    elif not began:
-                        local_here[x] = _strip(own_law[i], guess / own_law[i, LENGTH])[0] / own_law[i, LENGTH]
-                    stiff[x] = math.sqrt(weight / local_here[x]) if linear or not began else weight
-                    root[x] = 0.0
-                spans[q, 2] = 1
-                spans[q, 0] = spans[q, 1] = blocks[q, 0]
-            given = (sep[:total], lev[:total], stiff, segment)
-            state, work = (gap, root, pull, lever, force, z), (loads, spans)
-            if not began:
-                began = True
-                if start.size > 0:
-                    rotation = _from_forces(
-                        blocks, columns, own_law, given, start[at : at + size], torque[b], amplitudes, force, wide
-                    )
-                    for q in range(blocks.shape[0]):
-                        for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                            stiff[x] = 1.0
-                            if not force[x] > 0.0:
-                                force[x] = guess
-                else:
-                    any_touches = False
-                    winkler = 0.0
-                    if mask.size > 0:
-                        for x in range(total):
-                            touching[x] = mask[at + segment[x]] and lev[x] > 0.0
-                            any_touches = any_touches or touching[x]
-                        if not any_touches:
-                            for x in range(total):
-                                touching[x] = sep[x] == 0.0 and lev[x] > 0.0
-                    else:
-                        for q in range(blocks.shape[0]):
-                            weight = blocks_of[0, q0 + q, 1] / blocks[q, 1]
-                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                                i = size_at + segment[x]
-                                whole = max(
-                                    WINKLER_ROW_SUM_FRACTION * (row_sum[i] + local_here[x]), local_here[x] + bending[i]
-                                )
-                                gap[x] = weight / whole
-                        winkler = _winkler_rotation(sep[:total], lev[:total], gap, torque[b])
-                        for x in range(total):
-                            touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
-                    amplitudes[:] = 0.0
-                    moment, pivot = _stuck(blocks, columns, given, touching, state, work)
-                    rotation = _direction(
-                        blocks, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
-                    )
-                    amplitudes[:] = change
-                    if not math.isfinite(rotation):
-                        amplitudes[:] = 0.0
-                        rotation = winkler
-                    if not linear:
-                        rotation, _, _ = _iterate(
-                            blocks, columns, own_law, True, True, given, torque[b], rotation, amplitudes, state, work,
-                            factors, spare,
-                        )  # fmt: skip
-                        for q in range(blocks.shape[0]):
-                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                                stiff[x] = blocks_of[0, q0 + q, 1] / blocks[q, 1]
-            if not linear and start.size == 0:
-                for x in range(total):
-                    force[x] = guess
-            rotation, steps, ended = _iterate(
-                blocks, columns, own_law, linear, level > 0, given, torque[b], rotation, amplitudes, state, work,
-                factors, spare,
-            )  # fmt: skip
-        counts[b, 0], counts[b, 1] = steps + 1, ended
-        # Forces and gaps in the order of the segments, and the deflection from the forces themselves.
-        blocks = blocks_of[0, q0:q1]
-        forces, gaps = force_of[at : at + size], gap_of[at : at + size]
-        for x in range(size):
-            if linear:
-                sep[x] = pull[x] * root[x]
-            else:
-                sep[x] = force[x] if gap[x] < 0.0 else 0.0
-            gap[x] = 0.0
-        for q in range(blocks.shape[0]):
-            _add_closing(columns, blocks[q, 2], blocks[q, 1], blocks[q, 3], loads, q * wide, gap, blocks[q, 0])
-        for x in range(size):
-            i = segment[x]
-            forces[i] = sep[x]
-            if linear:
-                own_compliance = local[local_at + i]
-            else:
-                own_compliance = _strip(own_law[i], sep[x] / own_law[i, LENGTH])[0] / own_law[i, LENGTH]
-                secant_of[at + i] = own_compliance
-            pull[i] = own_compliance * sep[x] + gap[x]
-            lever[i] = own_compliance + bending[size_at + i]
-        numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + rotation, rotation
-        for i in range(size):
-            gaps[i] = pull[i] + shifted[i] - rotation * arms[i]
-        _certificate(
-            forces, pull[:size], gaps, shifted[:size], arms, lever[:size], torque[b], numbers[b]
-        )
-
-
-@_exact
 def _from_forces(
     blocks: Any, columns: Any, law: Any, given: Any, start: Any, torque: float, amplitudes: Any, force: Any, wide: int
 ) -> float:
@@ -697,3 +683,177 @@ def _from_forces(
             amplitudes[q * wide + a] = value
             work += value * value
     return work / torque
+
+
+_vector, _table, _whole = _read(numba.f8, 1), _read(numba.f8, 2), _read(numba.i8, 1)
+_modes = numba.types.Tuple((_whole, _read(numba.i8, 3), _whole, _vector, _vector, _vector))
+_results = (numba.f8[:, ::1],) * 4
+
+
+@_compiled(
+    numba.void(
+        _modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), _table, *_results, numba.i8[:, ::1]
+    )
+)
+def solve_batch(
+    modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any, start: Any,
+    force_of: Any, gap_of: Any, secant_of: Any, numbers: Any, counts: Any,
+) -> None:  # fmt: skip
+    """Solve problems of one compliance one after another.
+
+    Parameters
+    ----------
+    modes
+        See ``mode_columns``.
+    torque
+        Of every problem (b) [N mm].
+    separation
+        Of every problem (b, n) [mm].
+    arm, local
+        Of the segments (n) [mm], [mm/N].
+    law
+        Parameters of line contacts (n, 14), empty where the local compliances are given.
+    mask, start
+        Of every problem, segments that are assumed in contact, or forces near the solution [N] (b, n); empty for none.
+    force_of, gap_of
+        For the results (b, n).
+    secant_of
+        For the secant compliance of line contacts (b, n); empty if there are none.
+    numbers, counts
+        For the numbers (b, 8), and steps and whether the method ended (b, 2).
+    """
+    places, blocks_of, order, columns, bending, row_sum = modes
+    linear = law.shape[0] == 0
+    most, wide, blocks_most = arm.size, 4, blocks_of.shape[1]
+    for q in range(blocks_most):
+        wide = max(wide, 4 * ((blocks_of[0, q, 3] + 3) // 4))
+    vectors = np.empty((10, most))
+    shifted, sep, lev, stiff, gap, root, pull, lever, force, local_here = (
+        vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6], vectors[7], vectors[8],
+        vectors[9],
+    )  # fmt: skip
+    segment, touching = np.empty(most, np.int64), np.empty(most, np.bool_)
+    z = np.empty((wide, most))
+    small = np.zeros((7, blocks_most * wide))
+    amplitudes, loads, change, begin, best, border, solved = (
+        small[0], small[1], small[2], small[3], small[4], small[5], small[6],
+    )  # fmt: skip
+    spans = np.zeros((blocks_most, 3), np.int64)
+    grams, rows = np.empty((blocks_most, wide, wide)), np.empty((blocks_most, wide, wide))
+    few = np.empty(wide)
+    size = most
+    for b in range(torque.size):
+        first_contact = _first_contact(separation[b], arm, shifted)
+        factors, spare = (grams, border, solved, rows, few), (change, begin, best)
+        rotation, steps, ended, began = 0.0, 0, False, False
+        guess = 0.0
+        if not linear:
+            positive, sum_positive = 0, 0.0
+            for i in range(size):
+                if arm[i] > 0.0:
+                    positive += 1
+                    sum_positive += arm[i]
+            guess = torque[b] / (sum_positive * TOUCHING_GUESS)
+        given_start = mask.size > 0 or start.size > 0
+        for level in range(0 if given_start else places.size - 1, -1, -1):
+            blocks = blocks_of[level]
+            total = blocks[-1, 0] + blocks[-1, 1]
+            first_place = places[level]
+            for q in range(blocks.shape[0]):
+                weight = blocks_of[0, q, 1] / blocks[q, 1]
+                for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                    i = order[first_place + x]
+                    segment[x], sep[x], lev[x] = i, shifted[i], arm[i]
+                    if linear:
+                        local_here[x] = local[i]
+                    elif not began:
+                        local_here[x] = _strip(law[i], guess / law[i, LENGTH])[0] / law[i, LENGTH]
+                    stiff[x] = math.sqrt(weight / local_here[x]) if linear or not began else weight
+                    root[x] = 0.0
+                spans[q, 2] = 1
+                spans[q, 0] = spans[q, 1] = blocks[q, 0]
+            given = (sep[:total], lev[:total], stiff, segment)
+            state, work = (gap, root, pull, lever, force, z), (loads, spans)
+            if not began:
+                began = True
+                if start.size > 0:
+                    rotation = _from_forces(
+                        blocks, columns, law, given, start[b], torque[b], amplitudes, force, wide
+                    )
+                    for q in range(blocks.shape[0]):
+                        for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                            stiff[x] = 1.0
+                            if not force[x] > 0.0:
+                                force[x] = guess
+                else:
+                    any_touches = False
+                    winkler = 0.0
+                    if mask.size > 0:
+                        for x in range(total):
+                            touching[x] = mask[b, segment[x]] and lev[x] > 0.0
+                            any_touches = any_touches or touching[x]
+                        if not any_touches:
+                            for x in range(total):
+                                touching[x] = sep[x] == 0.0 and lev[x] > 0.0
+                    else:
+                        for q in range(blocks.shape[0]):
+                            weight = blocks_of[0, q, 1] / blocks[q, 1]
+                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                                i = segment[x]
+                                whole = max(
+                                    WINKLER_ROW_SUM_FRACTION * (row_sum[i] + local_here[x]), local_here[x] + bending[i]
+                                )
+                                gap[x] = weight / whole
+                        winkler = _winkler_rotation(sep[:total], lev[:total], gap, torque[b])
+                        for x in range(total):
+                            touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
+                    amplitudes[:] = 0.0
+                    moment, pivot = _stuck(blocks, columns, given, touching, state, work)
+                    rotation = _direction(
+                        blocks, columns, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
+                    )
+                    amplitudes[:] = change
+                    if not math.isfinite(rotation):
+                        amplitudes[:] = 0.0
+                        rotation = winkler
+                    if not linear:
+                        rotation, _, _ = _iterate(
+                            blocks, columns, law, True, True, given, torque[b], rotation, amplitudes, state, work,
+                            factors, spare,
+                        )  # fmt: skip
+                        for q in range(blocks.shape[0]):
+                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                                stiff[x] = blocks_of[0, q, 1] / blocks[q, 1]
+            if not linear and start.size == 0:
+                for x in range(total):
+                    force[x] = guess
+            rotation, steps, ended = _iterate(
+                blocks, columns, law, linear, level > 0, given, torque[b], rotation, amplitudes, state, work,
+                factors, spare,
+            )  # fmt: skip
+        counts[b, 0], counts[b, 1] = steps + 1, ended
+        # Forces and gaps in the order of the segments, and the deflection from the forces themselves.
+        blocks = blocks_of[0]
+        forces, gaps = force_of[b], gap_of[b]
+        for x in range(size):
+            if linear:
+                sep[x] = pull[x]
+            else:
+                sep[x] = force[x] if gap[x] < 0.0 else 0.0
+            gap[x] = 0.0
+        for q in range(blocks.shape[0]):
+            _add_closing(columns, blocks[q, 2], blocks[q, 1], blocks[q, 3], loads, q * wide, gap, blocks[q, 0])
+        for x in range(size):
+            i = segment[x]
+            forces[i] = sep[x]
+            if linear:
+                own_compliance = local[i]
+            else:
+                own_compliance = _strip(law[i], sep[x] / law[i, LENGTH])[0] / law[i, LENGTH]
+                secant_of[b, i] = own_compliance
+            pull[i] = own_compliance * sep[x] + gap[x]
+            lever[i] = own_compliance + bending[i]
+        numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + rotation, rotation
+        for i in range(size):
+            gaps[i] = pull[i] + shifted[i] - rotation * arm[i]
+        _certificate(forces, pull, gaps, shifted, arm, lever, torque[b], numbers[b])
