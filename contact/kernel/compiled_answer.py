@@ -75,7 +75,7 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     code.solve_batch(
         tuple(matrix.modes.basis.columns), np.array([problem.torque]), problem.separation.reshape(1, size),
         problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK if active is None else active.reshape(1, size),
-        _NO_FORCES, force, gap, _NO_FORCES, numbers, counts,
+        force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()
     if not ended:
@@ -102,12 +102,12 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     force, gap, numbers, counts = _results(*separation.shape)
     code.solve_batch(
         tuple(matrix.modes.columns), torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
-        _NO_FORCES, force, gap, _NO_FORCES, numbers, counts,
+        force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     return force, gap, numbers[:, :7], counts
 
 
-def line_contact_answer(bending: ContactProblem, law: Array, start: Array | None) -> CompiledAnswer | None:
+def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer | None:
     """Solve a contact problem with load-dependent line contact.
 
     Parameters
@@ -116,8 +116,6 @@ def line_contact_answer(bending: ContactProblem, law: Array, start: Array | None
         With the compliance of bending alone.
     law
         Parameters of the line contacts (n, 14), see `WeberLineContact.parameters`.
-    start
-        Forces near the solution (n) [N], not negative.
 
     Returns
     -------
@@ -132,7 +130,7 @@ def line_contact_answer(bending: ContactProblem, law: Array, start: Array | None
     secant = np.empty((1, size))
     code.solve_batch(
         tuple(basis.columns), np.array([bending.torque]), bending.separation.reshape(1, size), bending.lever_arm,
-        bending.separation, law, _NO_MASK, _NO_FORCES if start is None else start.reshape(1, size),
+        bending.separation, law, _NO_MASK,
         force, gap, secant, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()

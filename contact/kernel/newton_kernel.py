@@ -32,6 +32,8 @@ WINKLER_ROW_SUM_FRACTION = 0.4
 TOUCHING_GUESS = 0.4
 MAX_INVERSION_STEPS = 30
 INVERSION_TOLERANCE = 1e-8
+#: Error of the guess, relative to the indentation, up to which its tangent is used.
+NEAR = 0.3
 CANCELLATION_FLOOR = 1e-5
 #: Columns of the parameters of a line contact.
 LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORRECTION, CUT = 0, 1, 3, 5, 7, 8, 9, 10, 11, 12, 13
@@ -108,14 +110,16 @@ def _strip(p: Any, load: float) -> tuple[float, float]:
 def _pressed(p: Any, indentation: float, guess: float) -> tuple[float, float]:
     """Force and stiffness of a line contact at an indentation, from a force of the usual size."""
     length = p[LENGTH]
-    load = indentation / _strip(p, guess / length)[0]
-    tangent = 1.0
-    for _ in range(MAX_INVERSION_STEPS):
+    load = guess / length
+    secant, tangent = _strip(p, load)
+    error = indentation - secant * load
+    load = load + error / tangent if abs(error) < NEAR * indentation else indentation / secant
+    steps = 0
+    while abs(error) > INVERSION_TOLERANCE * indentation and steps < MAX_INVERSION_STEPS:
         secant, tangent = _strip(p, load)
         error = indentation - secant * load
         load = max(load + error / tangent, 0.0)
-        if abs(error) <= INVERSION_TOLERANCE * indentation:
-            break
+        steps += 1
     return load * length, length / tangent
 
 
@@ -659,32 +663,6 @@ def _relative(error: float, scale: float) -> float:
     return error / scale if scale > 0.0 else np.inf
 
 
-@_exact
-def _from_forces(
-    blocks: Any, columns: Any, law: Any, given: Any, start: Any, torque: float, amplitudes: Any, force: Any, wide: int
-) -> float:
-    """Amplitudes, and the rotation at which the torque does the work of given forces, brought to balance."""
-    separation, arm, _, segment = given
-    moment = 0.0
-    for x in range(separation.size):
-        force[x] = max(start[segment[x]], 0.0)
-        moment += force[x] * arm[x]
-    work = 0.0
-    for x in range(separation.size):
-        force[x] *= torque / moment
-        p = law[segment[x]]
-        work += force[x] * (separation[x] + _strip(p, force[x] / p[LENGTH])[0] * force[x] / p[LENGTH])
-    for q in range(blocks.shape[0]):
-        x0, count, own = blocks[q, 0], blocks[q, 1], blocks[q, 2]
-        for a in range(blocks[q, 3]):
-            value = 0.0
-            for j in range(count):
-                value += columns[own + a * count + j] * force[x0 + j]
-            amplitudes[q * wide + a] = value
-            work += value * value
-    return work / torque
-
-
 _vector, _table, _whole = _read(numba.f8, 1), _read(numba.f8, 2), _read(numba.i8, 1)
 _modes = numba.types.Tuple((_whole, _read(numba.i8, 3), _whole, _vector, _vector, _vector))
 _results = (numba.f8[:, ::1],) * 4
@@ -692,11 +670,11 @@ _results = (numba.f8[:, ::1],) * 4
 
 @_compiled(
     numba.void(
-        _modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), _table, *_results, numba.i8[:, ::1]
+        _modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), *_results, numba.i8[:, ::1]
     )
 )
 def solve_batch(
-    modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any, start: Any,
+    modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,
     force_of: Any, gap_of: Any, secant_of: Any, numbers: Any, counts: Any,
 ) -> None:  # fmt: skip
     """Solve problems of one compliance one after another.
@@ -713,8 +691,8 @@ def solve_batch(
         Of the segments (n) [mm], [mm/N].
     law
         Parameters of line contacts (n, 14), empty where the local compliances are given.
-    mask, start
-        Of every problem, segments that are assumed in contact, or forces near the solution [N] (b, n); empty for none.
+    mask
+        Of every problem, segments that are assumed in contact (b, n); empty for none.
     force_of, gap_of
         For the results (b, n).
     secant_of
@@ -745,7 +723,7 @@ def solve_batch(
     for b in range(torque.size):
         first_contact = _first_contact(separation[b], arm, shifted)
         factors, spare = (grams, border, solved, rows, few), (change, begin, best)
-        rotation, steps, ended, began = 0.0, 0, False, False
+        rotation, steps, ended = 0.0, 0, False
         guess = 0.0
         if not linear:
             positive, sum_positive = 0, 0.0
@@ -754,8 +732,9 @@ def solve_batch(
                     positive += 1
                     sum_positive += arm[i]
             guess = torque[b] / (sum_positive * TOUCHING_GUESS)
-        given_start = mask.size > 0 or start.size > 0
-        for level in range(0 if given_start else places.size - 1, -1, -1):
+        top = 0 if mask.size > 0 else places.size - 1
+        winkler = 0.0
+        for level in range(top, -1, -1):
             blocks = blocks_of[level]
             total = blocks[-1, 0] + blocks[-1, 1]
             first_place = places[level]
@@ -766,71 +745,70 @@ def solve_batch(
                     segment[x], sep[x], lev[x] = i, shifted[i], arm[i]
                     if linear:
                         local_here[x] = local[i]
-                    elif not began:
+                    elif level == top:
                         local_here[x] = _strip(law[i], guess / law[i, LENGTH])[0] / law[i, LENGTH]
-                    stiff[x] = math.sqrt(weight / local_here[x]) if linear or not began else weight
+                    stiff[x] = math.sqrt(weight / local_here[x]) if linear or level == top else weight
                     root[x] = 0.0
                 spans[q, 2] = 1
                 spans[q, 0] = spans[q, 1] = blocks[q, 0]
             given = (sep[:total], lev[:total], stiff, segment)
             state, work = (gap, root, pull, lever, force, z), (loads, spans)
-            if not began:
-                began = True
-                if start.size > 0:
-                    rotation = _from_forces(
-                        blocks, columns, law, given, start[b], torque[b], amplitudes, force, wide
-                    )
+            if level == top:
+                any_touches = False
+                if mask.size > 0:
+                    for x in range(total):
+                        touching[x] = mask[b, segment[x]] and lev[x] > 0.0
+                        any_touches = any_touches or touching[x]
+                    if not any_touches:
+                        for x in range(total):
+                            touching[x] = sep[x] == 0.0 and lev[x] > 0.0
+                else:
+                    for q in range(blocks.shape[0]):
+                        weight = blocks_of[0, q, 1] / blocks[q, 1]
+                        for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                            i = segment[x]
+                            whole = max(
+                                WINKLER_ROW_SUM_FRACTION * (row_sum[i] + local_here[x]), local_here[x] + bending[i]
+                            )
+                            gap[x] = weight / whole
+                    winkler = _winkler_rotation(sep[:total], lev[:total], gap, torque[b])
+                    for x in range(total):
+                        touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
+                amplitudes[:] = 0.0
+                moment, pivot = _stuck(blocks, columns, given, touching, state, work)
+                rotation = _direction(
+                    blocks, columns, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
+                )
+                amplitudes[:] = change
+                if not math.isfinite(rotation):
+                    amplitudes[:] = 0.0
+                    rotation = winkler
+                if not linear:
+                    rotation, _, _ = _iterate(
+                        blocks, columns, law, True, True, given, torque[b], rotation, amplitudes, state, work,
+                        factors, spare,
+                    )  # fmt: skip
                     for q in range(blocks.shape[0]):
                         for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                            stiff[x] = 1.0
-                            if not force[x] > 0.0:
-                                force[x] = guess
-                else:
-                    any_touches = False
-                    winkler = 0.0
-                    if mask.size > 0:
-                        for x in range(total):
-                            touching[x] = mask[b, segment[x]] and lev[x] > 0.0
-                            any_touches = any_touches or touching[x]
-                        if not any_touches:
-                            for x in range(total):
-                                touching[x] = sep[x] == 0.0 and lev[x] > 0.0
-                    else:
-                        for q in range(blocks.shape[0]):
-                            weight = blocks_of[0, q, 1] / blocks[q, 1]
-                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                                i = segment[x]
-                                whole = max(
-                                    WINKLER_ROW_SUM_FRACTION * (row_sum[i] + local_here[x]), local_here[x] + bending[i]
-                                )
-                                gap[x] = weight / whole
-                        winkler = _winkler_rotation(sep[:total], lev[:total], gap, torque[b])
-                        for x in range(total):
-                            touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
-                    amplitudes[:] = 0.0
-                    moment, pivot = _stuck(blocks, columns, given, touching, state, work)
-                    rotation = _direction(
-                        blocks, columns, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
-                    )
-                    amplitudes[:] = change
-                    if not math.isfinite(rotation):
-                        amplitudes[:] = 0.0
-                        rotation = winkler
-                    if not linear:
-                        rotation, _, _ = _iterate(
-                            blocks, columns, law, True, True, given, torque[b], rotation, amplitudes, state, work,
-                            factors, spare,
-                        )  # fmt: skip
-                        for q in range(blocks.shape[0]):
-                            for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
-                                stiff[x] = blocks_of[0, q, 1] / blocks[q, 1]
-            if not linear and start.size == 0:
-                for x in range(total):
-                    force[x] = guess
+                            stiff[x] = blocks_of[0, q, 1] / blocks[q, 1]
+            if not linear:
+                if level == top:
+                    force[:total] = guess
+                else:  # that of the nearest segment of the level above
+                    for q in range(blocks.shape[0]):
+                        for j in range(blocks[q, 1]):
+                            above = blocks_of[level + 1, q, 0] + j * blocks_of[level + 1, q, 1] // blocks[q, 1]
+                            force[blocks[q, 0] + j] = local_here[above]
             rotation, steps, ended = _iterate(
                 blocks, columns, law, linear, level > 0, given, torque[b], rotation, amplitudes, state, work,
                 factors, spare,
             )  # fmt: skip
+            if level > 0:
+                if not (math.isfinite(rotation) and math.isfinite(amplitudes.sum())):
+                    amplitudes[:] = 0.0
+                    rotation = winkler
+                for x in range(total):
+                    local_here[x] = force[x]
         counts[b, 0], counts[b, 1] = steps + 1, ended
         # Forces and gaps in the order of the segments, and the deflection from the forces themselves.
         blocks = blocks_of[0]

@@ -115,18 +115,16 @@ def solve_line_contacts(
     if not together:
         known: Sequence[_Found | None] = [None] * len(bendings)
     elif compiled_code() is not None:
-        known = [_compiled_answer(*own) for own in zip(bendings, contacts.each, starts, strict=True)]
+        known = [_compiled_answer(*own) for own in zip(bendings, contacts.each, strict=True)]
     else:
         known = newton_answers(bendings, contacts, starts)
     for bending, contact, start, found in zip(bendings, contacts.each, starts, known, strict=True):
         yield found or solve_on_bending(bending, contact, solver, initial_force=start, **options)
 
 
-def _compiled_answer(bending: ContactProblem, contact: WeberLineContact, start: Array | None) -> _Found | None:
-    """Answer of the compiled method; None where it has no certified one."""
-    if start is not None and not (start @ bending.lever_arm > 0.0 and start.min() >= 0.0):
-        start = None
-    found = line_contact_answer(bending, contact.parameters, start)
+def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Found | None:
+    """Answer of the compiled method, which needs no start; None where it has no certified one."""
+    found = line_contact_answer(bending, contact.parameters)
     if found is None or not found.answer.certificate.passes(EXACT_TOLERANCE):
         return None
     solution = judged(
