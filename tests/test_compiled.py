@@ -205,7 +205,9 @@ def test_dense_and_idle_problems_are_not_for_the_compiled_method() -> None:
     problem = lines(20, 0.0)
     assert linear_answer(problem.with_torque(0.0)) is None
     assert linear_answer(ContactProblem(problem.separation, problem.lever_arm, 1.0, problem.dense_compliance)) is None
-    nearly_rigid = ContactProblem(problem.separation, problem.lever_arm, 1e6, (np.full(20, 1e-14), problem.compliance[1]))
+    nearly_rigid = ContactProblem(
+        problem.separation, problem.lever_arm, 1e6, (np.full(20, 1e-14), problem.compliance[1])
+    )
     assert linear_answer(nearly_rigid) is None
     assert solve(nearly_rigid).certified
 
@@ -236,9 +238,7 @@ def test_line_contact_is_that_of_the_plain_method(size: int, edges: bool) -> Non
     for number, torque in enumerate((1e2, 1e4, 1e6, 3e6)):
         given = lines(size, 0.2 * number - 0.3, torque)
         basis = modal_basis(given.compliance[1])
-        bendings.append(
-            ContactProblem.of_modes(given.separation, given.lever_arm, torque, np.zeros(size), basis)
-        )
+        bendings.append(ContactProblem.of_modes(given.separation, given.lever_arm, torque, np.zeros(size), basis))
         contacts.append(contact_of(size, number, edges=edges))
     expected = newton_answers(bendings, LineContacts(contacts), [None] * 4)
     for bending, contact, other in zip(bendings, contacts, expected, strict=True):

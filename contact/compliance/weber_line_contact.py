@@ -223,8 +223,8 @@ class WeberLineContact:
             bodies.correction,
             bodies.flexibility / math.pi,
         )
-        for number, values in enumerate(columns):
-            table[:, number] = values
+        for column, values in enumerate(columns):
+            table[:, column] = values
         return table
 
     def _quadratic_energy(self, line_load: FloatArray) -> FloatArray:

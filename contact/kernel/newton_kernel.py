@@ -36,7 +36,19 @@ INVERSION_TOLERANCE = 1e-8
 NEAR = 0.3
 CANCELLATION_FLOOR = 1e-5
 #: Columns of the parameters of a line contact.
-LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORRECTION, CUT = 0, 1, 3, 5, 7, 8, 9, 10, 11, 12, 13
+LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORRECTION, CUT = (
+    0,
+    1,
+    3,
+    5,
+    7,
+    8,
+    9,
+    10,
+    11,
+    12,
+    13,
+)
 #: Columns of the numbers of an answer.
 ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
 
@@ -143,7 +155,9 @@ def _add_closing(columns: Any, at: int, count: int, rank: int, amplitudes: Any, 
 
 
 @_sums
-def _loads(columns: Any, own: int, count: int, rank: int, vector: Any, x0: int, low: int, high: int, result: Any, c0: int) -> None:
+def _loads(
+    columns: Any, own: int, count: int, rank: int, vector: Any, x0: int, low: int, high: int, result: Any, c0: int
+) -> None:
     """U' v of one block."""
     v, a, at, length = vector[low:high], 0, own + low - x0, high - low
     while a + 4 <= rank:
@@ -336,8 +350,8 @@ def _add_combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0:
 def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: Any, state: Any, work: Any) -> Any:
     """Gaps, forces and their sums at a point.
 
-    Returns moment of the forces, sum of stiffness times squared arm, and whether the touching set has changed; blocks in
-    which it has are marked.
+    Returns moment of the forces, sum of stiffness times squared arm, and whether the touching set has changed; blocks
+    in which it has are marked.
     """
     separation, arm, stiffness, segment = given
     amplitudes, rotation = at
@@ -548,7 +562,9 @@ def _iterate(
             break
         if not math.isfinite(residual):
             break
-        turn = _direction(blocks, columns, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change)
+        turn = _direction(
+            blocks, columns, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change
+        )
         begin[:] = amplitudes
         at_begin = rotation
         for a in range(change.size):
@@ -669,9 +685,7 @@ _results = (numba.f8[:, ::1],) * 4
 
 
 @_compiled(
-    numba.void(
-        _modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), *_results, numba.i8[:, ::1]
-    )
+    numba.void(_modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), *_results, numba.i8[:, ::1])
 )
 def solve_batch(
     modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,
