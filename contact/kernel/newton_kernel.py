@@ -482,7 +482,7 @@ def _direction(
         for a in range(c0, c0 + rank):
             pivot -= border[a] * solved[a]
             imbalance += border[a] * change[a]
-    turn = imbalance / pivot
+    turn: float = imbalance / pivot
     for q in range(blocks.shape[0]):
         for a in range(q * width, q * width + blocks[q, 3]):
             change[a] += turn * solved[a]

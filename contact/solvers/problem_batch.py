@@ -67,7 +67,7 @@ class ContactSolutions:
     @property
     def certified(self) -> NDArray[np.bool_]:
         """Whether each answer is proved (b)."""
-        return self.status == Status.CERTIFIED
+        return np.asarray(self.status == Status.CERTIFIED)
 
     def __len__(self) -> int:
         """Number of problems."""
