@@ -21,7 +21,7 @@ LARGEST_FOLDER = 16
 ORDER = {
     "": ("core", "geometry", "contact", "friction", "cases", "study", "verification"),
     "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
-    "contact": ("problem", "kernel", "solvers", "lines", "compliance", "line_contact"),
+    "contact": ("problem", "solvers", "lines", "compliance", "line_contact"),
 }
 #: The one module of the product that imports yardsticks, when its command is run.
 VERIFYING = "easeoff.study.cli.verify_command"

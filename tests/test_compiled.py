@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 import easeoff
 from easeoff import InputError
 from easeoff.contact import ContactProblem, Material, Status, WeberLineContact, solve, solve_many
-from easeoff.contact.kernel import compiled_answer
-from easeoff.contact.kernel.compiled_answer import compiled_code, line_contact_answer, linear_answer
 from easeoff.contact.line_contact.line_contact_law import LineContacts, newton_answers
 from easeoff.contact.problem.certificate import violations
 from easeoff.contact.problem.modal_basis import modal_basis
 from easeoff.contact.solvers import registry
+from easeoff.contact.solvers.compiled import compiled_answer
+from easeoff.contact.solvers.compiled.compiled_answer import compiled_code, line_contact_answer, linear_answer
 from easeoff.contact.solvers.problem_batch import plain_solutions
 from easeoff.verification import PROBLEM_CLASSES, problems
 
@@ -276,7 +276,7 @@ def test_package_works_without_numba(tmp_path: Path) -> None:
         "import sys, numpy as np\n"
         "if sys.argv[1] == 'missing': sys.modules['numba'] = None\n"
         "from easeoff.contact import ContactProblem, solve, solve_many\n"
-        "from easeoff.contact.kernel.compiled_answer import compiled_code\n"
+        "from easeoff.contact.solvers.compiled.compiled_answer import compiled_code\n"
         "assert compiled_code() is None\n"
         "springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8e4, (np.full(2, 1e-6), np.full((2, 1), 1e-4)))\n"
         "print(solve(springs).force.tolist(), solve_many(springs, torque=[8e4, 4e4]).certified.all())\n"

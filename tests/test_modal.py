@@ -26,12 +26,12 @@ from easeoff.contact import (
     solve,
     solve_many,
 )
-from easeoff.contact.kernel.compiled_answer import compiled_code
 from easeoff.contact.line_contact.line_contact_law import LineContactLaw
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import modal_newton as method_of_newton
 from easeoff.contact.solvers import problem_batch, registry
+from easeoff.contact.solvers.compiled.compiled_answer import compiled_code
 from easeoff.contact.solvers.modal_batch import ModalBatch
 from easeoff.contact.solvers.modal_newton import LinearLaw, has_modal_form, modal_newton, newton_batch
 from easeoff.contact.solvers.native import METHODS

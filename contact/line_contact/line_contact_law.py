@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compliance import WeberLineContact
-from ..kernel.compiled_answer import compiled_code, line_contact_answer
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, require_solver
+from ..solvers.compiled.compiled_answer import compiled_code, line_contact_answer
 from ..solvers.modal_batch import ModalBatch
 from ..solvers.modal_newton import newton_batch
 from ..solvers.solution import judged

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array
 from ...core.errors import InputError
-from ..kernel.compiled_answer import compiled_code, linear_answers
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
+from .compiled.compiled_answer import compiled_code, linear_answers
 from .modal_newton import has_modal_form, modal_newton
 from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, judged_native, solve
 from .solution import ContactSolution, Status

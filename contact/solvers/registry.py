@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import one_of, shown
 from ...core.errors import InputError, MissingSolverError, how_to_install
-from ..kernel.compiled_answer import linear_answer
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
@@ -22,6 +21,7 @@ from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import adapter_of, backend_solution
+from .compiled.compiled_answer import linear_answer
 from .scaled_answer import ScaledAnswer
 from .solution import SOLVED, ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS

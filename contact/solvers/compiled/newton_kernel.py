@@ -1,6 +1,6 @@
 """Newton's method in the bending modes, compiled: contact problems from the given data to the certificate.
 
-The method is that of ``solvers/modal_newton.py``, one problem after another: the first contact of the rigid bodies, a
+The method is that of ``modal_newton``, one problem after another: the first contact of the rigid bodies, a
 start from uncoupled springs, Newton's steps with their line search, gaps and certificate. Two things differ. The
 unknowns are modal amplitudes and rotation, whatever the number of segments; so the problem is first solved on every
 eighth segment of each block, each standing for its neighbours, and this answer starts the whole. And as long as the
@@ -829,7 +829,7 @@ def solve_batch(
         forces, gaps = force_of[b], gap_of[b]
         for x in range(size):
             if linear:
-                sep[x] = pull[x]
+                sep[x] = pull[x] if root[x] > 0.0 else 0.0  # never -0
             else:
                 sep[x] = force[x] if gap[x] < 0.0 else 0.0
             gap[x] = 0.0

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.answer import Answer, with_certificate
-from ..problem.certificate import Certificate
-from ..problem.compliance_matrix import ModalCompliance
-from ..problem.contact_problem import ContactProblem
-from ..problem.modal_basis import ModalBasis
+from ...problem.answer import Answer, with_certificate
+from ...problem.certificate import Certificate
+from ...problem.compliance_matrix import ModalCompliance
+from ...problem.contact_problem import ContactProblem
+from ...problem.modal_basis import ModalBasis
 
 Array = NDArray[np.float64]
 
