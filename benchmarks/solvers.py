@@ -137,7 +137,7 @@ class Rows:
             matrix = self.scaled[0].compliance
             self.seconds["Cholesky factor of n x n"] = median_seconds([lambda: dpotrf(matrix.T, lower=1, clean=0)])
         self.seconds["modal in numpy, cold"] = median_seconds([partial(modal, s, a) for s, a in cold])
-        before = [partial(modal, s, a) for s, a in warm]
+        before: list[Callable[[], Any]] = [partial(modal, s, a) for s, a in warm]
         self.seconds["modal in numpy, warm from the position before"] = median_seconds(before)
         self.iterations = [
             statistics.mean(answered(modal(s, a)).iterations for s, a in those) for those in (cold, warm)
