@@ -1,10 +1,11 @@
 """Newton's method in the bending modes, compiled: contact problems from the given data to the certificate.
 
-The method is that of ``modal_newton``, one problem after another: the first contact of the rigid bodies, a
-start from uncoupled springs, Newton's steps with their line search, gaps and certificate. Two things differ. The
-unknowns are modal amplitudes and rotation, whatever the number of segments; so the problem is first solved on every
-eighth segment of each block, each standing for its neighbours, and this answer starts the whole. And as long as the
-set of touching segments stays as it is, factors are kept.
+The method is that of ``modal_newton``, one problem after another: the first contact of the rigid bodies, a start from
+uncoupled springs, Newton's steps with their line search, gaps and certificate. Three things differ. The unknowns are
+modal amplitudes and rotation, whatever the number of segments; so the problem is first solved on a part of the
+segments of each block, see ``mode_columns``, each standing for its neighbours, and this answer starts the whole. Where
+fewer segments of a block touch than it has modes, its matrix is inverted by Woodbury's identity. As long as the
+touching segments of a block stay the same and the law is linear, its factor is kept.
 
 All compiled code is in this one file: numba recompiles a function when the file that it is in has changed, but does not
 notice a change of a file from which that calls another one.
