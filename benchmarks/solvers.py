@@ -26,6 +26,7 @@ from easeoff.contact import available_solvers, solve, solve_many
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.modal_newton import modal_newton
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
+from easeoff.contact.solvers.problem_batch import plain_solutions
 from numpy.polynomial.legendre import legvander
 from scipy.linalg.lapack import dpotrf
 from tabulate import tabulate
@@ -135,8 +136,9 @@ class Rows:
         if self.size <= LARGEST["Cholesky"]:
             matrix = self.scaled[0].compliance
             self.seconds["Cholesky factor of n x n"] = median_seconds([lambda: dpotrf(matrix.T, lower=1, clean=0)])
-        self.seconds["modal, cold"] = median_seconds([partial(modal, s, a) for s, a in cold])
-        self.seconds["modal, warm from the position before"] = median_seconds([partial(modal, s, a) for s, a in warm])
+        self.seconds["modal in numpy, cold"] = median_seconds([partial(modal, s, a) for s, a in cold])
+        before: list[Callable[[], Any]] = [partial(modal, s, a) for s, a in warm]
+        self.seconds["modal in numpy, warm from the position before"] = median_seconds(before)
         self.iterations = [
             statistics.mean(answered(modal(s, a)).iterations for s, a in those) for those in (cold, warm)
         ]
@@ -162,6 +164,12 @@ class Rows:
         self.seconds["solve, cold"] = median_seconds([partial(anew, c) for c in self.cases])
         self.seconds["solve, warm"] = median_seconds([partial(anew, c, s.active) for c, s in warm])
         self.seconds["solve_many, each"] = median_seconds([lambda: solve_many(fresh())]) / POSITIONS
+        one, gaps = self.cases[0], np.array([case.separation for case in self.cases])
+        torques = np.array([case.torque for case in self.cases])
+        seconds = median_seconds([lambda: solve_many(one, separation=gaps, torque=torques)])
+        self.seconds["solve_many of arrays, each"] = seconds / POSITIONS
+        plain = median_seconds([lambda: plain_solutions(fresh(), [None] * POSITIONS)])
+        self.seconds["numpy alone, all at once, each"] = plain / POSITIONS
 
     def _others(self) -> None:
         for name in available_solvers():

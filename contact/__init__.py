@@ -19,7 +19,7 @@ from .problem.lifted_form import LiftedQP, lifted_qp
 from .problem.problem_file import read_labels, read_problems, write_problems
 from .problem.programme_file import read_npz, write_npz
 from .root_stress import root_stress
-from .solvers import SOLVERS, ContactSolution, Status, available_solvers, solve, solve_many
+from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
 from .unloaded import unloaded_contact
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "Certificate",
     "ContactProblem",
     "ContactSolution",
+    "ContactSolutions",
     "DualQP",
     "ElasticFoundation",
     "ElasticModel",

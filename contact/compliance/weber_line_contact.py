@@ -26,6 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -199,6 +200,32 @@ class WeberLineContact:
     def flexibility(self) -> float:
         """Sum over the bodies of (1 - nu^2) / E [1/MPa]."""
         return 1.0 / self.material_pinion.plane_strain_modulus + 1.0 / self.material_gear.plane_strain_modulus
+
+    @cached_property
+    def parameters(self) -> FloatArray:
+        """The formula's numbers (n, 14), as the compiled contact solution reads them.
+
+        Length; depths, deflections per line load over the logarithm and contractions of pinion and gear; square of the
+        half-width per line load; overhang; the floor, and start and bend of the quadratic below it; correction; what a
+        cut adds.
+        """
+        bodies, table = self._bodies, np.empty((self.length.size, 14))
+        columns = (
+            self.length,
+            *bodies.depth,
+            *bodies.unit,
+            *bodies.contraction,
+            bodies.width_squared,
+            self.overhang,
+            self._floor,
+            self._start,
+            self._bend,
+            bodies.correction,
+            bodies.flexibility / math.pi,
+        )
+        for column, values in enumerate(columns):
+            table[:, column] = values
+        return table
 
     def _quadratic_energy(self, line_load: FloatArray) -> FloatArray:
         """Energy per length below the floor."""

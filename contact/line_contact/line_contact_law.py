@@ -19,11 +19,14 @@ from ..compliance import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, require_solver
+from ..solvers.compiled.compiled_answer import compiled_code, line_contact_answer
 from ..solvers.modal_batch import ModalBatch
 from ..solvers.modal_newton import newton_batch
+from ..solvers.solution import judged
 from .line_contact_solution import certified_on_secant, solve_on_bending
 
 Array = NDArray[np.float64]
+_Found = tuple[ContactSolution, ContactProblem]
 
 #: Steps of the inversion; four are usual.
 MAX_INVERSION_STEPS = 30
@@ -109,15 +112,39 @@ def solve_line_contacts(
         For every problem what `solve_line_contact` returns.
     """
     together = require_solver(solver) == "native" and not options and len(bendings) > 0
-    known = _newton_answers(bendings, contacts, starts) if together else [None] * len(bendings)
+    if not together:
+        known: Sequence[_Found | None] = [None] * len(bendings)
+    elif compiled_code() is not None:
+        known = [_compiled_answer(*own) for own in zip(bendings, contacts.each, strict=True)]
+    else:
+        known = newton_answers(bendings, contacts, starts)
     for bending, contact, start, found in zip(bendings, contacts.each, starts, known, strict=True):
         yield found or solve_on_bending(bending, contact, solver, initial_force=start, **options)
 
 
-def _newton_answers(
+def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Found | None:
+    """Answer of the compiled method, which needs no start; None where it has no certified one."""
+    found = line_contact_answer(bending, contact.parameters)
+    if found is None or not found.answer.certificate.passes(EXACT_TOLERANCE):
+        return None
+    solution = judged(
+        "native",
+        found.answer,
+        tolerance=EXACT_TOLERANCE,
+        iterations=found.iterations,
+        method="modal",
+        message=f"modal, {found.iterations} steps",
+    )
+    return solution, bending.with_added_compliance(found.secant)
+
+
+def newton_answers(
     bendings: Sequence[ContactProblem], contacts: LineContacts, starts: Sequence[Array | None]
-) -> list[tuple[ContactSolution, ContactProblem] | None]:
-    """Answers of Newton's method for all problems at once; None where it has no certified one."""
+) -> list[_Found | None]:
+    """Answers of Newton's method in numpy for all problems at once; None where it has no certified one.
+
+    This is the plain form of the compiled method, for where that cannot be used and to check it.
+    """
     sizes = np.array([problem.size for problem in bendings])
     batch = ModalBatch.of(
         [problem.modal_basis for problem in bendings],  # type: ignore[misc]  # structured
@@ -132,7 +159,7 @@ def _newton_answers(
     law = LineContactLaw(contacts.joined, segment, mean)
     deflection = np.append(contacts.joined.deflection(np.concatenate(forces)), 0.0)[segment]
     answer = newton_batch(batch, law, *batch.start(batch.in_blocks(forces, 0.0), deflection))
-    found: list[tuple[ContactSolution, ContactProblem] | None] = []
+    found: list[_Found | None] = []
     for i, force in enumerate(batch.by_segments(answer.force)):
         if not answer.ended[i]:
             found.append(None)

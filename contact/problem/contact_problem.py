@@ -194,7 +194,19 @@ class ContactProblem:
 
     def with_torque(self, torque: float) -> ContactProblem:
         """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
-        return ContactProblem(self.separation, self.lever_arm, torque, self.compliance_matrix)
+        moment = float(array("torque", torque, "N mm", ndim=0, least=0.0))
+        return self._changed(moment, self.compliance_matrix)
+
+    def _changed(self, torque: float, matrix: ComplianceMatrix) -> ContactProblem:
+        """The same segments under another torque or with another compliance, both checked already."""
+        changed = object.__new__(ContactProblem)
+        own = changed.__dict__  # frozen
+        own["separation"], own["lever_arm"], own["torque"], own["compliance_matrix"] = (
+            self.separation, self.lever_arm, torque, matrix,
+        )  # fmt: skip
+        if "_first_contact" in self.__dict__:
+            own["_first_contact"] = self.__dict__["_first_contact"]
+        return changed
 
     def with_added_compliance(self, local: Array, separation: Array | None = None) -> ContactProblem:
         """Return the problem with a local compliance added to the diagonal.
@@ -212,8 +224,9 @@ class ContactProblem:
             A wrong shape, a number that is not finite, a negative compliance.
         """
         added = self.compliance_matrix.with_added(_local(local, self.size))
-        gap = self.separation if separation is None else separation
-        return ContactProblem(gap, self.lever_arm, self.torque, added)
+        if separation is None:
+            return self._changed(self.torque, added)
+        return ContactProblem(separation, self.lever_arm, self.torque, added)
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the scaled problem for any solver behind qpsolvers.

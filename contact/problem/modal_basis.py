@@ -14,6 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from .mode_columns import ModeColumns, mode_columns
+
 Array = NDArray[np.float64]
 
 #: Largest contribution of a dropped mode to a block of V V^T, relative to its greatest entry (or eigenvalue).
@@ -46,6 +48,13 @@ class ModalBasis:
         factor[self.index[block], np.arange(block.size)[:, None]] = self.modes[block, :, mode]
         factor.setflags(write=False)
         return factor[:-1]
+
+    @cached_property
+    def columns(self) -> ModeColumns:
+        """The modes as the compiled contact solution reads them."""
+        rows = [index < self.size for index in self.index]
+        blocks = zip(self.index, self.modes, rows, strict=True)
+        return mode_columns(self.size, [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks])
 
     @property
     def basis(self) -> ModalBasis:

@@ -3,46 +3,121 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import astuple, dataclass, replace
 from time import perf_counter
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.checks import array
 from ...core.errors import InputError
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
+from .compiled.compiled_answer import compiled_code, linear_answers
 from .modal_newton import has_modal_form, modal_newton
-from .registry import ROUNDING_LEVEL, as_mask, judged_native, solve
-from .solution import ContactSolution
+from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, judged_native, solve
+from .solution import ContactSolution, Status
+
+Array = NDArray[np.float64]
 
 #: Problems of a batch are padded to one size, so that only those of like size go together; and in numbers that fit the
 #: processor's cache.
 BATCH_SIZE = 64
 
 
+@dataclass(frozen=True, eq=False)
+class ContactSolutions:
+    """Solutions of problems that differ in separations and torques alone, in arrays; a row is a problem.
+
+    Attributes
+    ----------
+    force
+        Normal forces (b, n) [N]; NaN in rows that are not certified.
+    rotation
+        Rotation of the gear (b) [rad].
+    gap
+        Gaps left under load (b, n) [mm].
+    elastic_rotation
+        Rotation beyond the first contact of the rigid bodies (b) [rad].
+    certificate
+        The entries of `Certificate` in their order (b, 5).
+    status
+        Numbers of `Status` (b).
+    iterations
+        Steps of the solver (b); -1 if unknown.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, (np.full(2, 1e-6), np.zeros((2, 1))))
+    >>> found = solve_many(springs, torque=[8.0e4, 4.0e4])
+    >>> found.force.tolist(), found.certified.all().item()
+    ([[1000.0, 1000.0], [500.0, 500.0]], True)
+    """
+
+    force: Array
+    rotation: Array
+    gap: Array
+    elastic_rotation: Array
+    certificate: Array
+    status: NDArray[np.int8]
+    iterations: NDArray[np.int64]
+
+    @property
+    def certified(self) -> NDArray[np.bool_]:
+        """Whether each answer is proved (b)."""
+        return np.asarray(self.status == Status.CERTIFIED)
+
+    def __len__(self) -> int:
+        """Number of problems."""
+        return self.status.size
+
+
+@overload
 def solve_many(
     problems: Sequence[ContactProblem], *, initial_active: Sequence[ArrayLike | None] | None = None
-) -> list[ContactSolution]:
+) -> list[ContactSolution]: ...
+
+
+@overload
+def solve_many(
+    problems: ContactProblem, *, separation: ArrayLike | None = None, torque: ArrayLike | None = None
+) -> ContactSolutions: ...
+
+
+def solve_many(
+    problems: Sequence[ContactProblem] | ContactProblem,
+    *,
+    initial_active: Sequence[ArrayLike | None] | None = None,
+    separation: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+) -> list[ContactSolution] | ContactSolutions:
     """Solve contact problems with the native solver, many at once.
 
     Parameters
     ----------
     problems
-        Of any size and form. Structured ones are solved together by the modal method, which is much faster; the
-        others, and what it cannot prove, one by one.
+        Problems of any size and form; or one problem, whose lever arms and compliance are shared by all.
     initial_active
-        Warm start of each problem, see `solve`.
+        Warm start of each of several problems, see `solve`.
+    separation
+        With one problem: separations of all (b, n) [mm], or one row (n) for all; by default those of the problem.
+    torque
+        With one problem: torques of all (b) [N mm], or one number; by default that of the problem.
 
     Returns
     -------
     list of ContactSolution
         In the order of the problems; what `solve` gives for each, up to rounding.
+    ContactSolutions
+        Where one problem was given.
 
     Raises
     ------
     InputError
-        As many warm starts as problems were not given, or one has the wrong shape.
+        As many warm starts as problems were not given, or one has the wrong shape; arrays of different lengths, or
+        numbers that no contact problem can have.
 
     Examples
     --------
@@ -50,11 +125,70 @@ def solve_many(
     >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, (np.full(2, 1e-6), np.zeros((2, 1))))
     >>> [solution.force[0].item() for solution in solve_many([springs, springs.with_torque(4.0e4)])]
     [1000.0, 500.0]
+    >>> solve_many(springs, separation=[[0.0, 0.0], [0.0, 1.0]], torque=[8.0e4, 4.0e4]).force.tolist()
+    [[1000.0, 1000.0], [1000.0, 0.0]]
     """
+    if isinstance(problems, ContactProblem):
+        if initial_active is not None:
+            raise InputError("initial_active: must not be given with arrays of separations and torques")
+        return _solve_rows(problems, separation, torque)
+    if separation is not None or torque is not None:
+        raise InputError("separation, torque: must be given with one problem, not with a sequence of problems")
     starts: Sequence[ArrayLike | None] = [None] * len(problems) if initial_active is None else initial_active
     if len(starts) != len(problems):
         raise InputError(f"initial_active = {len(starts)} sets: must be {len(problems)}, one a problem")
     known = [None if start is None else as_mask(start, p.size) for p, start in zip(problems, starts, strict=True)]
+    if compiled_code() is None:
+        return plain_solutions(problems, known)
+    found = []
+    for problem, active in zip(problems, known, strict=True):
+        compiled = compiled_solution(problem, active, perf_counter())
+        found.append(solve(problem, initial_active=active) if compiled is None else compiled)
+    return found
+
+
+def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: ArrayLike | None) -> ContactSolutions:
+    """Solve a problem with other separations and torques."""
+    gaps = array("separation", problem.separation if separation is None else separation, "mm")
+    moments = array("torque", problem.torque if torque is None else torque, "N mm", least=0.0)
+    if gaps.ndim not in (1, 2) or gaps.shape[-1] != problem.size or moments.ndim > 1:
+        raise InputError(
+            f"separation, torque = arrays of shapes {gaps.shape}, {moments.shape}: "
+            f"must have the shapes (b, {problem.size}) and (b)"
+        )
+    counts = {*gaps.shape[:-1], *moments.shape}
+    if len(counts) > 1:
+        raise InputError(f"separation, torque = {len(gaps)} rows, {moments.size} numbers: must be as many of both")
+    count = counts.pop() if counts else 1
+    gaps = np.ascontiguousarray(np.broadcast_to(gaps, (count, problem.size)))
+    moments = np.ascontiguousarray(np.broadcast_to(moments, (count,)))
+    force, gap = np.full((2, count, problem.size), np.nan)
+    numbers, status = np.full((count, 7), np.nan), np.full(count, Status.NOT_CONVERGED, dtype=np.int8)
+    steps, proved = np.full(count, -1), np.zeros(count, dtype=np.bool_)
+    together = linear_answers(problem, gaps, moments)
+    if together is not None:
+        force, gap, numbers, ended = together
+        steps = ended[:, 0].copy()
+        proved = (ended[:, 1] == 1) & (moments > 0.0) & (numbers[:, 2:].max(axis=1) <= ROUNDING_LEVEL)
+        status[proved] = Status.CERTIFIED
+    others = np.flatnonzero(~proved)
+    rest = [
+        ContactProblem(gaps[row], problem.lever_arm, float(moments[row]), problem.compliance_matrix) for row in others
+    ]
+    for row, solution in zip(others, solve_many(rest), strict=True):
+        force[row], gap[row], steps[row], status[row] = (
+            solution.force, solution.gap, solution.iterations, solution.status,
+        )  # fmt: skip
+        numbers[row] = solution.rotation, solution.elastic_rotation, *astuple(solution.certificate)
+    return ContactSolutions(
+        force, numbers[:, 0].copy(), gap, numbers[:, 1].copy(), numbers[:, 2:].copy(), status, steps
+    )
+
+
+def plain_solutions(
+    problems: Sequence[ContactProblem], known: Sequence[NDArray[np.bool_] | None]
+) -> list[ContactSolution]:
+    """As `solve_many`, by arrays of numpy alone: for where the compiled method cannot be used, and to check it."""
     together = [(number, scaled) for number, scaled in enumerate(map(_scaled, problems)) if scaled is not None]
     together.sort(key=lambda item: item[1].separation.size)
     found: dict[int, ContactSolution] = {}

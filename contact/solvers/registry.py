@@ -21,8 +21,9 @@ from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import adapter_of, backend_solution
+from .compiled.compiled_answer import linear_answer
 from .scaled_answer import ScaledAnswer
-from .solution import ContactSolution, Status, judged, no_solution
+from .solution import SOLVED, ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS
 
 #: A certificate this good is rounding; the native cascade looks no further.
@@ -119,8 +120,39 @@ def solve(
     ('CERTIFIED', 1000.0, 40.0)
     """
     start = perf_counter()
+    if solver in ("auto", "native") and form == "auto" and not settings:
+        compiled = compiled_solution(problem, initial_active, start)
+        if compiled is not None:
+            return compiled
     solution = _solved(problem, require_solver(solver), polish, initial_active, form, settings)
     return replace(solution, run_time=perf_counter() - start)
+
+
+def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start: float) -> ContactSolution | None:
+    """Return the certified solution of the compiled modal method; None where it has none.
+
+    Parameters
+    ----------
+    problem, initial
+        As of `solve`.
+    start
+        Time at which the call began [s].
+    """
+    found = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
+    if found is None or not found.answer.certificate.worst <= ROUNDING_LEVEL:
+        return None
+    return ContactSolution(
+        found.answer,
+        Status.CERTIFIED,
+        "native",
+        found.iterations,
+        SOLVED,
+        "modal",
+        perf_counter() - start,
+        False,
+        EXACT_TOLERANCE,
+        "modal",
+    )
 
 
 def _solved(

@@ -1,0 +1,86 @@
+"""Bending modes as the compiled contact solution reads them: block by block, and again for a part of the segments.
+
+On level 0 stand all segments, on level 1 every fourth of each block, on level 2 every fourth of these. Places are
+numbers of segments in the order of the blocks; a mode of a block is contiguous in ``columns``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+#: One segment stands for so many on the next level.
+STRIDE = 4
+#: On every level a block has at least so many segments.
+FEWEST_SEGMENTS = 4
+MAX_LEVELS = 5
+
+
+class ModeColumns(NamedTuple):
+    """Modes of one compliance.
+
+    Attributes
+    ----------
+    places
+        First place of every level in ``order`` (l).
+    blocks
+        On every level, of each block: first place from that of the level, number of segments, first entry of
+        ``columns``, number of modes (l, q, 4).
+    order
+        Segment at each place, one level after the other.
+    columns
+        Modes of each block, one after the other [(mm/N)^0.5].
+    bending
+        Diagonal of U U' (n) [mm/N], by segments.
+    row_sum
+        Row sums of U U' (n) [mm/N], by segments.
+    """
+
+    places: Whole
+    blocks: Whole
+    order: Whole
+    columns: Array
+    bending: Array
+    row_sum: Array
+
+
+def mode_columns(size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]]) -> ModeColumns:
+    """Arrange modes.
+
+    Parameters
+    ----------
+    size
+        Number of segments n.
+    blocks
+        Segments (m) and modes (m, k) of every block [(mm/N)^0.5].
+    """
+    bending, row_sum = np.zeros(size), np.zeros(size)
+    for index, modes in blocks:
+        bending[index] = np.einsum("ij,ij->i", modes, modes)
+        row_sum[index] = modes @ modes.sum(axis=0)
+    shortest = min(index.size for index, _ in blocks)
+    levels = 1
+    while levels < MAX_LEVELS and shortest // STRIDE**levels >= FEWEST_SEGMENTS:
+        levels += 1
+    places, table = np.zeros(levels, dtype=np.int64), np.zeros((levels, len(blocks), 4), dtype=np.int64)
+    order: list[NDArray[np.intp]] = []
+    columns: list[Array] = []
+    place = entry = 0
+    for level in range(levels):
+        places[level], first = place, 0
+        chosen = slice(STRIDE**level // 2, None, STRIDE**level)
+        for number, (index, modes) in enumerate(blocks):
+            own, part = index[chosen], modes[chosen]
+            table[level, number] = first, own.size, entry, modes.shape[1]
+            order.append(own)
+            columns.append(part.T.ravel())
+            first, entry = first + own.size, entry + part.size
+        place += first
+    whole = np.concatenate(order).astype(np.int64)
+    return ModeColumns(places, table, whole, np.concatenate(columns), bending, row_sum)

@@ -1,0 +1,1 @@
+"""The contact solution as one compiled function over many problems."""

@@ -1,0 +1,148 @@
+"""Answers of the compiled contact solution, certified on the problem as it was given; none where it has none.
+
+The compiled code is loaded when it is first used. Without numba, or with EASEOFF_COMPILED=0 in the environment, there
+are no such answers, and the methods of ``solvers`` take over.
+"""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...problem.answer import Answer, with_certificate
+from ...problem.certificate import Certificate
+from ...problem.compliance_matrix import ModalCompliance
+from ...problem.contact_problem import ContactProblem
+from ...problem.modal_basis import ModalBasis
+
+Array = NDArray[np.float64]
+
+#: Smallest local compliance for which the method is tried, relative to the whole compliance of a segment: digits are
+#: lost, and iterations gained, in the ratio of the two.
+SMALLEST_LOCAL_FRACTION = 1e-4
+#: Switches the compiled code off.
+SWITCH = "EASEOFF_COMPILED"
+
+_NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.bool_), np.empty((0, 14))
+
+
+class CompiledAnswer(NamedTuple):
+    """An answer, the number of steps, and for line contacts their secant compliance (n) [mm/N]."""
+
+    answer: Answer
+    iterations: int
+    secant: Array
+
+
+@cache
+def compiled_code() -> Any:
+    """The module of the compiled functions, or None."""
+    if os.environ.get(SWITCH, "1") == "0":
+        return None
+    try:
+        from . import newton_kernel
+    except ImportError:  # no numba, or none for this Python or numpy
+        return None
+    return newton_kernel
+
+
+def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = None) -> CompiledAnswer | None:
+    """Solve a contact problem of given compliance.
+
+    Parameters
+    ----------
+    problem
+        Of any form.
+    active
+        Segments assumed in contact (n).
+
+    Returns
+    -------
+    CompiledAnswer or None
+        None where the method cannot be used or did not end.
+    """
+    matrix = problem.compliance_matrix
+    if not isinstance(matrix, ModalCompliance) or not problem.torque > 0.0 or (code := compiled_code()) is None:
+        return None
+    if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
+        return None
+    size = problem.separation.size
+    force, gap, numbers, counts = _results(1, size)
+    code.solve_batch(
+        tuple(matrix.modes.basis.columns), np.array([problem.torque]), problem.separation.reshape(1, size),
+        problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK if active is None else active.reshape(1, size),
+        force, gap, _NO_FORCES, numbers, counts,
+    )  # fmt: skip
+    steps, ended = counts[0].tolist()
+    if not ended:
+        return None
+    if not isinstance(matrix.modes, ModalBasis):  # the proof is on the factor as it was given
+        return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES)
+    return CompiledAnswer(answer_of(force[0], gap[0], numbers[0]), steps, _NO_FORCES)
+
+
+def linear_answers(problem: ContactProblem, separation: Array, torque: Array) -> tuple[Array, Array, Array, Any] | None:
+    """Solve a contact problem with other separations (b, n) and torques (b).
+
+    Returns
+    -------
+    tuple or None
+        Forces and gaps (b, n); rotation, elastic rotation and certificate (b, 7); steps and whether the method ended
+        (b, 2). None where the method cannot be used.
+    """
+    matrix = problem.compliance_matrix
+    if not isinstance(matrix, ModalCompliance) or (code := compiled_code()) is None:
+        return None
+    if not (matrix.local_fraction > SMALLEST_LOCAL_FRACTION and isinstance(matrix.modes, ModalBasis)):
+        return None
+    force, gap, numbers, counts = _results(*separation.shape)
+    code.solve_batch(
+        tuple(matrix.modes.columns), torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
+        force, gap, _NO_FORCES, numbers, counts,
+    )  # fmt: skip
+    return force, gap, numbers[:, :7], counts
+
+
+def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer | None:
+    """Solve a contact problem with load-dependent line contact.
+
+    Parameters
+    ----------
+    bending
+        With the compliance of bending alone.
+    law
+        Parameters of the line contacts (n, 14), see `WeberLineContact.parameters`.
+
+    Returns
+    -------
+    CompiledAnswer or None
+        As of `linear_answer`; the certificate is that of the linear problem with the secant compliance.
+    """
+    basis, code = bending.modal_basis, compiled_code()
+    if basis is None or code is None or not bending.torque > 0.0:
+        return None
+    size = bending.separation.size
+    force, gap, numbers, counts = _results(1, size)
+    secant = np.empty((1, size))
+    code.solve_batch(
+        tuple(basis.columns), np.array([bending.torque]), bending.separation.reshape(1, size), bending.lever_arm,
+        bending.separation, law, _NO_MASK,
+        force, gap, secant, numbers, counts,
+    )  # fmt: skip
+    steps, ended = counts[0].tolist()
+    return CompiledAnswer(answer_of(force[0], gap[0], numbers[0]), steps, secant[0]) if ended else None
+
+
+def answer_of(force: Array, gap: Array, numbers: Array) -> Answer:
+    """Return an answer from forces and gaps (n) and the numbers (7) that the compiled code has of it."""
+    rotation, elastic, *entries = numbers.tolist()
+    return Answer(force, rotation, gap, elastic, Certificate(*entries[:5]))
+
+
+def _results(count: int, size: int) -> tuple[Array, Array, Array, NDArray[np.int64]]:
+    shape = (count, size)
+    return np.empty(shape), np.empty(shape), np.empty((count, 8)), np.empty((count, 2), dtype=np.int64)

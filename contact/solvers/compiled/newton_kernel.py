@@ -1,0 +1,852 @@
+"""Newton's method in the bending modes, compiled: contact problems from the given data to the certificate.
+
+The method is that of ``modal_newton``, one problem after another: the first contact of the rigid bodies, a start from
+uncoupled springs, Newton's steps with their line search, gaps and certificate. Three things differ. The unknowns are
+modal amplitudes and rotation, whatever the number of segments; so the problem is first solved on a part of the
+segments of each block, see ``mode_columns``, each standing for its neighbours, and this answer starts the whole. Where
+fewer segments of a block touch than it has modes, its matrix is inverted by Woodbury's identity. As long as the
+touching segments of a block stay the same and the law is linear, its factor is kept.
+
+All compiled code is in this one file: numba recompiles a function when the file that it is in has changed, but does not
+notice a change of a file from which that calls another one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+import numpy as np
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+MAX_ITERATIONS = 60
+MAX_HALVINGS = 20
+ROUNDING_RESIDUAL, STALLED_RESIDUAL = 2e-15, 1e-8
+ROUNDING_SLOPE = 1e-12
+#: Steps on a part of the segments, and the residual at which they end where the law is not linear.
+MAX_COARSE_ITERATIONS, COARSE_RESIDUAL = 12, 1e-2
+WINKLER_ROW_SUM_FRACTION = 0.4
+#: Part of the segments that is taken to touch before anything is known.
+TOUCHING_GUESS = 0.4
+MAX_INVERSION_STEPS = 30
+INVERSION_TOLERANCE = 1e-8
+#: Error of the guess, relative to the indentation, up to which its tangent is used.
+NEAR = 0.3
+CANCELLATION_FLOOR = 1e-5
+#: Columns of the parameters of a line contact.
+LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORRECTION, CUT = (
+    0,
+    1,
+    3,
+    5,
+    7,
+    8,
+    9,
+    10,
+    11,
+    12,
+    13,
+)
+#: Columns of the numbers of an answer.
+ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
+
+
+def _compiled(*signature: Any, **options: Any) -> Callable[[Function], Function]:
+    """Compile a function; kept on disk where numba finds a folder that can be written."""
+
+    def decorate(function: Function) -> Function:
+        try:
+            return numba.njit(*signature, cache=True, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+        except RuntimeError as error:
+            if "cache" not in str(error):
+                raise
+            return numba.njit(*signature, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+
+    return decorate
+
+
+def _read(kind: Any, dimensions: int) -> Any:
+    """An array that is read: writeable ones may stand for it."""
+    return numba.types.Array(kind, dimensions, "C", readonly=True)
+
+
+_sums = _compiled(fastmath={"reassoc", "contract", "nsz"})  # sums in any order, by several at a time
+_exact = _compiled()
+
+
+@_exact
+def _first_contact(separation: Any, arm: Any, shifted: Any) -> float:
+    """Rotation at which the rigid bodies touch; the separations from there."""
+    rotation, first = np.inf, 0
+    for i in range(shifted.size):
+        if arm[i] > 0.0:
+            own = separation[i] / arm[i]
+            if own < rotation:
+                rotation, first = own, i
+    for i in range(shifted.size):
+        gap = separation[i] - rotation * arm[i]
+        shifted[i] = max(gap, 0.0) if arm[i] > 0.0 else gap
+    shifted[first] = 0.0
+    return rotation
+
+
+@_exact
+def _strip(p: Any, load: float) -> tuple[float, float]:
+    """Secant and tangent of the deflection over the line load, see ``weber_line_contact``."""
+    if load < p[FLOOR]:
+        bend = p[BEND] * max(load, 0.0)
+        return p[START] + bend, p[START] + 2.0 * bend
+    squared = p[WIDTH] * load
+    half, growth, cut, slope = math.sqrt(squared), 0.5, 0.0, 0.0
+    e = p[OVERHANG]
+    if not math.isnan(e):
+        half = squared / (math.sqrt(e * e + 3.0 * squared) + e)
+        ends, twice = 2.0 * e + 3.0 * half, 2.0 * e + 6.0 * half
+        growth, cut = ends / twice, 2.0 * e / ends
+        slope = cut * (1.0 - 3.0 * half / twice)
+    secant, tangent = p[CORRECTION] + p[CUT] * cut, p[CORRECTION] + p[CUT] * slope
+    for body in range(2):
+        h, unit, contraction = p[DEPTHS + body], p[UNITS + body], p[CONTRACTIONS + body]
+        s = math.sqrt(h * h + half * half)
+        logarithm = math.log((h + s) / half) if h > half else math.asinh(h / half)
+        share = h / (s + h)
+        secant += unit * (logarithm - contraction * share)
+        drop = share * (1.0 - growth * (s - h) / s)
+        tangent += unit * (logarithm - growth * h / s - contraction * drop)
+    return secant, tangent
+
+
+@_exact
+def _pressed(p: Any, indentation: float, guess: float) -> tuple[float, float]:
+    """Force and stiffness of a line contact at an indentation, from a force of the usual size."""
+    length = p[LENGTH]
+    load = guess / length
+    secant, tangent = _strip(p, load)
+    error = indentation - secant * load
+    load = load + error / tangent if abs(error) < NEAR * indentation else indentation / secant
+    steps = 0
+    while abs(error) > INVERSION_TOLERANCE * indentation and steps < MAX_INVERSION_STEPS:
+        secant, tangent = _strip(p, load)
+        error = indentation - secant * load
+        load = max(load + error / tangent, 0.0)
+        steps += 1
+    return load * length, length / tangent
+
+
+@_sums
+def _add_closing(columns: Any, at: int, count: int, rank: int, amplitudes: Any, c0: int, gap: Any, x0: int) -> None:
+    """Add U c to the gaps of one block."""
+    # Slices that are read from zero on: compiled indices may be negative otherwise, and loops take one at a time.
+    own, a = gap[x0 : x0 + count], 0
+    while a + 4 <= rank:
+        c, d, e, f = amplitudes[c0 + a], amplitudes[c0 + a + 1], amplitudes[c0 + a + 2], amplitudes[c0 + a + 3]
+        p, q = columns[at : at + count], columns[at + count : at + 2 * count]
+        r, s = columns[at + 2 * count : at + 3 * count], columns[at + 3 * count : at + 4 * count]
+        for j in range(count):
+            own[j] += c * p[j] + d * q[j] + e * r[j] + f * s[j]
+        a, at = a + 4, at + 4 * count
+    while a < rank:
+        c, p = amplitudes[c0 + a], columns[at : at + count]
+        for j in range(count):
+            own[j] += c * p[j]
+        a, at = a + 1, at + count
+
+
+@_sums
+def _loads(
+    columns: Any, own: int, count: int, rank: int, vector: Any, x0: int, low: int, high: int, result: Any, c0: int
+) -> None:
+    """U' v of one block."""
+    v, a, at, length = vector[low:high], 0, own + low - x0, high - low
+    while a + 4 <= rank:
+        p, q = columns[at : at + length], columns[at + count : at + count + length]
+        r, s = columns[at + 2 * count : at + 2 * count + length], columns[at + 3 * count : at + 3 * count + length]
+        s0 = s1 = s2 = s3 = 0.0
+        for x in range(length):
+            s0 += p[x] * v[x]
+            s1 += q[x] * v[x]
+            s2 += r[x] * v[x]
+            s3 += s[x] * v[x]
+        result[c0 + a] = s0
+        result[c0 + a + 1] = s1
+        result[c0 + a + 2] = s2
+        result[c0 + a + 3] = s3
+        a, at = a + 4, at + 4 * count
+    while a < rank:
+        p = columns[at : at + length]
+        s0 = 0.0
+        for x in range(length):
+            s0 += p[x] * v[x]
+        result[c0 + a] = s0
+        a, at = a + 1, at + count
+
+
+@_sums
+def _products(z: Any, rank: int, vector: Any, low: int, high: int, result: Any, c0: int) -> None:
+    """Z v of one block."""
+    v = vector[low:high]
+    for a in range(0, rank, 4):
+        p, q, r, s = z[a, low:high], z[a + 1, low:high], z[a + 2, low:high], z[a + 3, low:high]
+        s0 = s1 = s2 = s3 = 0.0
+        for x in range(high - low):
+            s0 += p[x] * v[x]
+            s1 += q[x] * v[x]
+            s2 += r[x] * v[x]
+            s3 += s[x] * v[x]
+        result[c0 + a] = s0
+        result[c0 + a + 1] = s1
+        result[c0 + a + 2] = s2
+        result[c0 + a + 3] = s3
+
+
+@_sums
+def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
+    """I + Z Z' of one block, the lower triangle."""
+    for a in range(0, rank, 4):
+        za, zb, zc, zd = z[a, low:high], z[a + 1, low:high], z[a + 2, low:high], z[a + 3, low:high]
+        for b in range(0, a + 1, 4):
+            ze, zf, zg, zh = z[b, low:high], z[b + 1, low:high], z[b + 2, low:high], z[b + 3, low:high]
+            s00 = s01 = s02 = s03 = s10 = s11 = s12 = s13 = 0.0
+            s20 = s21 = s22 = s23 = s30 = s31 = s32 = s33 = 0.0
+            for x in range(high - low):
+                p, q, r, s = za[x], zb[x], zc[x], zd[x]
+                t, u, v, w = ze[x], zf[x], zg[x], zh[x]
+                s00 += p * t
+                s01 += p * u
+                s02 += p * v
+                s03 += p * w
+                s10 += q * t
+                s11 += q * u
+                s12 += q * v
+                s13 += q * w
+                s20 += r * t
+                s21 += r * u
+                s22 += r * v
+                s23 += r * w
+                s30 += s * t
+                s31 += s * u
+                s32 += s * v
+                s33 += s * w
+            gram[a, b], gram[a, b + 1], gram[a, b + 2], gram[a, b + 3] = s00, s01, s02, s03
+            gram[a + 1, b], gram[a + 1, b + 1], gram[a + 1, b + 2], gram[a + 1, b + 3] = s10, s11, s12, s13
+            gram[a + 2, b], gram[a + 2, b + 1], gram[a + 2, b + 2], gram[a + 2, b + 3] = s20, s21, s22, s23
+            gram[a + 3, b], gram[a + 3, b + 1], gram[a + 3, b + 2], gram[a + 3, b + 3] = s30, s31, s32, s33
+    for a in range(rank + (-rank) % 4):
+        gram[a, a] += 1.0
+
+
+@_sums
+def _factor(matrix: Any, size: int) -> None:
+    """Cholesky factor in place, the inverse of its diagonal on the diagonal; the size is a multiple of four."""
+    for i in range(0, size, 4):
+        za, zb, zc, zd = matrix[i], matrix[i + 1], matrix[i + 2], matrix[i + 3]
+        for j in range(0, i + 1, 4):
+            s00, s01, s02, s03 = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
+            s10, s11, s12, s13 = matrix[i + 1, j], matrix[i + 1, j + 1], matrix[i + 1, j + 2], matrix[i + 1, j + 3]
+            s20, s21, s22, s23 = matrix[i + 2, j], matrix[i + 2, j + 1], matrix[i + 2, j + 2], matrix[i + 2, j + 3]
+            s30, s31, s32, s33 = matrix[i + 3, j], matrix[i + 3, j + 1], matrix[i + 3, j + 2], matrix[i + 3, j + 3]
+            ze, zf, zg, zh = matrix[j], matrix[j + 1], matrix[j + 2], matrix[j + 3]
+            for t in range(j):
+                p, q, r, s = za[t], zb[t], zc[t], zd[t]
+                k, u, v, w = ze[t], zf[t], zg[t], zh[t]
+                s00 -= p * k
+                s01 -= p * u
+                s02 -= p * v
+                s03 -= p * w
+                s10 -= q * k
+                s11 -= q * u
+                s12 -= q * v
+                s13 -= q * w
+                s20 -= r * k
+                s21 -= r * u
+                s22 -= r * v
+                s23 -= r * w
+                s30 -= s * k
+                s31 -= s * u
+                s32 -= s * v
+                s33 -= s * w
+            if i == j:
+                d0 = 1.0 / math.sqrt(s00)
+                l10, l20, l30 = s10 * d0, s20 * d0, s30 * d0
+                d1 = 1.0 / math.sqrt(s11 - l10 * l10)
+                l21, l31 = (s21 - l20 * l10) * d1, (s31 - l30 * l10) * d1
+                d2 = 1.0 / math.sqrt(s22 - l20 * l20 - l21 * l21)
+                l32 = (s32 - l30 * l20 - l31 * l21) * d2
+                d3 = 1.0 / math.sqrt(s33 - l30 * l30 - l31 * l31 - l32 * l32)
+                matrix[i, i], matrix[i + 1, i + 1], matrix[i + 2, i + 2], matrix[i + 3, i + 3] = d0, d1, d2, d3
+                matrix[i + 1, i], matrix[i + 2, i], matrix[i + 3, i] = l10, l20, l30
+                matrix[i + 2, i + 1], matrix[i + 3, i + 1], matrix[i + 3, i + 2] = l21, l31, l32
+            else:
+                d0, d1, d2, d3 = matrix[j, j], matrix[j + 1, j + 1], matrix[j + 2, j + 2], matrix[j + 3, j + 3]
+                l10, l20, l30 = matrix[j + 1, j], matrix[j + 2, j], matrix[j + 3, j]
+                l21, l31, l32 = matrix[j + 2, j + 1], matrix[j + 3, j + 1], matrix[j + 3, j + 2]
+                s00, s10, s20, s30 = s00 * d0, s10 * d0, s20 * d0, s30 * d0
+                s01, s11 = (s01 - s00 * l10) * d1, (s11 - s10 * l10) * d1
+                s21, s31 = (s21 - s20 * l10) * d1, (s31 - s30 * l10) * d1
+                s02, s12 = (s02 - s00 * l20 - s01 * l21) * d2, (s12 - s10 * l20 - s11 * l21) * d2
+                s22, s32 = (s22 - s20 * l20 - s21 * l21) * d2, (s32 - s30 * l20 - s31 * l21) * d2
+                s03 = (s03 - s00 * l30 - s01 * l31 - s02 * l32) * d3
+                s13 = (s13 - s10 * l30 - s11 * l31 - s12 * l32) * d3
+                s23 = (s23 - s20 * l30 - s21 * l31 - s22 * l32) * d3
+                s33 = (s33 - s30 * l30 - s31 * l31 - s32 * l32) * d3
+                matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3] = s00, s01, s02, s03
+                matrix[i + 1, j], matrix[i + 1, j + 1] = s10, s11
+                matrix[i + 1, j + 2], matrix[i + 1, j + 3] = s12, s13
+                matrix[i + 2, j], matrix[i + 2, j + 1] = s20, s21
+                matrix[i + 2, j + 2], matrix[i + 2, j + 3] = s22, s23
+                matrix[i + 3, j], matrix[i + 3, j + 1] = s30, s31
+                matrix[i + 3, j + 2], matrix[i + 3, j + 3] = s32, s33
+
+
+@_sums
+def _solve(factor: Any, size: int, right: Any, c0: int) -> None:
+    """Solve with the factor, in place."""
+    for i in range(0, size, 4):
+        s0, s1, s2, s3 = right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3]
+        for t in range(i):
+            v = right[c0 + t]
+            s0 -= factor[i, t] * v
+            s1 -= factor[i + 1, t] * v
+            s2 -= factor[i + 2, t] * v
+            s3 -= factor[i + 3, t] * v
+        s0 *= factor[i, i]
+        s1 = (s1 - s0 * factor[i + 1, i]) * factor[i + 1, i + 1]
+        s2 = (s2 - s0 * factor[i + 2, i] - s1 * factor[i + 2, i + 1]) * factor[i + 2, i + 2]
+        s3 -= s0 * factor[i + 3, i] + s1 * factor[i + 3, i + 1] + s2 * factor[i + 3, i + 2]
+        s3 *= factor[i + 3, i + 3]
+        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
+    for i in range(size - 4, -1, -4):
+        s3 = right[c0 + i + 3] * factor[i + 3, i + 3]
+        s2 = (right[c0 + i + 2] - s3 * factor[i + 3, i + 2]) * factor[i + 2, i + 2]
+        s1 = (right[c0 + i + 1] - s3 * factor[i + 3, i + 1] - s2 * factor[i + 2, i + 1]) * factor[i + 1, i + 1]
+        s0 = right[c0 + i] - s3 * factor[i + 3, i] - s2 * factor[i + 2, i] - s1 * factor[i + 1, i]
+        s0 *= factor[i, i]
+        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
+        for t in range(i):
+            right[c0 + t] -= s0 * factor[i, t] + s1 * factor[i + 1, t] + s2 * factor[i + 2, t] + s3 * factor[i + 3, t]
+
+
+@_sums
+def _combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0: int) -> None:
+    """Z' v of one block of few rows."""
+    result[c0 : c0 + rank] = 0.0
+    _add_combination(z, size, factor, rank, result, c0)
+
+
+@_sums
+def _add_combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0: int) -> None:
+    """Add Z' v."""
+    own = result[c0 : c0 + rank]
+    for i in range(0, size, 4):
+        p, q, r, s = z[i], z[i + 1], z[i + 2], z[i + 3]
+        c, d, e, f = factor[i], factor[i + 1], factor[i + 2], factor[i + 3]
+        for a in range(rank):
+            own[a] += c * p[a] + d * q[a] + e * r[a] + f * s[a]
+
+
+@_sums
+def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: Any, state: Any, work: Any) -> Any:
+    """Gaps, forces and their sums at a point.
+
+    Returns moment of the forces, sum of stiffness times squared arm, and whether the touching set has changed; blocks
+    in which it has are marked.
+    """
+    separation, arm, stiffness, segment = given
+    amplitudes, rotation = at
+    gap, root, pull, lever, force, z = state
+    loads, spans = work
+    width = z.shape[0]
+    moment, pivot, changed = 0.0, 0.0, not linear
+    for q in range(blocks.shape[0]):
+        x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
+        x1 = x0 + count
+        for x in range(x0, x1):
+            gap[x] = separation[x] - rotation * arm[x]
+        _add_closing(columns, own, count, rank, amplitudes, q * width, gap, x0)
+        low, high = x1, x0
+        different = not linear
+        if linear:
+            for x in range(x0, x1):
+                if gap[x] < 0.0:
+                    if root[x] == 0.0:
+                        different = True
+                    root[x] = stiffness[x]
+                    low, high = min(low, x), x + 1
+                else:
+                    if root[x] != 0.0:
+                        different = True
+                    root[x] = 0.0
+                pull[x] = -gap[x] * root[x]
+        else:
+            weight = stiffness[x0]
+            for x in range(x0, x1):
+                if gap[x] < 0.0:
+                    force[x], tangent = _pressed(law[segment[x]], -gap[x], force[x])
+                    root[x] = math.sqrt(weight * tangent)
+                    pull[x] = weight * force[x] / root[x]
+                    low, high = min(low, x), x + 1
+                else:
+                    root[x] = pull[x] = 0.0
+        if different:
+            changed = True
+            low = min(low, high)
+            spans[q, 0], spans[q, 1], spans[q, 2] = low, high, 1
+            for x in range(low, high):
+                lever[x] = root[x] * arm[x]
+        low, high = spans[q, 0], spans[q, 1]
+        for x in range(low, high):
+            moment += pull[x] * lever[x]
+            pivot += lever[x] * lever[x]
+            pull[x] *= root[x]
+        _loads(columns, own, count, rank, pull, x0, low, high, loads, q * width)
+    return moment, pivot, changed
+
+
+@_exact
+def _fill(columns: Any, own: int, count: int, rank: int, root: Any, x0: int, low: int, high: int, z: Any) -> None:
+    """Modes of a block times the roots of the stiffness."""
+    stiff = root[low:high]
+    for a in range(rank):
+        first, target = own + a * count - x0 + low, z[a, low:high]
+        mode = columns[first : first + high - low]
+        for x in range(high - low):
+            target[x] = mode[x] * stiff[x]
+    for a in range(rank, rank + (-rank) % 4):
+        z[a, low:high] = 0.0
+
+
+@_exact
+def _fill_rows(columns: Any, own: int, count: int, rank: int, root: Any, x0: int, low: int, high: int, z: Any) -> None:
+    """As `_fill`, one segment after the other."""
+    padded, size = rank + (-rank) % 4, high - low
+    for x in range(size):
+        row, stiff, at = z[x], root[low + x], own + low + x - x0
+        for a in range(rank):
+            row[a] = columns[at] * stiff
+            at += count
+        row[rank:padded] = 0.0
+    for x in range(size, size + (-size) % 4):
+        z[x, :padded] = 0.0
+
+
+@_sums
+def _direction(
+    blocks: Any, columns: Any, balance: Any, at: Any, state: Any, work: Any, factors: Any, change: Any
+) -> float:
+    """Newton's change of amplitudes; returns that of the rotation.
+
+    The matrix of a block is I + Z Z'. Where fewer segments touch than there are modes, it is solved by Woodbury's
+    identity: its inverse is I - Z (I + Z'Z)^-1 Z'.
+    """
+    amplitudes, _ = at
+    _, root, _, lever, _, z = state
+    loads, spans = work
+    grams, border, solved, rows, few = factors
+    imbalance, pivot = balance
+    width = z.shape[0]
+    for q in range(blocks.shape[0]):
+        rank, c0 = blocks[q, 3], q * width
+        low, high = spans[q, 0], spans[q, 1]
+        padded, size = rank + (-rank) % 4, high - low + (low - high) % 4
+        segments = size < padded
+        if spans[q, 2] == 1:
+            spans[q, 2] = 0
+            if segments:
+                _fill_rows(columns, blocks[q, 2], blocks[q, 1], rank, root, blocks[q, 0], low, high, rows[q])
+                _gram(rows[q], size, 0, padded, grams[q])
+                _factor(grams[q], size)
+                few[:size] = 0.0
+                few[: high - low] = lever[low:high]
+                _combination(rows[q], size, few, padded, border, c0)
+                _solve(grams[q], size, few, 0)
+                _combination(rows[q], size, few, padded, solved, c0)
+            else:
+                _fill(columns, blocks[q, 2], blocks[q, 1], rank, root, blocks[q, 0], low, high, z)
+                _gram(z, rank, low, high, grams[q])
+                _factor(grams[q], padded)
+                _products(z, rank, lever, low, high, border, c0)
+                solved[c0 : c0 + padded] = border[c0 : c0 + padded]
+                _solve(grams[q], padded, solved, c0)
+        for a in range(c0, c0 + padded):
+            change[a] = loads[a] - amplitudes[a]
+        if segments:
+            _products(rows[q], size, change[c0 : c0 + padded], 0, padded, few, 0)
+            _solve(grams[q], size, few, 0)
+            for i in range(size):
+                few[i] = -few[i]
+            _add_combination(rows[q], size, few, padded, change, c0)
+        else:
+            _solve(grams[q], padded, change, c0)
+        for a in range(c0, c0 + rank):
+            pivot -= border[a] * solved[a]
+            imbalance += border[a] * change[a]
+    turn: float = imbalance / pivot
+    for q in range(blocks.shape[0]):
+        for a in range(q * width, q * width + blocks[q, 3]):
+            change[a] += turn * solved[a]
+    return turn
+
+
+@_sums
+def _stuck(blocks: Any, columns: Any, given: Any, touching: Any, state: Any, work: Any) -> Any:
+    """As `_point` at amplitudes and rotation zero, where chosen segments stick together and no others touch."""
+    separation, arm, stiffness, _ = given
+    _, root, pull, lever, _, z = state
+    loads, spans = work
+    width = z.shape[0]
+    moment, pivot = 0.0, 0.0
+    for q in range(blocks.shape[0]):
+        x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
+        low, high = x0 + count, x0
+        for x in range(x0, x0 + count):
+            root[x] = 0.0
+            if touching[x]:
+                root[x] = stiffness[x]
+                low, high = min(low, x), x + 1
+            pull[x] = -separation[x] * root[x]
+            lever[x] = root[x] * arm[x]
+            moment += pull[x] * lever[x]
+            pivot += lever[x] * lever[x]
+        low = min(low, high)
+        spans[q, 0], spans[q, 1], spans[q, 2] = low, high, 1
+        for x in range(low, high):
+            pull[x] *= root[x]
+        _loads(columns, own, count, rank, pull, x0, low, high, loads, q * width)
+    return moment, pivot
+
+
+@_sums
+def _slope(blocks: Any, width: int, torque: float, moment: float, loads: Any, amplitudes: Any, step: Any) -> Any:
+    """Slope of phi along a step, and what of it is rounding."""
+    change, turn = step
+    bending, local = 0.0, -turn * moment
+    for q in range(blocks.shape[0]):
+        for a in range(q * width, q * width + blocks[q, 3]):
+            bending += change[a] * amplitudes[a]
+            local += change[a] * loads[a]
+    work = torque * turn
+    return bending - local - work, ROUNDING_SLOPE * (abs(bending) + abs(local) + abs(work))
+
+
+@_exact
+def _iterate(
+    blocks: Any, columns: Any, law: Any, linear: bool, coarse: bool, given: Any, torque: float, rotation: float,
+    amplitudes: Any, state: Any, work: Any, factors: Any, spare: Any,
+) -> Any:  # fmt: skip
+    """Newton's method from amplitudes and a rotation; returns rotation, steps and whether it ended."""
+    loads, width = work[0], state[5].shape[0]
+    change, begin, best = spare
+    least, steps, ended, kept, current = np.inf, 0, False, rotation, 0
+    moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+    for iteration in range(MAX_COARSE_ITERATIONS if coarse else MAX_ITERATIONS):
+        current = iteration
+        amplitude, left = 0.0, 0.0
+        for q in range(blocks.shape[0]):
+            for a in range(q * width, q * width + blocks[q, 3]):
+                amplitude = max(amplitude, abs(amplitudes[a]))
+                left = max(left, abs(loads[a] - amplitudes[a]))
+        residual = abs(torque - moment) / torque
+        if amplitude > 0.0:
+            left /= amplitude
+        residual = max(residual, left)
+        if coarse and (residual < COARSE_RESIDUAL or (linear and iteration > 0 and not changed)):
+            return rotation, iteration, True
+        before = least
+        if residual < least:
+            least, steps, kept = residual, iteration, rotation
+            best[:] = amplitudes
+        if residual <= ROUNDING_RESIDUAL or (not residual < 0.5 * before and before < STALLED_RESIDUAL):
+            ended = True
+            break
+        if not math.isfinite(residual):
+            break
+        turn = _direction(
+            blocks, columns, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change
+        )
+        begin[:] = amplitudes
+        at_begin = rotation
+        for a in range(change.size):
+            amplitudes[a] = begin[a] + change[a]
+        rotation = at_begin + turn
+        moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+        if coarse:
+            continue
+        slope, rounding = _slope(blocks, width, torque, moment, loads, amplitudes, (change, turn))
+        length = 1.0
+        for _ in range(MAX_HALVINGS):
+            if not slope > rounding:
+                break
+            for a in range(change.size):
+                amplitudes[a] = begin[a] + 0.5 * length * change[a]
+            rotation = at_begin + 0.5 * length * turn
+            moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+            half_slope, _ = _slope(blocks, width, torque, moment, loads, amplitudes, (change, turn))
+            if not half_slope + slope > 0.0:  # the longer step it is
+                for a in range(change.size):
+                    amplitudes[a] = begin[a] + length * change[a]
+                rotation = at_begin + length * turn
+                moment, pivot, changed = _point(
+                    blocks, columns, law, linear, given, (amplitudes, rotation), state, work
+                )
+                break
+            length, slope = 0.5 * length, half_slope
+    if coarse:
+        return rotation, current, True
+    if steps != current:
+        amplitudes[:] = best
+        rotation = kept
+        _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
+    return rotation, steps, ended
+
+
+@_sums
+def _winkler_rotation(separation: Any, arm: Any, weight: Any, torque: float) -> float:
+    """Rotation at which springs without coupling balance the torque, from above: a convex function of one number."""
+    top, bottom = torque, 0.0
+    for x in range(separation.size):
+        if arm[x] > 0.0:
+            stiff = weight[x] * arm[x]
+            top += stiff * separation[x]
+            bottom += stiff * arm[x]
+    rotation = top / bottom
+    for _ in range(MAX_ITERATIONS):
+        top, bottom = torque, 0.0
+        for x in range(separation.size):
+            if arm[x] > 0.0 and rotation * arm[x] > separation[x]:
+                stiff = weight[x] * arm[x]
+                top += stiff * separation[x]
+                bottom += stiff * arm[x]
+        if not bottom > 0.0:
+            break
+        turned = top / bottom
+        if not turned < rotation * (1.0 - 1e-3):
+            break
+        rotation = turned
+    return rotation
+
+
+@_sums
+def _certificate(
+    force: Any, deflection: Any, gap: Any, shifted: Any, arm: Any, whole: Any, torque: float, numbers: Any
+) -> None:
+    """Violations of the conditions of the contact problem, see ``certificate.violations``."""
+    elastic = numbers[ELASTIC]
+    unit = np.spacing(abs(elastic))
+    total = moment = size_of_moment = strain = work = preload = rooted = 0.0
+    largest, least_force, far = 0.0, np.inf, 0.0
+    finite = math.isfinite(numbers[ROTATION])
+    for i in range(force.size):
+        own = abs(force[i])
+        total += own
+        moment += force[i] * arm[i]
+        size_of_moment += own * abs(arm[i])
+        strain += own * abs(deflection[i])
+        work += force[i] * (deflection[i] + shifted[i])
+        preload += own * abs(shifted[i])
+        if own > 0.0:
+            rooted += own * math.sqrt(whole[i])
+        largest = max(largest, own)
+        least_force = min(least_force, force[i])
+        far = max(far, abs(shifted[i]))
+        finite = finite and math.isfinite(gap[i]) and math.isfinite(force[i])
+    if not finite:
+        numbers[EQUILIBRIUM : DUALITY + 1] = np.inf
+        return
+    scale = 0.0
+    if total > 0.0:
+        scale = max(strain / total, CANCELLATION_FLOOR * rooted * rooted / total)
+    if not scale > 0.0:
+        scale = far if far > 0.0 else 1.0
+    penetration, shared = 0.0, 0.0
+    for i in range(force.size):
+        unknown = unit * abs(arm[i])
+        penetration = max(penetration, -gap[i] - unknown)
+        shared = max(shared, min(force[i] / largest if largest > 0.0 else force[i], (gap[i] - unknown) / scale))
+    numbers[EQUILIBRIUM] = _relative(abs(moment - torque), max(torque, CANCELLATION_FLOOR * size_of_moment))
+    numbers[NEGATIVE_FORCE] = _relative(max(-least_force, 0.0), largest)
+    numbers[NEGATIVE_GAP] = penetration / scale
+    numbers[COMPLEMENTARITY] = shared
+    missing = max(abs(work - elastic * torque) - unit * torque, 0.0)
+    numbers[DUALITY] = _relative(missing, total * scale + preload)
+
+
+@_exact
+def _relative(error: float, scale: float) -> float:
+    if error == 0.0:
+        return 0.0
+    return error / scale if scale > 0.0 else np.inf
+
+
+_vector, _table, _whole = _read(numba.f8, 1), _read(numba.f8, 2), _read(numba.i8, 1)
+_modes = numba.types.Tuple((_whole, _read(numba.i8, 3), _whole, _vector, _vector, _vector))
+_results = (numba.f8[:, ::1],) * 4
+
+
+@_compiled(
+    numba.void(_modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), *_results, numba.i8[:, ::1])
+)
+def solve_batch(
+    modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,
+    force_of: Any, gap_of: Any, secant_of: Any, numbers: Any, counts: Any,
+) -> None:  # fmt: skip
+    """Solve problems of one compliance one after another.
+
+    Parameters
+    ----------
+    modes
+        See ``mode_columns``.
+    torque
+        Of every problem (b) [N mm].
+    separation
+        Of every problem (b, n) [mm].
+    arm, local
+        Of the segments (n) [mm], [mm/N].
+    law
+        Parameters of line contacts (n, 14), empty where the local compliances are given.
+    mask
+        Of every problem, segments that are assumed in contact (b, n); empty for none.
+    force_of, gap_of
+        For the results (b, n).
+    secant_of
+        For the secant compliance of line contacts (b, n); empty if there are none.
+    numbers, counts
+        For the numbers (b, 8), and steps and whether the method ended (b, 2).
+    """
+    places, blocks_of, order, columns, bending, row_sum = modes
+    linear = law.shape[0] == 0
+    most, wide, blocks_most = arm.size, 4, blocks_of.shape[1]
+    for q in range(blocks_most):
+        wide = max(wide, 4 * ((blocks_of[0, q, 3] + 3) // 4))
+    vectors = np.empty((10, most))
+    shifted, sep, lev, stiff, gap, root, pull, lever, force, local_here = (
+        vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6], vectors[7], vectors[8],
+        vectors[9],
+    )  # fmt: skip
+    segment, touching = np.empty(most, np.int64), np.empty(most, np.bool_)
+    z = np.empty((wide, most))
+    small = np.zeros((7, blocks_most * wide))
+    amplitudes, loads, change, begin, best, border, solved = (
+        small[0], small[1], small[2], small[3], small[4], small[5], small[6],
+    )  # fmt: skip
+    spans = np.zeros((blocks_most, 3), np.int64)
+    grams, rows = np.empty((blocks_most, wide, wide)), np.empty((blocks_most, wide, wide))
+    few = np.empty(wide)
+    size = most
+    for b in range(torque.size):
+        first_contact = _first_contact(separation[b], arm, shifted)
+        factors, spare = (grams, border, solved, rows, few), (change, begin, best)
+        rotation, steps, ended = 0.0, 0, False
+        guess = 0.0
+        if not linear:
+            positive, sum_positive = 0, 0.0
+            for i in range(size):
+                if arm[i] > 0.0:
+                    positive += 1
+                    sum_positive += arm[i]
+            guess = torque[b] / (sum_positive * TOUCHING_GUESS)
+        top = 0 if mask.size > 0 else places.size - 1
+        winkler = 0.0
+        for level in range(top, -1, -1):
+            blocks = blocks_of[level]
+            total = blocks[-1, 0] + blocks[-1, 1]
+            first_place = places[level]
+            for q in range(blocks.shape[0]):
+                weight = blocks_of[0, q, 1] / blocks[q, 1]
+                for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                    i = order[first_place + x]
+                    segment[x], sep[x], lev[x] = i, shifted[i], arm[i]
+                    if linear:
+                        local_here[x] = local[i]
+                    elif level == top:
+                        local_here[x] = _strip(law[i], guess / law[i, LENGTH])[0] / law[i, LENGTH]
+                    stiff[x] = math.sqrt(weight / local_here[x]) if linear or level == top else weight
+                    root[x] = 0.0
+                spans[q, 2] = 1
+                spans[q, 0] = spans[q, 1] = blocks[q, 0]
+            given = (sep[:total], lev[:total], stiff, segment)
+            state, work = (gap, root, pull, lever, force, z), (loads, spans)
+            if level == top:
+                any_touches = False
+                if mask.size > 0:
+                    for x in range(total):
+                        touching[x] = mask[b, segment[x]] and lev[x] > 0.0
+                        any_touches = any_touches or touching[x]
+                    if not any_touches:
+                        for x in range(total):
+                            touching[x] = sep[x] == 0.0 and lev[x] > 0.0
+                else:
+                    for q in range(blocks.shape[0]):
+                        weight = blocks_of[0, q, 1] / blocks[q, 1]
+                        for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                            i = segment[x]
+                            whole = max(
+                                WINKLER_ROW_SUM_FRACTION * (row_sum[i] + local_here[x]), local_here[x] + bending[i]
+                            )
+                            gap[x] = weight / whole
+                    winkler = _winkler_rotation(sep[:total], lev[:total], gap, torque[b])
+                    for x in range(total):
+                        touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
+                amplitudes[:] = 0.0
+                moment, pivot = _stuck(blocks, columns, given, touching, state, work)
+                rotation = _direction(
+                    blocks, columns, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
+                )
+                amplitudes[:] = change
+                if not math.isfinite(rotation):
+                    amplitudes[:] = 0.0
+                    rotation = winkler
+                if not linear:
+                    rotation, _, _ = _iterate(
+                        blocks, columns, law, True, True, given, torque[b], rotation, amplitudes, state, work,
+                        factors, spare,
+                    )  # fmt: skip
+                    for q in range(blocks.shape[0]):
+                        for x in range(blocks[q, 0], blocks[q, 0] + blocks[q, 1]):
+                            stiff[x] = blocks_of[0, q, 1] / blocks[q, 1]
+            if not linear:
+                if level == top:
+                    force[:total] = guess
+                else:  # that of the nearest segment of the level above
+                    for q in range(blocks.shape[0]):
+                        for j in range(blocks[q, 1]):
+                            above = blocks_of[level + 1, q, 0] + j * blocks_of[level + 1, q, 1] // blocks[q, 1]
+                            force[blocks[q, 0] + j] = local_here[above]
+            rotation, steps, ended = _iterate(
+                blocks, columns, law, linear, level > 0, given, torque[b], rotation, amplitudes, state, work,
+                factors, spare,
+            )  # fmt: skip
+            if level > 0:
+                if not (math.isfinite(rotation) and math.isfinite(amplitudes.sum())):
+                    amplitudes[:] = 0.0
+                    rotation = winkler
+                for x in range(total):
+                    local_here[x] = force[x]
+        counts[b, 0], counts[b, 1] = steps + 1, ended
+        # Forces and gaps in the order of the segments, and the deflection from the forces themselves.
+        blocks = blocks_of[0]
+        forces, gaps = force_of[b], gap_of[b]
+        for x in range(size):
+            if linear:
+                sep[x] = pull[x] if root[x] > 0.0 else 0.0  # never -0
+            else:
+                sep[x] = force[x] if gap[x] < 0.0 else 0.0
+            gap[x] = 0.0
+        for q in range(blocks.shape[0]):
+            _add_closing(columns, blocks[q, 2], blocks[q, 1], blocks[q, 3], loads, q * wide, gap, blocks[q, 0])
+        for x in range(size):
+            i = segment[x]
+            forces[i] = sep[x]
+            if linear:
+                own_compliance = local[i]
+            else:
+                own_compliance = _strip(law[i], sep[x] / law[i, LENGTH])[0] / law[i, LENGTH]
+                secant_of[b, i] = own_compliance
+            pull[i] = own_compliance * sep[x] + gap[x]
+            lever[i] = own_compliance + bending[i]
+        numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + rotation, rotation
+        for i in range(size):
+            gaps[i] = pull[i] + shifted[i] - rotation * arm[i]
+        _certificate(forces, pull, gaps, shifted, arm, lever, torque[b], numbers[b])
