@@ -56,7 +56,10 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content]) -> Conte
     xr.Variable((), 0).astype(float)
 
     def loaded() -> Content:
-        with _reading(path), opened(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as found:
+        with (
+            _reading(path),
+            opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as found,
+        ):
             return found.load()
 
     try:
@@ -93,7 +96,7 @@ def _check_header(path: str | os.PathLike[str], limit: int) -> None:
     from netCDF4 import Dataset
 
     size = count = variables = 0
-    with Dataset(os.fspath(path)) as file:
+    with Dataset(os.path.abspath(path)) as file:  # of a relative name the library drops leading blanks
         waiting: list[tuple[Any, int]] = [(file, 0)]
         while waiting:
             group, depth = waiting.pop()
