@@ -74,9 +74,15 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
         row("share on edges up to [%]", "{:.1f}", "max_edge_share", factor=100.0),
         row("pattern, centre from toe, root [%]", "{:.0f}, {:.0f}", *PATTERN[:2], factor=100.0, missing=NO_AREA),
         row("  length, height [%]", "{:.0f}, {:.0f}", *PATTERN[2:], factor=100.0, missing=NO_AREA),
-        row("greatest pressure [MPa]", "{:.0f}", "max_pressure"),
-        row("  from toe, root [%]", "{:.0f}, {:.0f}", *(f"max_pressure_{n}" for n in FRACTIONS), factor=100.0),
-        row("  mesh position, pair", "{:.2f}, {:.0f}", "max_pressure_position", "max_pressure_pair"),
+        row("greatest pressure [MPa]", "{:.0f}", "max_pressure", missing="-"),
+        row(
+            "  from toe, root [%]",
+            "{:.0f}, {:.0f}",
+            *(f"max_pressure_{n}" for n in FRACTIONS),
+            factor=100.0,
+            missing="-",
+        ),
+        row("  mesh position, pair", "{:.2f}, {:.0f}", "max_pressure_position", "max_pressure_pair", missing="-"),
     ]
     if "max_pressure_line_end" in numbers:
         ends = [_end_name(value) for value in numbers["max_pressure_line_end"].values]
