@@ -482,6 +482,23 @@ def test_a_pattern_without_area_is_shown_in_words() -> None:
     assert "nan" not in text
 
 
+def test_sharp_edges_that_carry_all_of_the_load_have_no_pressure(tmp_path: Path) -> None:
+    tree = analyze(
+        coarse("nasa-12x36", mesh_positions=2), torques=1e-3, misalignment=Misalignment(offset=-0.5), edge_contact=True
+    )
+    loaded = tree["loaded"]
+    assert np.all(loaded["status"] == Status.CERTIFIED)
+    carries = loaded["force"].values > 0.0
+    assert np.any(carries)
+    assert np.all(np.isnan(loaded["pressure"].values[carries]))
+    assert np.all(np.isnan(loaded["max_pressure"]))
+    text = result_summary(tree)
+    assert "nan" not in text.split()
+    (row,) = (line.split() for line in text.splitlines() if line.startswith("greatest pressure"))
+    assert row[-1] == "-"
+    write_pictures(tree, tmp_path)
+
+
 def test_many_torques_are_shown_below_each_other() -> None:
     tree = analyze(coarse("nasa-12x36"), torques=(np.arange(1.0, 13.0) * 20.0).tolist())
     text = result_summary(tree)
