@@ -12,6 +12,7 @@ from ..core.suggestion import suggestion
 
 VALUE_LENGTH = 80  # of a value in a message [characters]
 LINE_COUNT_LIMIT = 12  # of the mistakes that a message names
+MESSAGE_LENGTH_LIMIT = 2500  # of the lines of a message; the first one is always shown [characters]
 LIMIT_MESSAGES = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
@@ -42,10 +43,15 @@ def count(error: ValidationError) -> str:
 
 
 def mistakes(model: type[BaseModel], error: ValidationError) -> str:
-    """Every mistake in a table, one a line: key, value, what is allowed."""
+    """The first mistakes in a table, one a line: key, value, what is allowed; and how many more there are."""
     items = _items(error)
-    left = len(items) - LINE_COUNT_LIMIT
-    return "\n".join([*_lines(model, items[:LINE_COUNT_LIMIT]), *([f"  and {left} more"] if left > 0 else [])])
+    shown: list[str] = []
+    for line in _lines(model, items[:LINE_COUNT_LIMIT]):
+        if shown and sum(map(len, shown)) + len(line) > MESSAGE_LENGTH_LIMIT:
+            break
+        shown.append(line)
+    left = len(items) - len(shown)
+    return "\n".join([*shown, *([f"  and {left} more"] if left > 0 else [])])
 
 
 def _items(error: ValidationError) -> list[Any]:
@@ -59,9 +65,10 @@ def _items(error: ValidationError) -> list[Any]:
 
 def _lines(model: type[BaseModel], items: list[Any]) -> list[str]:
     lines = []
+    told: set[tuple[Any, ...]] = set()  # tables whose keys were listed
     for item in items:
         key = shortened(printable(".".join(str(part) for part in item["loc"]))) or model.__name__.lower()
-        lines.append(f"  {key}{_value(item)}: {_allowed(model, item)}")
+        lines.append(f"  {key}{_value(item)}: {_allowed(model, item, told)}")
     return lines
 
 
@@ -98,8 +105,8 @@ def _pieces(value: Any, left: int = VALUE_LENGTH) -> Iterator[str]:
         yield str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _allowed(model: type[BaseModel], item: Any) -> str:
-    """Values allowed, in plain words."""
+def _allowed(model: type[BaseModel], item: Any, told: set[tuple[Any, ...]]) -> str:
+    """Values allowed, in plain words; the keys of a table are listed once, and the table is then one of ``told``."""
     kind, context = item["type"], item.get("ctx", {})
     if kind == "missing":
         return "is missing; it must be given"
@@ -108,7 +115,9 @@ def _allowed(model: type[BaseModel], item: Any) -> str:
         known = _known_keys(model, table)
         near = suggestion(str(item["loc"][-1]), known)
         place = f"[{'.'.join(map(str, table))}]" if table else f"a {model.__name__.lower()} file"
-        return f"is not a key of {place}; known are: {', '.join(known)}{near}"
+        listed = "" if table in told else f"; known are: {', '.join(known)}"
+        told.add(table)
+        return f"is not a key of {place}{listed}{near}"
     if kind == "value_error":
         return str(context["error"])
     if kind in LIMIT_MESSAGES:

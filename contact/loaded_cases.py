@@ -149,7 +149,8 @@ def loaded_dataset(
     data["rms"] = ("torque", [rms(row[:3]) for row in amplitudes])
     data["harmonic"] = (("torque", "order"), amplitudes)
     pressure = per_segment["pressure"].reshape(torques.size, -1)
-    greatest = np.where(np.isfinite(pressure), pressure, -np.inf).max(axis=1)
+    # Where sharp edges carry all of the load, there is no pressure to compare: what carries nothing does not count.
+    greatest = np.where(pressure > 0.0, pressure, -np.inf).max(axis=1)
     data["max_pressure"] = ("torque", np.where(np.isfinite(greatest), greatest, np.nan))
     coords = {
         "torque": torques,

@@ -126,7 +126,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "complementarity": ("1", "certificate: largest of the smaller one of force and gap, each scaled"),
     "duality_gap": ("1", "certificate: relative duality gap"),
     "iterations": ("1", "iterations of the solver"),
-    "max_pressure": ("MPa", "greatest contact pressure over the mesh cycle"),
+    "max_pressure": (
+        "MPa",
+        "greatest contact pressure over the mesh cycle; NaN where sharp edges carry all of the load",
+    ),
     # evaluation of a mesh cycle
     "contact_ratio": ("1", "rotation over which a tooth pair is in contact, over the pitch; see the page on results"),
     "geometric_contact_ratio": ("1", "rotation over which a tooth pair has contact lines, over the pitch"),

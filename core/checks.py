@@ -10,7 +10,7 @@ import operator
 import reprlib
 from collections.abc import Iterable
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,7 @@ def number(
     """
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()  # an array without dimensions holds one number
-    if not (_is_number(value) and bool(_within(float(value), above, least, below, most, infinite))):
+    if not (is_number(value) and bool(_within(float(value), above, least, below, most, infinite))):
         wanted = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(value)}: must be a {wanted}")
     return float(value)
@@ -295,7 +295,7 @@ def shown(value: Any) -> str:
         if value.ndim and (value.ndim > 1 or value.size > SHOWN_COUNT_LIMIT):
             return f"array of shape {value.shape}"
         value = value.tolist()
-    return f"{float(value):.12g}" if _is_number(value) else _quoted(value)
+    return f"{float(value):.12g}" if is_number(value) else _quoted(value)
 
 
 def _quoted(value: Any) -> str:
@@ -307,7 +307,7 @@ def _quoted(value: Any) -> str:
     return printable(shortened(text))
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> TypeGuard[float]:
     """Whether a value is a real number that a float can hold."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return False

@@ -130,7 +130,7 @@ def folder_faults(
         return faults + ([f"left behind: {', '.join(touched[:4])}"] if touched else [])
     named = [os.path.normpath(os.path.join(within, word)) for word in _paths(args)]
     named += [
-        os.path.normpath(os.path.join(within, os.path.dirname(path), before[path][3]))
+        os.path.normpath(os.path.join(os.path.dirname(path), before[path][3]))
         for path in before
         if before[path][0] == "link"
     ]

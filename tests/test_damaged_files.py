@@ -33,7 +33,7 @@ from easeoff.study.cli import main
 
 SMALL = "[contact]\nmesh_positions = 3\nsegments_per_line = 9\nlengthwise_nodes = 9\nprofile_nodes = 7\n"
 ESCAPE = "\x1b[2J\x9b2J\u202e"
-MESSAGE_LENGTH_LIMIT = 6000
+MESSAGE_LENGTH_LIMIT = 4000
 
 
 def refused(*arguments: object) -> str:
@@ -143,6 +143,15 @@ def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> N
         refused("run", path, "-o", tmp_path / "out.nc")
     path.write_text("easeoff_case = 1\n" + "\n".join(f"k{i} = 1" for i in range(5000)), encoding="utf-8")
     assert "and 4992 more" in refused("run", path, "-o", tmp_path / "out.nc")
+    cutter = "[pinion.convex.cutter]\n"
+    assert cutter in case_text("nasa-12x36")
+    path.write_text(
+        case_text("nasa-12x36").replace(cutter, cutter + "\n".join(f"k{i} = 1" for i in range(3000)) + "\n"),
+        encoding="utf-8",
+    )
+    found = refused("run", path, "-o", tmp_path / "out.nc")
+    assert found.count("known are") == 1
+    assert "and 2988 more" in found
     with pytest.raises(InputError) as caught:
         distinct("speed", [5.0] * 100_000)
     assert len(str(caught.value)) < 300
@@ -220,6 +229,15 @@ def test_attributes_that_mislead_the_decoding_bring_no_warning(
     assert "Warning" not in found.output
 
 
+@pytest.mark.parametrize("name", [" .nc", " r.nc ", "http:r.nc", "~", "-", "r[1].nc", "ü%20?mode=bytes#.nc"])
+def test_any_name_of_a_file_is_its_name(
+    tmp_path: Path, files: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copy(files / "wear.nc", tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    assert read_dataset(name).equals(read_dataset(files / "wear.nc"))
+
+
 def test_flipped_and_missing_bytes_are_a_message_or_harmless(tmp_path: Path, files: Path) -> None:
     content = (files / "wear.nc").read_bytes()
     path, random = tmp_path / "w.nc", np.random.default_rng(5)
@@ -250,7 +268,7 @@ def test_a_small_file_that_unpacks_to_75_gigabytes_is_refused_by_its_header(tmp_
     with Dataset(path, "w") as file:
         file.createDimension("x", None)
         file.createVariable("x", "f8", ("x",), chunksizes=(520_000_000,))
-    assert "would take 4.16 GB" in refused("show", path)
+    assert "would take 4.2 GB" in refused("show", path)
 
 
 @pytest.mark.parametrize("depth", [17, 900, 3000])
@@ -427,9 +445,10 @@ def test_damaged_records_of_a_checkpoint_are_computed_anew(tmp_path: Path) -> No
     with path.open("a", encoding="utf-8") as file:
         file.write(
             "\n" + "[" * 100_000 + '\n{"key": [], "record": {}}\nnull\n"x"\n{"key": "3", "record": ' + "9" * 5000 + "}"
+            '\n{"key": "4", "record": 1' + "0" * 400 + "}"
         )
     resumed = Checkpoint(path, "table of squares", encode=int, decode=int)
-    assert (resumed.get("2"), resumed.get("3")) == (4, None)
+    assert (resumed.get("2"), resumed.get("3"), resumed.get("4")) == (4, None, None)
 
 
 @pytest.mark.thorough

@@ -32,6 +32,7 @@ from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.study import CaseInMesh, key_numbers, result_summary, write_pictures
 from easeoff.study.cli import main
 from easeoff.study.plot.tooth_view import tooth_view
+from easeoff.study.report.contact_tables import loaded_table, unloaded_table
 from easeoff.verification import flank_gap
 
 Array = NDArray[np.float64]
@@ -469,6 +470,33 @@ def test_show_fits_a_terminal(name: str) -> None:
         assert f"{value:.2f}" in text
     assert f"{numbers['max_pressure'].values[-1]:.0f}" in text
     assert f"print of {numbers['marking'].item():g} um" in text
+
+
+def test_a_pattern_without_area_is_shown_in_words() -> None:
+    numbers = key_numbers(tree_of("fm-11x41", edges=True)).copy(deep=True)
+    for state in ("", "light_load_"):
+        for name in ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height"):
+            numbers[state + name][...] = np.nan
+    text = f"{unloaded_table(numbers)}\n{loaded_table(numbers, 8)}"
+    assert text.count("no area") == 1 + 2 * numbers.sizes["torque"]  # at light load; centre and length under load
+    assert "nan" not in text
+
+
+def test_sharp_edges_that_carry_all_of_the_load_have_no_pressure(tmp_path: Path) -> None:
+    tree = analyze(
+        coarse("nasa-12x36", mesh_positions=2), torques=1e-3, misalignment=Misalignment(offset=-0.5), edge_contact=True
+    )
+    loaded = tree["loaded"]
+    assert np.all(loaded["status"] == Status.CERTIFIED)
+    carries = loaded["force"].values > 0.0
+    assert np.any(carries)
+    assert np.all(np.isnan(loaded["pressure"].values[carries]))
+    assert np.all(np.isnan(loaded["max_pressure"]))
+    text = result_summary(tree)
+    assert "nan" not in text.split()
+    (row,) = (line.split() for line in text.splitlines() if line.startswith("greatest pressure"))
+    assert row[-1] == "-"
+    write_pictures(tree, tmp_path)
 
 
 def test_many_torques_are_shown_below_each_other() -> None:

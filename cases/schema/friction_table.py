@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
+from ...core.checks import is_number
 from ...core.errors import InputError
 from ...core.printable import printable, shortened
 from ..mistakes import written
@@ -23,14 +24,8 @@ def _listed(value: Any) -> Any:
     return value if isinstance(value, list | tuple) else (value,)
 
 
-def _is_number(value: Any) -> bool:
-    """Whether it is a finite number; true and false are none, though Python counts them among the whole numbers."""
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # a whole number with more digits than a float holds
-        return False
+def _is_finite(value: Any) -> bool:
+    return is_number(value) and math.isfinite(value)
 
 
 def _roughnesses(value: Any) -> Any:
@@ -38,7 +33,7 @@ def _roughnesses(value: Any) -> Any:
     entries = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in _listed(value))
     for entry in entries:
         pair = entry if isinstance(entry, tuple) else (entry, entry)
-        if len(pair) != 2 or not all(_is_number(height) for height in pair):
+        if len(pair) != 2 or not all(_is_finite(height) for height in pair):
             raise ValueError(
                 f"{list(entry) if isinstance(entry, tuple) else written(entry)}: give a number in um or a "
                 "list of such, in which [0.8, 0.4] as an entry is pinion and gear"
@@ -48,7 +43,7 @@ def _roughnesses(value: Any) -> Any:
 
 def _coefficient(value: Any) -> Any:
     """A name or a number, refused in one message: of a union, pydantic reports each of its kinds."""
-    if isinstance(value, str) or _is_number(value):
+    if isinstance(value, str) or _is_finite(value):
         return value
     from ...friction.coefficient import COEFFICIENT_LIMIT, COEFFICIENTS
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..magnitude import memory_in_words
 from .netcdf_file import unpacked_size_limit
-from .regular_file import faults_in_words, named, require_file, size_words
+from .regular_file import faults_in_words, named, require_file
 
 ARRAY_COUNT_LIMIT = 1000
 
@@ -31,8 +32,8 @@ def read_arrays(path: str | os.PathLike[str]) -> dict[str, NDArray[Any] | None]:
         size = sum(entry.file_size for entry in entries)
         if len(entries) > ARRAY_COUNT_LIMIT or size > limit:
             raise InputError(
-                f"{named(path)} would take {size_words(size)} in {len(entries)} arrays: at most "
-                f"{size_words(limit)} in {ARRAY_COUNT_LIMIT} arrays are read"
+                f"{named(path)} would take {memory_in_words(size)} in {len(entries)} arrays: at most "
+                f"{memory_in_words(limit)} in {ARRAY_COUNT_LIMIT} arrays are read"
             )
         return {
             entry.filename.removesuffix(".npy"): _array(archive, entry)

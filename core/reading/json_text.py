@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
+DIGIT_COUNT_LIMIT = 300  # of a whole number; one of more may be greater than any floating-point number
+
 
 def parsed_json(text: str) -> Any:
     """Value of a JSON text.
@@ -25,6 +27,12 @@ def parsed_json(text: str) -> Any:
     nested too deeply
     """
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=_whole_number)
     except RecursionError as error:
         raise ValueError("nested too deeply") from error
+
+
+def _whole_number(digits: str) -> int:
+    if len(digits) > DIGIT_COUNT_LIMIT:
+        raise ValueError(f"a whole number of {len(digits)} digits")
+    return int(digits)

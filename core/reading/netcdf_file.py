@@ -16,15 +16,17 @@ from typing import Any, TypeVar
 import xarray as xr
 
 from ..errors import InputError
+from ..magnitude import memory_in_words
+from ..memory import available_memory
 from ..printable import shortened
 from .forked_process import ProcessEndedError, in_forked_process
 from .hdf5_links import check_links
-from .regular_file import faults_in_words, named, require_file, size_words
+from .regular_file import faults_in_words, named, require_file
 
 Content = TypeVar("Content", xr.Dataset, xr.DataTree)
 
 UNPACKED_SIZE_LIMIT = 4_000_000_000  # of all variables of a file in memory [bytes]
-MEMORY_SHARE = 0.5  # of the machine's memory that the variables of a file may take
+MEMORY_SHARE = 0.5  # of the free memory that the variables of a file may take
 GROUP_COUNT_LIMIT = 1000
 GROUP_DEPTH_LIMIT = 16
 VARIABLE_COUNT_LIMIT = 10_000
@@ -56,7 +58,10 @@ def _read(path: str | os.PathLike[str], opened: Callable[..., Content]) -> Conte
     xr.Variable((), 0).astype(float)
 
     def loaded() -> Content:
-        with _reading(path), opened(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as found:
+        with (
+            _reading(path),
+            opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as found,
+        ):
             return found.load()
 
     try:
@@ -80,12 +85,9 @@ def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def unpacked_size_limit() -> int:
-    """Greatest size of all variables of a file in memory [bytes]: ``UNPACKED_SIZE_LIMIT``, less on small machines."""
-    try:
-        memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):  # Windows does not say it in this way
-        return UNPACKED_SIZE_LIMIT
-    return min(UNPACKED_SIZE_LIMIT, int(MEMORY_SHARE * memory)) if memory > 0 else UNPACKED_SIZE_LIMIT
+    """Greatest size of all variables of a file in memory [byte]: ``UNPACKED_SIZE_LIMIT``, less where less is free."""
+    free = available_memory()
+    return UNPACKED_SIZE_LIMIT if free is None else min(UNPACKED_SIZE_LIMIT, int(MEMORY_SHARE * free))
 
 
 def _check_header(path: str | os.PathLike[str], limit: int) -> None:
@@ -93,7 +95,7 @@ def _check_header(path: str | os.PathLike[str], limit: int) -> None:
     from netCDF4 import Dataset
 
     size = count = variables = 0
-    with Dataset(os.fspath(path)) as file:
+    with Dataset(os.path.abspath(path)) as file:  # of a relative name the library drops leading blanks
         waiting: list[tuple[Any, int]] = [(file, 0)]
         while waiting:
             group, depth = waiting.pop()
@@ -109,8 +111,8 @@ def _check_header(path: str | os.PathLike[str], limit: int) -> None:
             waiting += [(child, depth + 1) for child in group.groups.values()]
     if size > limit:
         raise InputError(
-            f"{named(path)} would take {size_words(size)} in memory, by the sizes that it declares: must be at most "
-            f"{size_words(limit)}"
+            f"{named(path)} would take {memory_in_words(size)} in memory, by the sizes that it declares: must be at "
+            f"most {memory_in_words(limit)}"
         )
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import InputError
+from ..magnitude import memory_in_words
 from ..printable import printable, shortened
 
 REASON_LENGTH_LIMIT = 200  # of the reason that a library gives, in a message [characters]
@@ -16,17 +17,6 @@ REASON_LENGTH_LIMIT = 200  # of the reason that a library gives, in a message [c
 def named(path: str | os.PathLike[str]) -> str:
     """A path as messages show it, in one line."""
     return printable(os.fspath(path))
-
-
-def size_words(count: float) -> str:
-    """A number of bytes in words.
-
-    Examples
-    --------
-    >>> size_words(1e6), size_words(4e9)
-    ('1 MB', '4 GB')
-    """
-    return f"{count / 1e9:.4g} GB" if count >= 1e9 else f"{count / 1e6:.4g} MB"
 
 
 def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None:
@@ -85,7 +75,7 @@ def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
 
 def too_large(path: str | os.PathLike[str], limit: int) -> InputError:
     """The error of a file that is larger than its kind ever is."""
-    return InputError(f"{named(path)} is larger than {size_words(limit)}: it is not read")
+    return InputError(f"{named(path)} is larger than {memory_in_words(limit)}: it is not read")
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:

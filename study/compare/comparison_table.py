@@ -13,6 +13,7 @@ import xarray as xr
 
 from ...contact.problem.certificate import Certificate
 from ...core.attributes import labelled
+from ...core.checks import is_number
 from ...core.errors import InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.writing.output_file import whole_file
@@ -163,15 +164,12 @@ def read_table(path: Path) -> xr.Dataset:
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{path} holds no comparison of solvers: make one with 'easeoff compare'")
     wanted = comparison_table([], 0.0, {}).data_vars
+    tolerance = dataset.attrs.get("tolerance")
     lacking = [name for name in wanted if name not in dataset or dataset[name].dims != ("attempt",)]
-    lacking += [] if _is_number(dataset.attrs.get("tolerance")) else ["tolerance"]
+    lacking += [] if is_number(tolerance) and math.isfinite(tolerance) else ["tolerance"]
     if lacking:
         raise InputError(f"{path} is incomplete, without {', '.join(map(str, lacking))}: make it anew")
     return dataset
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float | np.number) and math.isfinite(value)
 
 
 def _finite(value: float) -> float:

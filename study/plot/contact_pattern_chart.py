@@ -17,6 +17,7 @@ from ...contact.evaluation.carrying_error import CarryingError
 from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
+from ...contact.solvers import Status
 from .contact_pattern import contact_pattern, draw_pattern, path_beyond
 from .page import (
     BLUE,
@@ -110,8 +111,10 @@ def _light(light: xr.Dataset) -> str:
     """Size and greatest pressure of the pattern at light load."""
     length, height = (100.0 * float(light[f"pattern_{name}"]) for name in ("length", "height"))
     if not math.isfinite(length):
-        return "no certified solution"
-    return f"length {length:.0f} %, height {height:.0f} %, up to {float(light['max_pressure']):.0f} MPa"
+        return "no area" if np.all(light["status"].values == Status.CERTIFIED) else "no certified solution"
+    peak = float(light["max_pressure"])
+    carried = f"up to {peak:.0f} MPa" if math.isfinite(peak) else "load on sharp edges alone"
+    return f"length {length:.0f} %, height {height:.0f} %, {carried}"
 
 
 def _title(axes: Axes, name: str, said: str) -> None:

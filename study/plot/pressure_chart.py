@@ -90,9 +90,11 @@ def draw_surface(axes: Axes, view: ToothView, surface: PressureMap, levels: NDAr
 
 def panel_title(axes: Axes, torque: str, surface: PressureMap, at_torque: xr.Dataset) -> None:
     """Title of a panel: torque, greatest pressure and number of missing mesh positions."""
-    peak = f"peak {surface.peak:.0f} MPa" if np.isfinite(surface.peak) else "no certified solution"
     missing = int(np.sum(at_torque["status"].values != Status.CERTIFIED))
-    if missing and np.isfinite(surface.peak):
+    peak = "no certified solution"
+    if missing < at_torque.sizes["mesh_position"]:
+        peak = f"peak {surface.peak:.0f} MPa" if surface.peak > 0.0 else "load on sharp edges alone"
+    if missing and surface.peak > 0.0:
         peak += f" · {missing} of {at_torque.sizes['mesh_position']} mesh positions missing"
     axes.set_title(torque, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     axes.set_title(peak, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 
 import xarray as xr
@@ -13,6 +14,7 @@ from .key_numbers import PATTERN
 WIDTH = 100  # [characters] of the text
 COLUMN_COUNT_LIMIT = 5  # torques side by side
 FRACTIONS = ("lengthwise", "profile")
+NO_AREA = "no area"  # of a pattern: contact at single points, on a single line, or none that is certified
 
 
 def unloaded_table(numbers: xr.Dataset) -> str:
@@ -29,7 +31,8 @@ def unloaded_table(numbers: xr.Dataset) -> str:
         if f"{state}_pattern_length" in numbers:
             values = [100.0 * numbers[f"{state}_{what}"].item() for what in PATTERN]
             ratio = numbers[f"{state}_contact_ratio"].item()
-            place = "centre {:.0f}, {:.0f} % from toe, root; length, height {:.0f}, {:.0f} %".format(*values)
+            words = "centre {:.0f}, {:.0f} % from toe, root; length, height {:.0f}, {:.0f} %"
+            place = NO_AREA if any(map(math.isnan, values)) else words.format(*values)
             rows.append((name, f"{place}; contact ratio {ratio:.2f}"))
     if "geometric_contact_ratio" in numbers:
         rows.append(("geometric contact ratio", f"{numbers['geometric_contact_ratio'].item():.2f}"))
@@ -48,11 +51,13 @@ def aligned(rows: list[tuple[str, str]]) -> str:
 def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[str]]]:
     """Rows of the table of the loaded contact: name, and a text for every torque."""
 
-    def row(name: str, words: str, *variables: str, factor: float = 1.0) -> tuple[str, list[str]]:
+    def row(
+        name: str, words: str, *variables: str, factor: float = 1.0, missing: str | None = None
+    ) -> tuple[str, list[str]]:
         if any(variable not in numbers for variable in variables):
             return name, []
         values = zip(*(factor * numbers[variable].values for variable in variables), strict=True)
-        return name, [words.format(*each) for each in values]
+        return name, [missing if missing and any(map(math.isnan, each)) else words.format(*each) for each in values]
 
     rows = [
         row("transmission error, mean [urad]", "{:.1f}", "mean_level"),
@@ -67,11 +72,17 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
         row("contact ratio", "{:.2f}", "contact_ratio"),
         row("greatest share of a pair [%]", "{:.1f}", "max_load_share", factor=100.0),
         row("share on edges up to [%]", "{:.1f}", "max_edge_share", factor=100.0),
-        row("pattern, centre from toe, root [%]", "{:.0f}, {:.0f}", *PATTERN[:2], factor=100.0),
-        row("  length, height [%]", "{:.0f}, {:.0f}", *PATTERN[2:], factor=100.0),
-        row("greatest pressure [MPa]", "{:.0f}", "max_pressure"),
-        row("  from toe, root [%]", "{:.0f}, {:.0f}", *(f"max_pressure_{n}" for n in FRACTIONS), factor=100.0),
-        row("  mesh position, pair", "{:.2f}, {:.0f}", "max_pressure_position", "max_pressure_pair"),
+        row("pattern, centre from toe, root [%]", "{:.0f}, {:.0f}", *PATTERN[:2], factor=100.0, missing=NO_AREA),
+        row("  length, height [%]", "{:.0f}, {:.0f}", *PATTERN[2:], factor=100.0, missing=NO_AREA),
+        row("greatest pressure [MPa]", "{:.0f}", "max_pressure", missing="-"),
+        row(
+            "  from toe, root [%]",
+            "{:.0f}, {:.0f}",
+            *(f"max_pressure_{n}" for n in FRACTIONS),
+            factor=100.0,
+            missing="-",
+        ),
+        row("  mesh position, pair", "{:.2f}, {:.0f}", "max_pressure_position", "max_pressure_pair", missing="-"),
     ]
     if "max_pressure_line_end" in numbers:
         ends = [_end_name(value) for value in numbers["max_pressure_line_end"].values]
