@@ -71,7 +71,21 @@ def test_every_node_lies_where_it_was_asked_for(which: tuple[str, str]) -> None:
     np.testing.assert_allclose(dot(nodes.normal, nodes.normal), 1.0, rtol=0, atol=1e-13)
 
 
-@pytest.mark.parametrize("section", [PINION_BLANK, GEAR_BLANK])
+# Teeth twice as high at the heel as at the toe: the apex of their ends is nearer than the face is wide.
+STRONG_TAPER = BlankSection(
+    pitch_angle=1.2685,
+    face_angle=1.2929,
+    root_angle=1.1709,
+    outer_cone_distance=110.948,
+    face_width=34.5,
+    pitch_apex=0.1359,
+    face_apex=-0.6423,
+    root_apex=4.7221,
+    clearance=0.9619,
+)
+
+
+@pytest.mark.parametrize("section", [PINION_BLANK, GEAR_BLANK, STRONG_TAPER])
 def test_section_coordinates_invert_each_other(section: BlankSection) -> None:
     t, h = np.meshgrid(np.linspace(-0.2, 1.2, 8), np.linspace(-0.3, 1.4, 7), indexing="ij")
     found = section.fractions(*section.points(t, h))

@@ -130,9 +130,14 @@ class BlankSection:
         quadratic = cross(along, twist[0], twist[1])
         linear = cross(along, up[0], up[1]) + cross(twist, x, y)
         constant = cross(up, x, y)
-        with np.errstate(invalid="ignore"):
-            root = np.sqrt(linear**2 - 4.0 * quadratic * constant)
-        t = -2.0 * constant / (linear + np.sign(linear.real) * root)
+        # Of the two solutions that one at which the map turns as at the corner; the other lies beyond the apex of the
+        # ends. Of its two forms that one whose terms do not cancel.
+        turn = np.sign(cross(along, up[0], up[1]))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            root = turn * np.sqrt(linear**2 - 4.0 * quadratic * constant)
+            t = np.where(
+                turn * linear.real >= 0.0, -2.0 * constant / (linear + root), (root - linear) / (2.0 * quadratic)
+            )
         direction = up[:, None] + np.multiply.outer(twist, np.ravel(t))
         offset = np.stack([np.ravel(x - along[0] * t), np.ravel(y - along[1] * t)])
         h = np.einsum("ij,ij->j", direction, offset) / np.einsum("ij,ij->j", direction, direction)
