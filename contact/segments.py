@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,7 @@ from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, whitened_loads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
+from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from .lines.mesh_edges import edges_in_mesh
 from .lines.mesh_lines import MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
@@ -83,7 +84,8 @@ class Segments:
     @property
     def overhang(self) -> Array:
         """Distance beyond a tooth edge at which the flanks would come closest (n) [mm]; NaN on contact lines."""
-        return self.line_contact.overhang
+        overhang = self.line_contact.overhang
+        return np.where(overhang >= 0.0, overhang, np.nan)
 
     @cached_property
     def bending_problem(self) -> ContactProblem:
@@ -147,7 +149,6 @@ class LineSegments:
             "pair": np.repeat(mesh.pair, self.count),
             "point": self.mean(points),
             "length": np.repeat(lines.length / self.count, self.count),
-            "overhang": np.full(lines.level.size * self.count, np.nan),
             "load": load,
         }
 
@@ -167,6 +168,8 @@ class CycleSegments:
         Splines from ``loaded_splines``.
     on_lines
         Segments of the contact lines.
+    cut
+        Whether the lines are those of ``to_edges``, next to which an edge can cut the pressed strip.
 
     Examples
     --------
@@ -181,6 +184,13 @@ class CycleSegments:
 
     fields: FlankSplines
     on_lines: LineSegments
+    cut: bool = False
+
+    @cached_property
+    def to_edges(self) -> CycleSegments:
+        """The same with contact lines that end where edges begin to touch, see ``line_ends``."""
+        lines = lines_to_edges(self.fields, self.on_lines.lines)
+        return replace(self, on_lines=replace(self.on_lines, fields=self.fields, lines=lines), cut=True)
 
     @cached_property
     def closest(self) -> ClosestApproach:
@@ -193,7 +203,7 @@ class CycleSegments:
         return self._split(self._on_lines, self.on_lines.bending)
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
-        """As ``by_position``, and the pieces of edges whose gap is below one for each mesh position (k) [rad]."""
+        """As ``by_position``, to the edges, and the pieces of these whose gap is below one a mesh position (k) [rad]."""
         edges = edges_in_mesh(self.fields, self.on_lines.lines, widest)
         found = edges.elements
         names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
@@ -205,7 +215,7 @@ class CycleSegments:
             "searched": np.zeros(edges.pair.size, dtype=bool),
             "load": whitened_loads(self.on_lines.teeth.both, self.fields, found.points[..., None], np.ones(1)),
         }
-        on_lines = self._on_lines
+        on_lines = self.to_edges._on_lines
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
         return self._split(both)
 
@@ -216,7 +226,17 @@ class CycleSegments:
         names = ("separation_angle", "lever_arm", "curvature")
         expanded = np.reshape(closest.expanded, (-1, self.on_lines.quadrature[1].size))
         gap = {name: mean(getattr(closest, name)) for name in names}
-        return self.on_lines.table | gap | {"searched": np.any(~expanded, axis=-1)}
+        return self.on_lines.table | gap | {"searched": np.any(~expanded, axis=-1), "overhang": self._overhang}
+
+    @property
+    def _overhang(self) -> Array:
+        """Overhang (n) of the segments on lines: negative, or NaN where no edge can cut their strip."""
+        points, weights = self.on_lines.quadrature
+        middle = points[:, :, weights.size // 2 :: weights.size]
+        if not self.cut:
+            return np.full(middle[0].size, np.nan)
+        rotation = np.repeat(line_rotations(self.on_lines.lines), self.on_lines.count)
+        return -edge_distance(self.fields, middle.reshape(2, -1), rotation)
 
     def _split(self, table: dict[str, Array], bending: list[ModalBasis] | None = None) -> list[Segments | None]:
         """Segments of a table by mesh position, with their bending where it is known."""

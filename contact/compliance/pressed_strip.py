@@ -9,6 +9,9 @@ pressure, of which the root is singular at the edge and bounded at the other end
 Counting the gap from the edge, the deflection of a body under the line load q is that of a whole strip with a for b in
 the logarithm, and q / (pi E*) 2 e / (2 e + 3 a) more. Its derivative is that of a whole strip with a for b.
 
+The same holds where the bodies come closest inside, less than b from the edge: e is negative then, down to -b, where
+the strip becomes whole. There the gap counts from the closest approach, which adds e^2 / (2 R) to the deflection.
+
 That the body ends at the edge is left to the bending of the tooth: near its corner it gives way more than a half plane.
 """
 
@@ -50,21 +53,23 @@ class PressedStrip:
         Parameters
         ----------
         overhang
-            Distance of the strip's middle beyond the edge [mm]; zero, positive or NaN.
+            Distance of the strip's middle beyond the edge [mm], negative before it; NaN if there is no edge.
         squared
             Square of the half-width b of the whole strip under the same line load [mm^2].
         """
-        whole = np.isnan(overhang)
+        half = np.sqrt(squared)
+        whole = ~(overhang > -half)
         if whole.all():  # the usual case, in the innermost loop of the contact
             nothing = np.zeros_like(squared)
-            return cls(np.sqrt(squared), np.full_like(squared, 0.5), nothing, nothing)
+            return cls(half, np.full_like(squared, 0.5), nothing, nothing)
         e = np.where(whole, 0.0, overhang)
         a = squared / (np.sqrt(e * e + 3.0 * squared) + e)
         ends, twice = 2.0 * e + 3.0 * a, 2.0 * e + 6.0 * a
         cut = np.where(whole, 0.0, 2.0 * e / ends)
+        from_inside = 2.0 * np.minimum(e, 0.0) ** 2 / squared  # e^2 / (2 R) in the units of the cut
         return cls(
-            np.where(whole, np.sqrt(squared), a),
+            np.where(whole, half, a),
             np.where(whole, 0.5, ends / twice),
-            cut,
+            cut + from_inside,
             cut * (1.0 - 3.0 * a / twice),
         )

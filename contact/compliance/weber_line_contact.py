@@ -106,13 +106,14 @@ class WeberLineContact:
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
     overhang
-        Distance beyond the edge of a tooth at which the bodies would come closest [mm]; NaN if none cuts the strip.
+        Distance beyond the edge of a tooth at which the bodies would come closest [mm], negative before it; NaN if no
+        edge is near.
 
     Raises
     ------
     InputError
-        If an array is not positive and finite (the overhang: zero, positive or NaN), the shapes do not broadcast, or an
-        option is out of range.
+        If an array is not positive and finite (the overhang: finite or NaN), the shapes do not broadcast, or an option
+        is out of range.
 
     Examples
     --------
@@ -148,7 +149,7 @@ class WeberLineContact:
             raise InputError(f"arrays of shapes {shapes}: must broadcast together") from None
         for name, array in zip(names, arrays, strict=True):
             if name == "overhang":
-                allowed, bad = "zero, positive or NaN", (array < 0.0) | np.isinf(array)
+                allowed, bad = "finite or NaN", np.isinf(array)
             else:
                 allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
@@ -298,7 +299,7 @@ class WeberLineContact:
         Returns
         -------
         Array
-            Energy [N mm], strictly convex in the force; NaN where an edge cuts the strip: it is not in closed form.
+            Energy [N mm], strictly convex in the force; NaN where an edge is near: it is not in closed form.
         """
         line_load, raised = self._line_load(force)
         above = self._bodies.energy(raised) + self._floor_energy
@@ -320,7 +321,8 @@ class WeberLineContact:
     def pressure(self, force: ArrayLike) -> FloatArray:
         """Largest Hertzian pressure, 2 q / (pi b) [MPa]; zero where the force is not positive.
 
-        NaN where an edge cuts the strip: at a sharp edge the pressure has no limit.
+        NaN where the bodies come closest on an edge: at a sharp edge the pressure has no limit. Where an edge cuts the
+        side of a strip it is that of the whole strip.
 
         Parameters
         ----------
@@ -329,4 +331,4 @@ class WeberLineContact:
         """
         line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)
         whole = 2.0 / math.pi * np.sqrt(line_load / self._bodies.width_squared)
-        return np.where(np.isnan(self.overhang), whole, np.nan)
+        return np.where(self.overhang >= 0.0, np.nan, whole)

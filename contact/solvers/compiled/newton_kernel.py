@@ -102,11 +102,13 @@ def _strip(p: Any, load: float) -> tuple[float, float]:
     squared = p[WIDTH] * load
     half, growth, cut, slope = math.sqrt(squared), 0.5, 0.0, 0.0
     e = p[OVERHANG]
-    if not math.isnan(e):
+    if e > -half:  # not where it is NaN
         half = squared / (math.sqrt(e * e + 3.0 * squared) + e)
         ends, twice = 2.0 * e + 3.0 * half, 2.0 * e + 6.0 * half
         growth, cut = ends / twice, 2.0 * e / ends
         slope = cut * (1.0 - 3.0 * half / twice)
+        if e < 0.0:
+            cut += 2.0 * e * e / squared
     secant, tangent = p[CORRECTION] + p[CUT] * cut, p[CORRECTION] + p[CUT] * slope
     for body in range(2):
         h, unit, contraction = p[DEPTHS + body], p[UNITS + body], p[CONTRACTIONS + body]
