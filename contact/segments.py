@@ -223,7 +223,7 @@ class CycleSegments:
     @cached_property
     def by_position(self) -> list[Segments | None]:
         """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
-        return self._split(self._on_lines, self.on_lines.bending)
+        return self._split(self._on_lines, None if self.cut else self.on_lines.bending)
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """As ``by_position``, to the edges, and the pieces of these whose gap is below one a mesh position (k) [rad]."""

@@ -9,8 +9,9 @@ pressure, of which the root is singular at the edge and bounded at the other end
 Counting the gap from the edge, the deflection of a body under the line load q is that of a whole strip with a for b in
 the logarithm, and q / (pi E*) 2 e / (2 e + 3 a) more. Its derivative is that of a whole strip with a for b.
 
-The same holds where the bodies come closest inside, less than b from the edge: e is negative then, down to -b, where
-the strip becomes whole. There the gap counts from the closest approach, which adds e^2 / (2 R) to the deflection.
+The width is the same where the bodies come closest before the edge, less than b from it: e is negative then, down to
+-b, where the strip becomes whole. So is the derivative, and the deflection is its integral from the load at which the
+strip reaches the edge.
 
 That the body ends at the edge is left to the bending of the tooth: near its corner it gives way more than a half plane.
 """
@@ -36,7 +37,7 @@ class PressedStrip:
     growth
         Slope of the logarithm of the half-width by that of the load; one half for a whole strip.
     cut
-        What the cut adds to the deflection, in units of q (1/E1* + 1/E2*) / pi.
+        What an overhang adds to the deflection, in units of q (1/E1* + 1/E2*) / pi.
     cut_slope
         What it adds to the slope of the deflection by the load, in those units over q, beside what the half-width does.
     """
@@ -65,11 +66,10 @@ class PressedStrip:
         e = np.where(whole, 0.0, overhang)
         a = squared / (np.sqrt(e * e + 3.0 * squared) + e)
         ends, twice = 2.0 * e + 3.0 * a, 2.0 * e + 6.0 * a
-        cut = np.where(whole, 0.0, 2.0 * e / ends)
-        from_inside = 2.0 * np.minimum(e, 0.0) ** 2 / squared  # e^2 / (2 R) in the units of the cut
+        cut = 2.0 * np.maximum(e, 0.0) / ends
         return cls(
             np.where(whole, half, a),
             np.where(whole, 0.5, ends / twice),
-            cut + from_inside,
+            cut,
             cut * (1.0 - 3.0 * a / twice),
         )
