@@ -226,7 +226,7 @@ class CycleSegments:
         return self._split(self._on_lines, None if self.cut else self.on_lines.bending)
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
-        """As ``by_position``, to the edges, and the pieces of these whose gap is below one a mesh position (k) [rad]."""
+        """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
         edges = edges_in_mesh(self.fields, self.on_lines.lines, widest)
         found = edges.elements
         names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")

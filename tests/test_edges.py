@@ -16,8 +16,8 @@ from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.lines.closest_approach import across_line, one_step
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
-from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.lines.line_ends import edge_distance, line_rotations, lines_to_edges
+from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
 from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, solve_cycle
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry

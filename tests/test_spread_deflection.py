@@ -1,4 +1,4 @@
-"""Deflection that plane line contact leaves out: against finite elements of tapered teeth under loads that vary along."""
+"""Deflection that plane line contact leaves out: against finite elements of tapered teeth."""
 
 from __future__ import annotations
 

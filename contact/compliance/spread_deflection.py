@@ -1,15 +1,16 @@
 """Deflection between flank and mid-surface that plane line contact leaves out, spread along the line.
 
 Weber's formula integrates the strains of a half-plane down to the mid-surface. In a tooth, bent and with a free surface
-on its other side, flank and foot of the normal approach by more: under an even line load q by 0.16 q (1 - nu^2) / E. Of
-a load that varies along the line as cos(k s) this falls to a tenth at k h = 0.9, with the depth h to the mid-surface, as
-finite elements of tapered teeth show. It is thus no local spring, but the load passed twice through a Gaussian of
-standard deviation 1.7 h:
+on its other side, flank and foot of the normal approach by more: under an even line load q by 0.16 q (1 - nu^2) / E.
+Under a load that varies along the line as cos(k s), this falls to a tenth at k h = 0.9, with the depth h to the
+mid-surface. It is thus no local spring, but the load passed twice through a Gaussian of standard deviation 1.7 h:
 
     delta(s) = 0.16 (1 - nu^2) / E  integral of g(s - t) g(s' - t) q(s') over s' and t.
 
 The Gaussians at a row of nodes t are unit loads like those of the bending modes, which they join: the compliance stays
-symmetric and positive semidefinite.
+symmetric and positive semidefinite. The two numbers are those of plane finite elements of tapered teeth, which they meet
+within 0.05 in units of q (1 - nu^2) / E for flanks at 18 to 26 degrees to the tooth's axis; with less taper the
+deflection falls off sooner.
 """
 
 from __future__ import annotations
@@ -118,8 +119,8 @@ class SpreadDeflection:
 def gaussians(nodes: Array, along: Array, depth: Array, scale: float) -> Array:
     """Gaussians (k, ...) about nodes (k) at places (...) along a line, over depths (...) [mm].
 
-    The sum of their products over the nodes, of even spacing d, is the compliance per length of the line if ``scale`` is
-    (1 - nu^2) d / E.
+    With nodes of even spacing d and a ``scale`` of (1 - nu^2) d / E, the sum of their products over the nodes is the
+    compliance between two places [mm/N].
     """
     spacing = nodes[1] - nodes[0]
     spread = np.maximum(SPREAD_PER_DEPTH * depth, SMALLEST_SPREAD * spacing)

@@ -1,10 +1,10 @@
-"""Ends of contact lines where edges may touch as well: at the edge, where the closest approach beside the line meets it.
+"""Contact lines that end at the edges, where the closest approach beside them does.
 
 A contact line is the curve of conjugate contact, clipped to both flanks. The flanks come closest a little beside it, on
 steep ease-offs by some tenths of a millimetre. Where a line runs into an edge at a small angle, its last part can have
-its closest approach beyond the edge, where there is no flank and the edge itself touches instead, see ``mesh_edges``; at
-the other end of a line the closest approach can lie on both flanks though the line has left them. Here a line is cut or
-extended to where its closest approach lies on both flanks, so that edges begin exactly where lines end.
+its closest approach beyond the edge. There is no flank there: the edge itself touches, see ``mesh_edges``. At the other
+end the closest approach can lie on both flanks though the line has left them. Here a line is cut or extended to where
+its closest approach lies on both flanks, so that edges begin exactly where lines end.
 """
 
 from __future__ import annotations
