@@ -8,7 +8,7 @@ mid-surface. It is thus no local spring, but the load passed twice through a Gau
     delta(s) = 0.16 (1 - nu^2) / E  integral of g(s - t) g(s' - t) q(s') over s' and t.
 
 The Gaussians at a row of nodes t are unit loads like those of the bending modes, which they join: the compliance stays
-symmetric and positive semidefinite. The two numbers are those of plane finite elements of tapered teeth, which they meet
+symmetric and positive semidefinite. The two numbers are those of finite elements of tapered teeth, which they meet
 within 0.05 in units of q (1 - nu^2) / E for flanks at 18 to 26 degrees to the tooth's axis; with less taper the
 deflection falls off sooner.
 """
