@@ -131,11 +131,11 @@ def solve_cycle(
     [[0, 0]]
     """
     torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-    segments, rotations = cycle.by_position, cycle.on_lines.lines.rotations
+    segments, rotations = (cycle.to_edges if edge_contact else cycle).by_position, cycle.on_lines.lines.rotations
     if not edge_contact:
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         return loaded_dataset(segments, cases, torques, rotations), cases
-    # Edges can only hold the pair back: its rotation with contact on lines alone is the greatest.
+    # Edges can only hold the pair back: its rotation with contact on these lines alone is the greatest.
     turned = _turned(solve_all(segments, np.array([torques.max()]), ratio, "auto", {}), rotations.size)
     widest = np.where(turned > 0.0, turned, max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM))
     widest = EDGE_SEARCH_ROTATION_FACTOR * widest

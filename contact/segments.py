@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, whitened_loads
+from .compliance.spread_deflection import SpreadDeflection
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
+from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from .lines.mesh_edges import edges_in_mesh
 from .lines.mesh_lines import MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
@@ -83,7 +85,8 @@ class Segments:
     @property
     def overhang(self) -> Array:
         """Distance beyond a tooth edge at which the flanks would come closest (n) [mm]; NaN on contact lines."""
-        return self.line_contact.overhang
+        overhang = self.line_contact.overhang
+        return np.where(overhang >= 0.0, overhang, np.nan)
 
     @cached_property
     def bending_problem(self) -> ContactProblem:
@@ -138,18 +141,39 @@ class LineSegments:
 
     @cached_property
     def table(self) -> dict[str, Array]:
-        """Values of the segments by name, their number last; ``load`` has both teeth's whitened unit loads."""
-        points, weights = self.quadrature
+        """Values of the segments by name, their number last; ``load`` has both teeth's unit loads."""
+        return self.names | self.loaded_at(self.quadrature[0])
+
+    @property
+    def names(self) -> dict[str, Array]:
+        """Mesh position, tooth pair and length of the segments."""
         mesh, lines = self.lines, self.lines.lines
-        load = whitened_loads(self.teeth.both, self.fields, np.reshape(points, (2, -1, weights.size)), weights)
-        return {name: self.mean(values) for name, values in self.fields.evaluate(DEPTHS, points).items()} | {
+        return {
             "position": np.repeat(mesh.position, self.count),
             "pair": np.repeat(mesh.pair, self.count),
-            "point": self.mean(points),
             "length": np.repeat(lines.length / self.count, self.count),
-            "overhang": np.full(lines.level.size * self.count, np.nan),
-            "load": load,
         }
+
+    def loaded_at(self, points: Array) -> dict[str, Array]:
+        """Place, depths and unit loads of the segments where they are loaded at points (2, m, count * g)."""
+        weights = self.quadrature[1]
+        depths = {name: self.mean(values) for name, values in self.fields.evaluate(DEPTHS, points).items()}
+        load = self.loads(np.reshape(points, (2, -1, weights.size)), weights)
+        return depths | {"point": self.mean(points), "load": load}
+
+    @cached_property
+    def spread(self) -> list[SpreadDeflection]:
+        """What line contact leaves out; nothing beside plates, which are the dissertation's method."""
+        model = self.teeth.model
+        if model.condensed is None:
+            return []
+        materials = model.pinion, model.gear
+        return [SpreadDeflection.of(self.fields, *one) for one in zip(MEMBERS, materials, strict=True)]
+
+    def loads(self, points: Array, weights: Array) -> Array:
+        """Both teeth's unit loads (k, n) on segments with quadrature points (2, n, g), see ``whitened_loads``."""
+        bending = whitened_loads(self.teeth.both, self.fields, points, weights)
+        return np.concatenate([bending, *(one.loads(self.fields, points, weights) for one in self.spread)])
 
     @cached_property
     def bending(self) -> list[ModalBasis]:
@@ -167,6 +191,8 @@ class CycleSegments:
         Splines from ``loaded_splines``.
     on_lines
         Segments of the contact lines.
+    cut
+        Whether the lines are those of ``to_edges``, next to which an edge can cut the pressed strip.
 
     Examples
     --------
@@ -181,6 +207,13 @@ class CycleSegments:
 
     fields: FlankSplines
     on_lines: LineSegments
+    cut: bool = False
+
+    @cached_property
+    def to_edges(self) -> CycleSegments:
+        """The same with contact lines that end where edges begin to touch, see ``line_ends``."""
+        lines = lines_to_edges(self.fields, self.on_lines.lines)
+        return replace(self, on_lines=replace(self.on_lines, fields=self.fields, lines=lines), cut=True)
 
     @cached_property
     def closest(self) -> ClosestApproach:
@@ -190,10 +223,10 @@ class CycleSegments:
     @cached_property
     def by_position(self) -> list[Segments | None]:
         """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
-        return self._split(self._on_lines, self.on_lines.bending)
+        return self._split(self._on_lines, None if self.cut else self.on_lines.bending)
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
-        """As ``by_position``, and the pieces of edges whose gap is below one for each mesh position (k) [rad]."""
+        """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
         edges = edges_in_mesh(self.fields, self.on_lines.lines, widest)
         found = edges.elements
         names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
@@ -203,20 +236,29 @@ class CycleSegments:
             "pair": edges.pair,
             "point": found.points,
             "searched": np.zeros(edges.pair.size, dtype=bool),
-            "load": whitened_loads(self.on_lines.teeth.both, self.fields, found.points[..., None], np.ones(1)),
+            "load": self.on_lines.loads(found.points[..., None], np.ones(1)),
         }
-        on_lines = self._on_lines
+        on_lines = self.to_edges._on_lines
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
         return self._split(both)
 
     @cached_property
     def _on_lines(self) -> dict[str, Array]:
         """The table of the segments on lines, with their gap."""
-        closest, mean = self.closest, self.on_lines.mean
+        closest, on_lines = self.closest, self.on_lines
+        points, weights = on_lines.quadrature
         names = ("separation_angle", "lever_arm", "curvature")
-        expanded = np.reshape(closest.expanded, (-1, self.on_lines.quadrature[1].size))
-        gap = {name: mean(getattr(closest, name)) for name in names}
-        return self.on_lines.table | gap | {"searched": np.any(~expanded, axis=-1)}
+        gap = {name: on_lines.mean(getattr(closest, name)) for name in names}
+        expanded = np.reshape(closest.expanded, (-1, weights.size))
+        gap["searched"] = np.any(~expanded, axis=-1)
+        if not self.cut:
+            return on_lines.table | gap | {"overhang": np.full(expanded.shape[0], np.nan)}
+        middle = points[:, :, weights.size // 2 :: weights.size].reshape(2, -1)
+        rotation = np.repeat(line_rotations(on_lines.lines), on_lines.count)
+        gap["overhang"] = -edge_distance(self.fields, middle, rotation)
+        # The teeth are loaded where they come closest, next to an edge a steep place for their bending.
+        loaded = np.clip(points + closest.shift, 0.0, 1.0)
+        return on_lines.names | on_lines.loaded_at(loaded) | gap
 
     def _split(self, table: dict[str, Array], bending: list[ModalBasis] | None = None) -> list[Segments | None]:
         """Segments of a table by mesh position, with their bending where it is known."""

@@ -71,7 +71,7 @@ def friction(
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
     >>> found = friction(easeoff.analyze(case, torques=200.0), Operation(speed=1500.0, temperature=[60.0, 90.0]))
     >>> (100.0 * found["efficiency"]).values.ravel().round(1)
-    array([97.9, 97.7])
+    array([97.8, 97.6])
     """
     model = checked_model(operation, model)
     potential = potential_segments(tree)

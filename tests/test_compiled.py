@@ -226,7 +226,7 @@ def test_proof_is_on_the_factor_as_given() -> None:
 
 def contact_of(size: int, seed: int, *, edges: bool) -> WeberLineContact:
     rng = np.random.default_rng(seed)
-    overhang = np.where(edges & (rng.random(size) < 0.2), rng.uniform(0.0, 0.1, size), np.nan)
+    overhang = np.where(edges & (rng.random(size) < 0.2), rng.uniform(-0.3, 0.1, size), np.nan)
     length, radius = rng.uniform(0.5, 1.5, size), rng.uniform(20.0, 80.0, size)
     pinion, gear = rng.uniform(1.0, 4.0, (2, size))
     bronze = Material(110000.0, 0.25)

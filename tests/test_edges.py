@@ -12,10 +12,14 @@ import pytest
 from easeoff import analyze, read_case
 from easeoff.cases import Case, gear_pair
 from easeoff.contact import ElasticModel, MeshLines, lines_in_mesh, loaded_contact, loaded_splines
+from easeoff.contact.compliance.elastic_model import ElasticTeeth
+from easeoff.contact.lines.closest_approach import across_line, one_step
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
+from easeoff.contact.lines.line_ends import edge_distance, line_rotations, lines_to_edges
 from easeoff.contact.lines.mesh_edges import EdgeElements, edge_elements, edges_in_mesh
-from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR
+from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, solve_cycle
+from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry
 from easeoff.study import CaseInMesh
 from easeoff.verification import exact_gap, flanks_in_mesh
@@ -143,14 +147,23 @@ def loaded(name: str, torque: float, *, edge_contact: bool) -> tuple[np.ndarray,
     return 1e-6 * result["transmission_error"].values[0], result["edge_share"].values[0]
 
 
+def on_lines_to_edges(name: str, torque: float, mesh: MeshLines, segments: int = 31) -> np.ndarray:
+    """Rotation [rad] over the mesh cycle on the lines that end at the edges, without the edges."""
+    geometry, fields, _ = prepared(name)
+    on_lines = LineSegments(fields, mesh, ElasticTeeth(geometry.teeth, ElasticModel()), segments)
+    cycle, ratio = CycleSegments(fields, on_lines).to_edges, misaligned(name).assembly.ratio
+    found, _ = solve_cycle(cycle, np.array([torque]), ratio, False, "auto", {})
+    assert float(found["edge_share"].max()) == 0.0
+    return np.asarray(1e-6 * found["transmission_error"].values[0])
+
+
 @pytest.mark.parametrize(
     ("name", "torque"), [("fm-11x41", 500.0), ("fm-11x41 at its toe", 50.0), ("fh-12x41-45", 500.0)]
 )
 def test_what_touches_besides_holds_the_pair_back(name: str, torque: float) -> None:
     """So the search within the rotation that the lines allow misses nothing; away from edges nothing changes."""
-    lines, nothing = loaded(name, torque, edge_contact=False)
+    lines = on_lines_to_edges(name, torque, prepared(name)[2])
     edges, share = loaded(name, torque, edge_contact=True)
-    assert np.all(nothing == 0.0)
     assert np.all(edges <= lines * (1.0 + 1e-9))
     assert EDGE_SEARCH_ROTATION_FACTOR >= 1.0
     assert 0.03 < share.max() < 0.2
@@ -236,15 +249,74 @@ def test_edges_alone_hold_a_pair_without_a_line() -> None:
         "segments_per_line": 15,
         "model": ElasticModel(),
     }
-    bare, _ = loaded_contact(fields, geometry.teeth, gap, edge_contact=False, **known)
+    bare = on_lines_to_edges(name, 20.0, gap, 15)
     held, cases = loaded_contact(fields, geometry.teeth, gap, **known)
-    assert bare["status"].values[0].nonzero()[0].tolist() == [2]
+    assert np.isnan(bare).nonzero()[0].tolist() == [2]
     assert np.all(held["status"] == 0)
     turned = 1e-6 * held["transmission_error"].values[0]
     assert turned[2] > 1.5 * np.delete(turned, 2).max()
     (here,) = (case for case in cases if case.mesh_position == 2)
     assert here.segments.separation_angle.max() > turned[2]
     assert float(held["edge_share"][0, 2]) == pytest.approx(1.0)
-    np.testing.assert_allclose(
-        np.delete(turned, 2), np.delete(1e-6 * bare["transmission_error"].values[0], 2), rtol=1e-6
-    )
+    np.testing.assert_allclose(np.delete(turned, 2), np.delete(bare, 2), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_lines_end_where_their_closest_approach_meets_an_edge(name: str) -> None:
+    """Of the turned flanks: at either end the lowest point across the line lies on the boundary of a flank."""
+    _, fields, mesh = prepared(name)
+    ended = lines_to_edges(fields, mesh)
+    assert ended.pair.size > 0.9 * mesh.pair.size
+    flanks, rotation = flanks_in_mesh(misaligned(name)), line_rotations(ended)
+    for end in (0, -1):
+        points = ended.lines.points[:, :, end]
+        closest = points + one_step(fields, points).shift
+        _, pinion = exact_gap(flanks, closest, rotation)
+        border = np.min(np.abs([*closest, *(1.0 - closest), *pinion, *(1.0 - pinion)]), axis=0)
+        assert np.nanmax(border) < 1e-2
+
+
+def test_edges_begin_exactly_where_lines_end() -> None:
+    """A contact line along the tip edge: no part of it is covered twice, by line and edge, and none is left out.
+
+    On the lines as they are traced some tenths of a millimetre are.
+    """
+    _, fields, mesh = prepared("nasa-12x36")
+    edges = edges_in_mesh(fields, mesh, np.full(mesh.rotations.size, WIDEST))
+    way = [fields("position", np.array([[0.5], [0.5]]), d)[:, 0] for d in ((1, 0), (0, 1))]
+    worst = []
+    for lines in (mesh, lines_to_edges(fields, mesh)):
+        missed = []
+        for m in range(lines.pair.size):
+            own = (edges.position == lines.position[m]) & (edges.pair == lines.pair[m])
+            least = edges.elements.overhang[own].min(initial=np.inf)
+            if least > 0.1:
+                continue
+            begin = edges.elements.points[:, own][:, np.argmin(edges.elements.overhang[own])]
+            ends = lines.lines.points[:, m][:, [0, -1]]
+            ends = ends + one_step(fields, ends).shift
+            apart = np.tensordot(np.stack(way), ends - begin[:, None], axes=(0, 0))
+            missed.append(np.linalg.norm(apart, axis=0).min())
+        worst.append(max(missed))
+    assert worst[0] > 0.3
+    assert worst[1] < 0.15
+
+
+def test_distance_from_an_edge_is_that_across_the_line() -> None:
+    """A step of that length across the line, from the closest approach, ends on the edge."""
+    _, fields, mesh = prepared("fh-12x41-45")
+    lines = lines_to_edges(fields, mesh)
+    points = lines.lines.points[:, :, ::16].reshape(2, -1)
+    rotation = np.repeat(line_rotations(lines), lines.lines.points[0, 0, ::16].size)
+    distance = edge_distance(fields, points, rotation)
+    near = np.flatnonzero(distance < 0.6)
+    assert near.size > 5
+    closest = points + one_step(fields, points).shift
+    direction = across_line(fields, closest[:, near]).direction
+    flanks = flanks_in_mesh(misaligned("fh-12x41-45"))
+    border = []
+    for sense in (-1.0, 1.0):
+        reached = closest[:, near] + sense * distance[near] * direction
+        _, pinion = exact_gap(flanks, np.clip(reached, 0.0, 1.0), rotation[near])
+        border.append(np.minimum(off_edge(reached), off_edge(pinion)))
+    assert np.max(np.min(border, axis=0)) < 6e-3

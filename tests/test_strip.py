@@ -22,7 +22,7 @@ def cut(overhang: float, depth: float = DEEP, gear: Material = STEEL) -> WeberLi
 
 
 def by_cells(overhang: float, load: float, cells: int) -> tuple[float, float]:
-    """Deflection beyond the touch of the edge and width of the strip [mm], of half planes under even pressures."""
+    """Deflection beyond the first touch and width of the strip [mm], of half planes under even pressures."""
     law = cut(overhang)
     flexibility, contraction = law.flexibility, 0.3 / 0.7
     width = 2.6 * float(law.half_width(load)[0])
@@ -36,13 +36,13 @@ def by_cells(overhang: float, load: float, cells: int) -> tuple[float, float]:
     logarithm = integral(ends[None, 1:] - middle[:, None]) - integral(ends[None, :-1] - middle[:, None])
     matrix = -2.0 * logarithm / size + 2.0 * np.log(DEEP) - 1.0 - contraction
     matrix = flexibility / np.pi * 0.5 * (matrix + matrix.T)
-    separation = (middle**2 - overhang**2) / (2.0 * RADIUS)
+    separation = (middle**2 - max(overhang, 0.0) ** 2) / (2.0 * RADIUS)
     found = solve(ContactProblem(separation, np.ones(cells), load, matrix))
     assert found.certified
     return found.rotation, float(size[found.force > 0.0].sum())
 
 
-@pytest.mark.parametrize("overhang", [0.0, 0.05, 0.3, 1.5])
+@pytest.mark.parametrize("overhang", [-0.02, 0.0, 0.05, 0.3, 1.5])
 @pytest.mark.parametrize("load", [5.0, 300.0])
 def test_pressures_found_cell_by_cell(overhang: float, load: float) -> None:
     law = cut(overhang)
@@ -54,7 +54,7 @@ def test_pressures_found_cell_by_cell(overhang: float, load: float) -> None:
 
 
 @pytest.mark.parametrize("depth", [0.05, 1.0, DEEP])
-@pytest.mark.parametrize("overhang", [0.0, 0.02, 0.3, 3.0])
+@pytest.mark.parametrize("overhang", [-0.3, -0.02, 0.0, 0.02, 0.3, 3.0])
 def test_slope_is_the_derivative_and_the_energy_convex(depth: float, overhang: float) -> None:
     """Stiffer with every newton, never stiff without limit, from below the floor to strips far wider than deep."""
     law = cut(overhang, depth, BRONZE)
@@ -87,7 +87,22 @@ def test_strips_without_an_edge_are_whole() -> None:
     np.testing.assert_array_equal([strip.cut, strip.cut_slope], np.zeros((2, 2)))
 
 
-@pytest.mark.parametrize("overhang", [-0.1, np.inf, -np.inf])
+def test_a_strip_is_whole_until_it_reaches_the_edge() -> None:
+    """From there on deflection and slope go on without a jump, and the strip becomes narrower than a whole one."""
+    one = np.ones(1)
+    whole = WeberLineContact(one, RADIUS * one, 3.0 * one, 3.0 * one, STEEL, STEEL)
+    reach = float(whole.half_width(400.0)[0])
+    for force in (4.0, 399.99):
+        assert cut(-reach, 3.0).deflection(force)[0] == pytest.approx(whole.deflection(force)[0], rel=1e-12)
+        assert cut(-reach, 3.0).pressure(force)[0] == pytest.approx(whole.pressure(force)[0], rel=1e-12)
+    for depth in (0.05, 1.0, 10.0):
+        law, there = cut(-reach, depth), 400.0
+        for value in (law.deflection, law.tangent, law.half_width):
+            assert value(there * (1.0 + 1e-9))[0] == pytest.approx(value(there * (1.0 - 1e-9))[0], rel=1e-8)
+    assert cut(-0.5 * reach, 3.0).half_width(400.0)[0] < reach
+
+
+@pytest.mark.parametrize("overhang", [np.inf, -np.inf])
 def test_overhang_is_a_distance(overhang: float) -> None:
-    with pytest.raises(InputError, match="must be zero, positive or NaN"):
+    with pytest.raises(InputError, match="must be finite or NaN"):
         cut(overhang)

@@ -9,6 +9,10 @@ pressure, of which the root is singular at the edge and bounded at the other end
 Counting the gap from the edge, the deflection of a body under the line load q is that of a whole strip with a for b in
 the logarithm, and q / (pi E*) 2 e / (2 e + 3 a) more. Its derivative is that of a whole strip with a for b.
 
+The width is the same where the bodies come closest before the edge, less than b from it: e is negative then, down to
+-b, where the strip becomes whole. So is the derivative, and the deflection is its integral from the load at which the
+strip reaches the edge.
+
 That the body ends at the edge is left to the bending of the tooth: near its corner it gives way more than a half plane.
 """
 
@@ -33,7 +37,7 @@ class PressedStrip:
     growth
         Slope of the logarithm of the half-width by that of the load; one half for a whole strip.
     cut
-        What the cut adds to the deflection, in units of q (1/E1* + 1/E2*) / pi.
+        What an overhang adds to the deflection, in units of q (1/E1* + 1/E2*) / pi.
     cut_slope
         What it adds to the slope of the deflection by the load, in those units over q, beside what the half-width does.
     """
@@ -50,20 +54,21 @@ class PressedStrip:
         Parameters
         ----------
         overhang
-            Distance of the strip's middle beyond the edge [mm]; zero, positive or NaN.
+            Distance of the strip's middle beyond the edge [mm], negative before it; NaN if there is no edge.
         squared
             Square of the half-width b of the whole strip under the same line load [mm^2].
         """
-        whole = np.isnan(overhang)
+        half = np.sqrt(squared)
+        whole = ~(overhang > -half)
         if whole.all():  # the usual case, in the innermost loop of the contact
             nothing = np.zeros_like(squared)
-            return cls(np.sqrt(squared), np.full_like(squared, 0.5), nothing, nothing)
+            return cls(half, np.full_like(squared, 0.5), nothing, nothing)
         e = np.where(whole, 0.0, overhang)
         a = squared / (np.sqrt(e * e + 3.0 * squared) + e)
         ends, twice = 2.0 * e + 3.0 * a, 2.0 * e + 6.0 * a
-        cut = np.where(whole, 0.0, 2.0 * e / ends)
+        cut = 2.0 * np.maximum(e, 0.0) / ends
         return cls(
-            np.where(whole, np.sqrt(squared), a),
+            np.where(whole, half, a),
             np.where(whole, 0.5, ends / twice),
             cut,
             cut * (1.0 - 3.0 * a / twice),

@@ -18,7 +18,13 @@ delta continues as the quadratic through zero with the value and slope of the fl
 with bounded stiffness and still a strictly convex energy. Below zero, which no solution reaches but an iteration may,
 it is linear.
 
-The strip may be cut by the edge of a tooth, see ``pressed_strip``.
+The strip may be cut by the edge of a tooth, see ``pressed_strip``. Where the bodies come closest before the edge, by
+the distance -e, the derivative above is integrated from b = -e on, with the half-width a of the cut strip in h / s:
+
+    q delta' = integral of (2 e + 6 a) [artanh(u) - k u] da = 3 a^2 A - 3 nu / (1 - nu) h a^2 / (s + h)
+               + 2 e [a A + (1 - k) h asinh(a / h)],    A = asinh(h / a),    k = 1 / (2 (1 - nu)),
+
+in units of 2 q / (pi E* b^2).
 """
 
 from __future__ import annotations
@@ -64,6 +70,7 @@ class _Bodies:
         h, strip = self.depth, self.strip(line_load)
         share = h / (np.sqrt(h * h + strip.half_width**2) + h)
         per_body = self.unit * (np.arcsinh(h / strip.half_width) - self.contraction * share)
+        per_body = np.where(self._before_edge(line_load), self._integrated(strip.half_width, line_load), per_body)
         return np.asarray(per_body.sum(axis=0) + self.correction + self.flexibility / math.pi * strip.cut)
 
     def tangent(self, line_load: FloatArray) -> FloatArray:
@@ -72,7 +79,28 @@ class _Bodies:
         s = np.sqrt(h * h + strip.half_width**2)
         drop = h / (s + h) * (1.0 - strip.growth * (s - h) / s)
         per_body = self.unit * (np.arcsinh(h / strip.half_width) - strip.growth * h / s - self.contraction * drop)
+        slope = self.unit * (np.arcsinh(h / strip.half_width) - 0.5 * (1.0 + self.contraction) * h / s)
+        per_body = np.where(self._before_edge(line_load), slope, per_body)
         return np.asarray(per_body.sum(axis=0) + self.correction + self.flexibility / math.pi * strip.cut_slope)
+
+    def _before_edge(self, line_load: FloatArray) -> NDArray[np.bool_]:
+        """Whether an edge cuts the strip of bodies that come closest before it."""
+        e = self.overhang
+        return np.asarray((e < 0.0) & (e * e < self.width_squared * line_load))
+
+    def _integrated(self, half_width: FloatArray, line_load: FloatArray) -> FloatArray:
+        """Deflection of each body per line load where ``_before_edge``."""
+        h, contraction, e = self.depth, self.contraction, np.minimum(self.overhang, 0.0)
+
+        def primitive(a: FloatArray) -> FloatArray:
+            spread = np.arcsinh(h / a)
+            square = 3.0 * a * a * (spread - contraction * h / (np.sqrt(h * h + a * a) + h))
+            return np.asarray(square + 2.0 * e * (a * spread + 0.5 * (1.0 - contraction) * h * np.arcsinh(a / h)))
+
+        with np.errstate(divide="ignore", invalid="ignore"):
+            whole = e * e * (np.arcsinh(h / -e) - contraction * h / (np.sqrt(h * h + e * e) + h))
+            gained = primitive(half_width) - primitive(-e)
+            return np.asarray(self.unit * (whole + gained) / (self.width_squared * line_load))
 
     def energy(self, line_load: FloatArray) -> FloatArray:
         """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""
@@ -106,13 +134,14 @@ class WeberLineContact:
         Half-width over the mean depth below which the logarithm gives way to a quadratic [-]. At 1e-3 that is a line
         load of about 0.03 N/mm for ordinary steel teeth.
     overhang
-        Distance beyond the edge of a tooth at which the bodies would come closest [mm]; NaN if none cuts the strip.
+        Distance beyond the edge of a tooth at which the bodies would come closest [mm], negative before it; NaN if no
+        edge is near.
 
     Raises
     ------
     InputError
-        If an array is not positive and finite (the overhang: zero, positive or NaN), the shapes do not broadcast, or an
-        option is out of range.
+        If an array is not positive and finite (the overhang: finite or NaN), the shapes do not broadcast, or an option
+        is out of range.
 
     Examples
     --------
@@ -148,7 +177,7 @@ class WeberLineContact:
             raise InputError(f"arrays of shapes {shapes}: must broadcast together") from None
         for name, array in zip(names, arrays, strict=True):
             if name == "overhang":
-                allowed, bad = "zero, positive or NaN", (array < 0.0) | np.isinf(array)
+                allowed, bad = "finite or NaN", np.isinf(array)
             else:
                 allowed, bad = "positive and finite", ~(np.isfinite(array) & (array > 0.0))
             if bad.any():
@@ -298,7 +327,7 @@ class WeberLineContact:
         Returns
         -------
         Array
-            Energy [N mm], strictly convex in the force; NaN where an edge cuts the strip: it is not in closed form.
+            Energy [N mm], strictly convex in the force; NaN where an edge is near: it is not in closed form.
         """
         line_load, raised = self._line_load(force)
         above = self._bodies.energy(raised) + self._floor_energy
@@ -320,7 +349,8 @@ class WeberLineContact:
     def pressure(self, force: ArrayLike) -> FloatArray:
         """Largest Hertzian pressure, 2 q / (pi b) [MPa]; zero where the force is not positive.
 
-        NaN where an edge cuts the strip: at a sharp edge the pressure has no limit.
+        NaN where the bodies come closest on an edge: at a sharp edge the pressure has no limit. Where an edge cuts the
+        side of a strip it is that of the whole strip.
 
         Parameters
         ----------
@@ -329,4 +359,4 @@ class WeberLineContact:
         """
         line_load = np.maximum(np.asarray(force, dtype=np.float64) / self.length, 0.0)
         whole = 2.0 / math.pi * np.sqrt(line_load / self._bodies.width_squared)
-        return np.where(np.isnan(self.overhang), whole, np.nan)
+        return np.where(self.overhang >= 0.0, np.nan, whole)

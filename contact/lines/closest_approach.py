@@ -115,6 +115,15 @@ class AcrossLine:
         return np.asarray(self.separation_curvature + self.ease_off_bend)
 
     @property
+    def to_closest(self) -> Array:
+        """Roll angle (...) [rad] from the points to the closest approach beside them; zero where the gap does not open.
+
+        It is the first step of Newton's method, see ``one_step``.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.stiffness > 0.0, -self.ease_off_slope / self.stiffness, 0.0)
+
+    @property
     def curvature(self) -> Array:
         """Relative curvature of the gap across the curve (...) [1/mm]; zero where the gap does not open."""
         return np.where(self.stiffness > 0.0, self.lever_arm * self.stiffness * self.slope**2, 0.0)
@@ -233,9 +242,7 @@ def one_step(splines: FlankSplines, points: Array) -> ClosestApproach:
     """
     here = across_line(splines, points)
     # A gap that does not open across the curve has no closest approach there: keep the curve itself.
-    opens = here.stiffness > 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        step = np.where(opens, -here.ease_off_slope / here.stiffness, 0.0)
+    opens, step = here.stiffness > 0.0, here.to_closest
     wanted = points + here.direction * step / here.slope
     closest = np.clip(wanted, 0.0, 1.0)
     gap, holds = _gap_at(splines, closest, here.roll_angle)

@@ -95,17 +95,20 @@ def boundary_distance(splines: FlankSplines, points: Array) -> Array:
     return np.where(splines.in_hole(points), -1.0, inside)
 
 
-def _onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 3) -> Array:
-    """Move points (2, ...) along the gradient of the roll angle onto their level (...)."""
+def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 3, beyond: float = 0.0) -> Array:
+    """Move points (2, ...) along the gradient of the roll angle onto their level (...).
+
+    They may leave the flank by a fraction ``beyond``.
+    """
     for _ in range(steps):
         value = splines("roll_angle", points)
         slope = np.stack([splines("roll_angle", points, (1, 0)), splines("roll_angle", points, (0, 1))])
         step = (level - value) * slope / np.sum(slope**2, axis=0)
-        points = np.clip(points + step, 0.0, 1.0)
+        points = np.clip(points + step, -beyond, 1.0 + beyond)
     return points
 
 
-def _resample(points: Array, measure: Array, count: int) -> Array:
+def resampled(points: Array, measure: Array, count: int) -> Array:
     """Points (2, count) evenly spaced in ``measure`` (k) along a polyline (2, k)."""
     target = np.linspace(measure[0], measure[-1], count)
     return np.stack([np.interp(target, measure, points[0]), np.interp(target, measure, points[1])])
@@ -155,7 +158,7 @@ def trace(splines: FlankSplines, levels: Array) -> ContactLines:
             measure = np.concatenate([[0.0], np.cumsum(steps)])
             if measure[-1] > LENGTH_RATIO_LIMIT:
                 index.append(i)
-                raw.append(_resample(polyline, measure, POINTS_PER_LINE))
+                raw.append(resampled(polyline, measure, POINTS_PER_LINE))
     if not raw:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
     return _clip(splines, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
@@ -163,7 +166,7 @@ def trace(splines: FlankSplines, levels: Array) -> ContactLines:
 
 def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
-    points = _onto_level(splines, points, levels[index][:, None])
+    points = onto_level(splines, points, levels[index][:, None])
     distance = boundary_distance(splines, points)
     kept_index, starts, ends = [], [], []
     for row, inside in enumerate(distance > 0.0):
@@ -178,10 +181,10 @@ def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points
     parameter = np.stack([_crossing(splines, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
     # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
-    pieces = _onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
+    pieces = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
     length = arc_length(splines, pieces)
-    even = np.stack([_resample(pieces[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)], axis=1)
-    even = _onto_level(splines, even, levels[index[rows]][:, None], steps=2)
+    even = np.stack([resampled(pieces[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)], axis=1)
+    even = onto_level(splines, even, levels[index[rows]][:, None], steps=2)
     long_enough = length[:, -1] > LENGTH_RATIO_LIMIT * float(np.max(length))
     return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough, -1])
 
@@ -201,7 +204,7 @@ def _crossing(
     cut = inside != outside
 
     def distance(parameter: Array) -> Array:
-        here = _onto_level(splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
+        here = onto_level(splines, _between(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1)
         return boundary_distance(splines, here)[:, 0]
 
     if np.any(cut):

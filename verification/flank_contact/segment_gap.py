@@ -75,10 +75,13 @@ def segment_gaps(flanks: FlanksInMesh, cycle: MeshCycle, case: LoadedCase) -> Se
     >>> bool(abs(gaps.rotation_error) < 1e-6)
     True
     """
-    segments, on_lines, lines = case.segments, cycle.segments.on_lines, cycle.lines
+    # Where edges may touch, the lines end at the edges and know how far these are.
+    cut = bool(np.any(np.isfinite(case.segments.line_contact.overhang)))
+    found = cycle.segments.to_edges if cut else cycle.segments
+    segments, on_lines, lines = case.segments, found.on_lines, found.on_lines.lines
     here = np.flatnonzero(lines.position == case.mesh_position)
     points, weights = on_lines.quadrature
-    places = (points + cycle.segments.closest.shift)[:, here].reshape(2, -1)
+    places = (points + found.closest.shift)[:, here].reshape(2, -1)
     pairs = np.repeat(lines.pair[here], points.shape[2])
     # The segments of the lines come first, then pieces of edges.
     count = here.size * on_lines.count

@@ -102,8 +102,10 @@ def _strip(p: Any, load: float) -> tuple[float, float]:
     squared = p[WIDTH] * load
     half, growth, cut, slope = math.sqrt(squared), 0.5, 0.0, 0.0
     e = p[OVERHANG]
-    if not math.isnan(e):
+    before = e < 0.0 and e > -half
+    if e >= 0.0 or before:  # not where it is NaN
         half = squared / (math.sqrt(e * e + 3.0 * squared) + e)
+    if e >= 0.0:
         ends, twice = 2.0 * e + 3.0 * half, 2.0 * e + 6.0 * half
         growth, cut = ends / twice, 2.0 * e / ends
         slope = cut * (1.0 - 3.0 * half / twice)
@@ -113,6 +115,16 @@ def _strip(p: Any, load: float) -> tuple[float, float]:
         s = math.sqrt(h * h + half * half)
         logarithm = math.log((h + s) / half) if h > half else math.asinh(h / half)
         share = h / (s + h)
+        if before:
+            first = -e
+            start = math.asinh(h / first) - contraction * h / (math.sqrt(h * h + e * e) + h)
+            rest = 0.5 * (1.0 - contraction) * h
+            gained = 3.0 * (half * half * (logarithm - contraction * share) - e * e * start)
+            gained += 2.0 * e * (half * logarithm + rest * math.asinh(half / h))
+            gained -= 2.0 * e * (first * math.asinh(h / first) + rest * math.asinh(first / h))
+            secant += unit * (e * e * start + gained) / squared
+            tangent += unit * (logarithm - 0.5 * (1.0 + contraction) * h / s)
+            continue
         secant += unit * (logarithm - contraction * share)
         drop = share * (1.0 - growth * (s - h) / s)
         tangent += unit * (logarithm - growth * h / s - contraction * drop)

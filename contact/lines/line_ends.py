@@ -1,0 +1,157 @@
+"""Contact lines that end at the edges, where the closest approach beside them does.
+
+A contact line is the curve of conjugate contact, clipped to both flanks. The flanks come closest a little beside it, on
+steep ease-offs by some tenths of a millimetre. Where a line runs into an edge at a small angle, its last part can have
+its closest approach beyond the edge. There is no flank there: the edge itself touches, see ``mesh_edges``. At the other
+end the closest approach can lie on both flanks though the line has left them. Here a line is cut or extended to where
+its closest approach lies on both flanks, so that edges begin exactly where lines end.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .closest_approach import SEARCH_RADIUS_LIMIT, AcrossLine, across_line
+from .contact_lines import (
+    LENGTH_RATIO_LIMIT,
+    POINTS_PER_LINE,
+    ContactLines,
+    arc_length,
+    boundary_distance,
+    onto_level,
+    resampled,
+)
+from .flank_splines import FlankSplines
+from .mesh_edges import EDGES
+from .mesh_lines import MeshLines
+from .opposite_points import EXTRAPOLATION_LIMIT, OppositePoints
+
+Array = NDArray[Any]
+
+EXTENSION_RATIO = 0.08  # of a line beyond either end, over the length of the longest; designed pairs need up to 0.03
+EXTENSION_POINTS = 12  # in either extension
+POINT_STRIDE = 2  # of the points of a line at which its closest approach is looked at
+
+
+def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
+    """Contact lines that end where their closest approach leaves a flank; those without any on both flanks are dropped.
+
+    Parameters
+    ----------
+    splines
+        Splines from ``loaded_splines``.
+    mesh
+        Contact lines from ``lines_in_mesh``.
+    """
+    lines, rotation = mesh.lines, line_rotations(mesh)[:, None]
+    points = onto_level(splines, _extended(lines), rotation, beyond=EXTRAPOLATION_LIMIT)
+    first, last, found = _inside(_margin(splines, points, rotation))
+    rows, span = np.flatnonzero(found), np.linspace(0.0, 1.0, POINTS_PER_LINE)
+    at = first[rows, None] + (last - first)[rows, None] * span
+    low = np.clip(at.astype(int), 0, points.shape[2] - 2)
+    weight = at - low
+    curves = points[:, rows[:, None], low] * (1.0 - weight) + points[:, rows[:, None], low + 1] * weight
+    curves = onto_level(splines, curves, rotation[rows], beyond=EXTRAPOLATION_LIMIT)
+    length = arc_length(splines, curves)
+    even = [resampled(curves[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)]
+    curves = np.stack(even, axis=1) if even else curves
+    curves = onto_level(splines, curves, rotation[rows], steps=2, beyond=EXTRAPOLATION_LIMIT)
+    kept = length[:, -1] > LENGTH_RATIO_LIMIT * lines.length.max()
+    chosen = rows[kept]
+    ended = ContactLines(lines.level[chosen], curves[:, kept], length[kept, -1])
+    return MeshLines(mesh.rotations, ended, mesh.position[chosen], mesh.pair[chosen], mesh.pinion_pitch)
+
+
+def line_rotations(mesh: MeshLines) -> Array:
+    """Pinion rotation of every line (m) [rad], counted as the roll angle of its own tooth pair."""
+    return np.asarray(mesh.rotations[mesh.position] - mesh.pair * mesh.pinion_pitch)
+
+
+def edge_distance(splines: FlankSplines, points: Array, rotation: Array) -> Array:
+    """Distance (n) [mm] of the closest approach from the nearest toe, heel or tip of either member, across the line.
+
+    Parameters
+    ----------
+    splines
+        Splines from ``loaded_splines``.
+    points
+        Points (2, n) of contact lines as fractions on the gear.
+    rotation
+        Of the pinion (n) [rad], counted as the roll angle.
+    """
+    here = across_line(splines, points)
+    closest = points + here.direction * here.to_closest / here.slope
+    there, opposite = across_line(splines, closest), OppositePoints.of(splines, closest)
+    fractions = closest, opposite.after(rotation - there.roll_angle)
+    passing = opposite.slopes - opposite.rate[:, None] * there.gradient[None]
+    leaving = there.direction, np.einsum("pgn,gn->pn", passing, there.direction)
+    with np.errstate(divide="ignore"):
+        each = [
+            np.abs(fraction[axis] - value) / np.abs(slope[axis])
+            for fraction, slope in zip(fractions, leaving, strict=True)
+            for axis, value in EDGES
+        ]
+    return np.asarray(np.min(each, axis=0))
+
+
+def _extended(lines: ContactLines) -> Array:
+    """Points (2, m, k) along the lines, and on their tangents beyond both ends."""
+    points = lines.points
+    step = EXTENSION_RATIO * lines.length.max() / EXTENSION_POINTS
+    spacing = lines.length / (POINTS_PER_LINE - 1)
+    away = step * np.arange(1, EXTENSION_POINTS + 1)
+    before, after = (
+        points[:, :, [end]] + ((points[:, :, end] - points[:, :, inner]) / (4.0 * spacing))[:, :, None] * away
+        for end, inner in ((0, 4), (POINTS_PER_LINE - 1, POINTS_PER_LINE - 5))
+    )
+    return np.concatenate([before[:, :, ::-1], points[:, :, ::POINT_STRIDE], after], axis=2)
+
+
+def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
+    """How far inside both flanks the closest approach beside points (2, m, k) lies, as a fraction; negative beyond."""
+    here = across_line(splines, points)
+    way = here.direction * here.to_closest / here.slope
+    closest = points + way
+    left = rotation - splines("roll_angle", closest)
+    opposite = OppositePoints.of(splines, closest.reshape(2, -1)).after(left.ravel()).reshape(closest.shape)
+    within = np.min(np.concatenate([closest, 1.0 - closest, opposite, 1.0 - opposite]), axis=0)
+    near = np.clip(closest, 0.0, 1.0)
+    within = np.minimum(within, splines("blade_distance", near))
+    within = np.where(splines.in_hole(near), -1.0, within)
+    # Where there is no such step to a closest approach the flank's own boundary ends the line, as it was traced.
+    outside = np.any((points < 0.0) | (points > 1.0), axis=0)
+    own = np.where(outside, -1.0, boundary_distance(splines, np.clip(points, 0.0, 1.0)))
+    within = np.where(_steps(here, way), within, own)
+    return np.where(np.any(np.abs(points - 0.5) >= 0.5 + EXTRAPOLATION_LIMIT, axis=0), -1.0, within)
+
+
+def _steps(here: AcrossLine, way: Array) -> NDArray[np.bool_]:
+    """Whether the gap opens across the line and its closest approach is near."""
+    return np.asarray((here.stiffness > 0.0) & (np.max(np.abs(way), axis=0) <= SEARCH_RADIUS_LIMIT))
+
+
+def _inside(margin: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """First and last index (m) of the part of every row (m, k) that is inside and nearest its middle; if there is one.
+
+    Between two points the border is where the margin, taken as linear, is zero.
+    """
+    rows, count = margin.shape
+    first, last, found = np.zeros(rows), np.zeros(rows), np.zeros(rows, dtype=bool)
+    for row, inside in enumerate(margin > 0.0):
+        where = np.flatnonzero(inside)
+        if not where.size:
+            continue
+        found[row] = True
+        middle = where[np.argmin(np.abs(where - 0.5 * (count - 1)))]
+        outside = np.flatnonzero(~inside)
+        low, high = outside[outside < middle].max(initial=-1) + 1, outside[outside > middle].min(initial=count) - 1
+        first[row], last[row] = low, high
+        m = margin[row]
+        if low > 0:
+            first[row] -= m[low] / (m[low] - m[low - 1])
+        if high < count - 1:
+            last[row] += m[high] / (m[high] - m[high + 1])
+    return first, last, found
