@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from .tooth_passage import ToothPassage, tooth_passage
 
@@ -87,6 +86,8 @@ class CarryingError:
 
     @cached_property
     def _single(self) -> Callable[[Array], Array]:
+        from scipy.interpolate import PchipInterpolator
+
         if not self.is_known:
             return lambda steps: np.full(np.shape(steps), np.nan)
         known = np.isfinite(self.passage.values)
