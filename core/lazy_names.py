@@ -24,8 +24,8 @@ def lazy_names(
 
     Examples
     --------
-    >>> found, _ = lazy_names("easeoff.core", {".magnitude": ["power_of_two"]})
-    >>> found("power_of_two").__module__
+    >>> found, _ = lazy_names("easeoff.core", {".magnitude": ["time_in_words"]})
+    >>> found("time_in_words").__module__
     'easeoff.core.magnitude'
     """
     modules = {name: module for module, names in origins.items() for name in names}

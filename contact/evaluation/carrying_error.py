@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from .monotone_cubic import MonotoneCubic
 from .tooth_passage import ToothPassage, tooth_passage
 
 Array = NDArray[Any]
@@ -86,13 +87,11 @@ class CarryingError:
 
     @cached_property
     def _single(self) -> Callable[[Array], Array]:
-        from scipy.interpolate import PchipInterpolator
-
         if not self.is_known:
             return lambda steps: np.full(np.shape(steps), np.nan)
         known = np.isfinite(self.passage.values)
-        single = PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
-        return lambda steps: np.asarray(single(steps))
+        single = MonotoneCubic(self.passage.steps[known], self.passage.values[known])
+        return single
 
     @cached_property
     def _cycle(self) -> tuple[Array, Array]:
