@@ -254,11 +254,11 @@ class Shell:
         if vectors.shape[0] == 0:
             return np.zeros((self.size, 0))
         idle = self.idle_size
-        if vectors[:, self._order[:idle]].any():
+        if _columns(vectors, self._order[:idle]).any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
         whitened = np.zeros((self.size, vectors.shape[0]))
-        np.matmul(self._mid_surface_whitening, vectors[:, self._order[idle:]].T, out=whitened[idle:])
+        np.matmul(self._mid_surface_whitening, _columns(vectors, self._order[idle:]).T, out=whitened[idle:])
         return whitened
 
     def compliance(self, load_vectors: ArrayLike) -> FloatArray:
@@ -276,3 +276,10 @@ class Shell:
         """
         whitened = self.whiten(load_vectors)
         return np.asarray(whitened.T @ whitened)
+
+
+def _columns(matrix: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+    """Columns of a matrix, without a copy where they lie side by side."""
+    if index.size and index[-1] - index[0] + 1 == index.size and bool((np.diff(index) == 1).all()):
+        return matrix[:, index[0] : index[-1] + 1]
+    return matrix[:, index]
