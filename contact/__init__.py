@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..core.lazy_names import lazy_names
-from .harmonics import harmonics, peak_to_peak, rms
 
 if TYPE_CHECKING:
     from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .loaded import loaded_contact, loaded_splines
     from .mesh_cycle import MeshCycle
+    from .mesh_harmonics import harmonics, peak_to_peak, rms
     from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
     from .problem.complementarity_form import LCP, lcp
     from .problem.compliance_matrix import ModalCompliance
@@ -79,6 +79,7 @@ _ORIGINS = {
     ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
     ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
+    ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
     ".loaded": ["loaded_contact", "loaded_splines"],
     ".mesh_cycle": ["MeshCycle"],
     ".problem.certificate": ["EXACT_TOLERANCE", "Certificate", "certify"],

@@ -15,8 +15,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf, dtrtri
 
 from ...core.checks import positive
 from ...core.errors import InputError
@@ -88,6 +86,8 @@ class Shell:
     _scale: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        from scipy.linalg.lapack import dpotrf
+
         counts: tuple[int, ...] = tuple(self.modes)
         if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
             raise InputError(f"modes = {self.modes!r}: must be two whole numbers from 1 up, (profile, lengthwise)")
@@ -135,6 +135,8 @@ class Shell:
     @cached_property
     def _mid_surface_whitening(self) -> FloatArray:
         """L^-1 D^-1/2 of the last block: a product with it takes half the time of a substitution."""
+        from scipy.linalg.lapack import dtrtri
+
         idle = self.idle_size
         inverse, _info = dtrtri(self._factor[idle:, idle:], lower=1)
         return np.ascontiguousarray(np.tril(inverse) * self._scale[self._order[idle:]])
@@ -248,6 +250,8 @@ class Shell:
             Y of shape (n_dof, n); Y^T Y is the compliance between the loads [mm/N]. Its first `idle_size` rows are
             zero if all loads are on the mid-surface.
         """
+        from scipy.linalg.blas import dtrsm
+
         vectors = np.asarray(load_vectors, dtype=np.float64)
         if vectors.ndim != 2 or vectors.shape[1] != self.size:
             raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
