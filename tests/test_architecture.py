@@ -109,7 +109,7 @@ def test_names_imported_on_first_use_are_those_that_types_know(name: str) -> Non
     for each in package.__all__:
         assert getattr(package, each) is not None
     with pytest.raises(AttributeError, match="no_such_name"):
-        package.no_such_name
+        _ = package.no_such_name
 
 
 @pytest.mark.parametrize(
