@@ -74,7 +74,10 @@ def tasks() -> Iterator[tuple[str, Callable[[], Any]]]:
     cycle = MeshCycle.of(pair_geometry(pair, nodes), elastic_model(shells, None))
     cycle.loaded(torques, edge_contact=False)
     steps = count(1)
-    another = lambda: cycle.misaligned(Misalignment(offset=1e-3 * next(steps)))  # noqa: E731
+
+    def another() -> MeshCycle:
+        return cycle.misaligned(Misalignment(offset=1e-3 * next(steps)))
+
     yield "further misalignment", lambda: another().loaded(torques, edge_contact=False)
     yield "further misalignment, forces alone", lambda: another().solved(torques)
     yield "further torque", lambda: cycle.loaded([100.0 + next(steps)], edge_contact=False)

@@ -51,17 +51,14 @@ class KnotIntervals:
         first = np.arange(width.size)
         for order in range(1, degree + 1):  # the recurrence of Cox and de Boor, on the coefficients
             raised = np.zeros_like(pieces)
-            for back in range(order + 1):
-                at, left = degree - back, first + degree - back
-                for lower, start, end in (
-                    (at, knots[left], knots[left + order]),
-                    (at + 1, knots[left + order + 1], knots[left + 1]) if back else (degree + 1, 0.0, 1.0),
-                ):
-                    if lower > degree or (lower == at and back == order):
-                        continue
-                    factor = pieces[:, lower] / (end - start)[:, None]
-                    raised[:, at] += (middle - start)[:, None] * factor
-                    raised[:, at, 1:] += width[:, None] * factor[:, :-1]
+            for number in range(degree - order, degree + 1):
+                left = first + number
+                if number > degree - order:
+                    rising = _line(knots[left], knots[left + order], middle, width)
+                    raised[:, number] += _product(pieces[:, number], *rising)
+                if number < degree:
+                    falling = _line(knots[left + order + 1], knots[left + 1], middle, width)
+                    raised[:, number] += _product(pieces[:, number + 1], *falling)
             pieces = raised
         return cls(ends, pieces)
 
@@ -79,6 +76,18 @@ class KnotIntervals:
         matrix = np.zeros((nodes.size, nodes.size))
         matrix[np.arange(nodes.size)[:, None], index[:, None] + np.arange(degree + 1)] = values
         return matrix
+
+
+def _line(zero: Array, one: Array, middle: Array, width: Array) -> tuple[Array, Array]:
+    """Value in the middle of intervals (k) and rise over them (k) of lines that are 0 and 1 at given places (k)."""
+    return (middle - zero) / (one - zero), width / (one - zero)
+
+
+def _product(polynomials: Array, value: Array, rise: Array) -> Array:
+    """Coefficients (k, powers) of polynomials times lines; the highest power of the polynomials is zero."""
+    result = value[:, None] * polynomials
+    result[:, 1:] += rise[:, None] * polynomials[:, :-1]
+    return np.asarray(result)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +134,7 @@ class TensorSpline:
 
     @property
     def _cell_count(self) -> int:
-        return self.intervals[0].pieces.shape[0] * self.intervals[1].pieces.shape[0]
+        return len(self.intervals[0].pieces) * len(self.intervals[1].pieces)
 
     def _polynomials(self, cells: NDArray[np.int64]) -> Array:
         """Coefficients (profile power, lengthwise power, m, n) of the polynomials of cells (n)."""
