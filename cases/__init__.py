@@ -1,23 +1,30 @@
 """Case and design files: schemas, reading, checking and writing, the shipped ones, exchange with other programs."""
 
-from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
-from .reading import (
-    case_text,
-    design_text,
-    parse_case,
-    parse_design,
-    read_case,
-    read_design,
-    shipped_cases,
-    shipped_designs,
-)
-from .rexs.rexs_reading import read_rexs
-from .rexs.rexs_writing import write_rexs
-from .schema.case_schema import Case, ContactTable
-from .schema.design_schema import Design
-from .schema.friction_table import FrictionTable
-from .session.session_script import read_session_script
-from .writing import case_toml, write_case
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
+    from .reading import (
+        case_text,
+        design_text,
+        parse_case,
+        parse_design,
+        read_case,
+        read_design,
+        shipped_cases,
+        shipped_designs,
+    )
+    from .rexs.rexs_reading import read_rexs
+    from .rexs.rexs_writing import write_rexs
+    from .schema.case_schema import Case, ContactTable
+    from .schema.design_schema import Design
+    from .schema.friction_table import FrictionTable
+    from .session.session_script import read_session_script
+    from .writing import case_toml, write_case
 
 __all__ = [
     "Case",
@@ -42,3 +49,25 @@ __all__ = [
     "write_case",
     "write_rexs",
 ]
+
+_ORIGINS = {
+    ".conversion": ["designed_blanks", "ease_off_target", "elastic_model", "gear_pair"],
+    ".reading": [
+        "case_text",
+        "design_text",
+        "parse_case",
+        "parse_design",
+        "read_case",
+        "read_design",
+        "shipped_cases",
+        "shipped_designs",
+    ],
+    ".rexs.rexs_reading": ["read_rexs"],
+    ".rexs.rexs_writing": ["write_rexs"],
+    ".schema.case_schema": ["Case", "ContactTable"],
+    ".schema.design_schema": ["Design"],
+    ".schema.friction_table": ["FrictionTable"],
+    ".session.session_script": ["read_session_script"],
+    ".writing": ["case_toml", "write_case"],
+}
+__getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -18,7 +18,6 @@ from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT, read_text
 from ..core.suggestion import suggestion
 from ..core.toml_text import toml_tables
-from .conversion import designed_blanks
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
@@ -127,6 +126,8 @@ class FileKind(Generic[Model]):
         except ValidationError as error:
             raise InputError(f"{origin} has {count(error)}:\n{mistakes(self.model, error)}") from error
         if found.blank_design is not None:
+            from .conversion import designed_blanks
+
             try:
                 designed_blanks(
                     found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair

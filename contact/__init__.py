@@ -3,24 +3,31 @@
 The contact problem stands on its own: ``ContactProblem``, ``solve`` and ``certify`` need no gear.
 """
 
-from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
-from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
-from .harmonics import harmonics, peak_to_peak, rms
-from .line_contact.line_contact_solution import solve_line_contact
-from .lines.mesh_lines import MeshLines, lines_in_mesh
-from .loaded import loaded_contact, loaded_splines
-from .mesh_cycle import MeshCycle
-from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
-from .problem.complementarity_form import LCP, lcp
-from .problem.compliance_matrix import ModalCompliance
-from .problem.contact_problem import ContactProblem
-from .problem.dual_form import DualQP, dual_qp
-from .problem.lifted_form import LiftedQP, lifted_qp
-from .problem.problem_file import read_labels, read_problems, write_problems
-from .problem.programme_file import read_npz, write_npz
-from .root_stress import root_stress
-from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
-from .unloaded import unloaded_contact
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
+    from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
+    from .line_contact.line_contact_solution import solve_line_contact
+    from .lines.mesh_lines import MeshLines, lines_in_mesh
+    from .loaded import loaded_contact, loaded_splines
+    from .mesh_cycle import MeshCycle
+    from .mesh_harmonics import harmonics, peak_to_peak, rms
+    from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
+    from .problem.complementarity_form import LCP, lcp
+    from .problem.compliance_matrix import ModalCompliance
+    from .problem.contact_problem import ContactProblem
+    from .problem.dual_form import DualQP, dual_qp
+    from .problem.lifted_form import LiftedQP, lifted_qp
+    from .problem.problem_file import read_labels, read_problems, write_problems
+    from .problem.programme_file import read_npz, write_npz
+    from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
+    from .tooth_root_stress import root_stress
+    from .unloaded import unloaded_contact
 
 __all__ = [
     "EXACT_TOLERANCE",
@@ -66,3 +73,33 @@ __all__ = [
     "write_npz",
     "write_problems",
 ]
+
+_ORIGINS = {
+    ".compliance": ["ElasticFoundation", "Material", "Shell", "ToothDimensions", "WeberLineContact"],
+    ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
+    ".line_contact.line_contact_solution": ["solve_line_contact"],
+    ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
+    ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
+    ".loaded": ["loaded_contact", "loaded_splines"],
+    ".mesh_cycle": ["MeshCycle"],
+    ".problem.certificate": ["EXACT_TOLERANCE", "Certificate", "certify"],
+    ".problem.complementarity_form": ["LCP", "lcp"],
+    ".problem.compliance_matrix": ["ModalCompliance"],
+    ".problem.contact_problem": ["ContactProblem"],
+    ".problem.dual_form": ["DualQP", "dual_qp"],
+    ".problem.lifted_form": ["LiftedQP", "lifted_qp"],
+    ".problem.problem_file": ["read_labels", "read_problems", "write_problems"],
+    ".problem.programme_file": ["read_npz", "write_npz"],
+    ".tooth_root_stress": ["root_stress"],
+    ".solvers": [
+        "SOLVERS",
+        "ContactSolution",
+        "ContactSolutions",
+        "Status",
+        "available_solvers",
+        "solve",
+        "solve_many",
+    ],
+    ".unloaded": ["unloaded_contact"],
+}
+__getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from dataclasses import fields as dataclass_fields
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
-from .harmonics import harmonics, peak_to_peak, rms
-from .problem.certificate import Certificate
+from .mesh_harmonics import harmonics, peak_to_peak, rms
+from .problem.certificate import CERTIFICATE_FIELDS
 from .problem.contact_problem import ContactProblem
 from .segments import Segments
 from .solvers import ContactSolution, Status
 
 Array = NDArray[Any]
-CERTIFICATE = tuple(field.name for field in dataclass_fields(Certificate))
 HARMONIC_ORDER_COUNT = 10
 
 
@@ -88,7 +86,7 @@ def loaded_dataset(
     cycle = (torques.size, rotations.size)
     pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
     status = np.full(cycle, Status.INFEASIBLE, dtype=np.int8)
-    names = ("transmission_error", "edge_share", "iterations", *CERTIFICATE)
+    names = ("transmission_error", "edge_share", "iterations", *CERTIFICATE_FIELDS)
     scalars = {name: np.full(cycle, np.nan) for name in names}
     per_segment = {
         name: np.full((*cycle, size), np.nan)
@@ -113,7 +111,7 @@ def loaded_dataset(
         status[at] = solution.status
         scalars["transmission_error"][at] = 1e6 * solution.rotation
         scalars["iterations"][at] = solution.iterations
-        for name in CERTIFICATE:
+        for name in CERTIFICATE_FIELDS:
             scalars[name][at] = getattr(solution.certificate, name)
         certified = solution.status == Status.CERTIFIED
         nothing = np.full(here.pair.size, np.nan)

@@ -231,7 +231,8 @@ def _fields(geometry: PairGeometry) -> FlankSplines:
 
 def _same(splines: FlankSplines, other: FlankSplines) -> bool:
     """Whether splines agree to the bit in all that contact lines and compliance depend on."""
-    if not np.array_equal(splines.holes, other.holes) or splines.spline.c.shape != other.spline.c.shape:
+    own, others = splines.spline.coefficients, other.spline.coefficients
+    if not np.array_equal(splines.holes, other.holes) or own.shape != others.shape:
         return False
-    columns = [own for name, (own, _) in splines.columns.items() if name not in GAP_FIELDS]
-    return all(np.array_equal(splines.spline.c[..., own], other.spline.c[..., own]) for own in columns)
+    columns = [column for name, (column, _) in splines.columns.items() if name not in GAP_FIELDS]
+    return all(np.array_equal(own[column], others[column]) for column in columns)

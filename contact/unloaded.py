@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from ..core.attributes import flag_attributes, labelled
 from ..core.errors import GeometryError
 from ..geometry.pair.gear_pair import PairGeometry
-from .harmonics import continuous_range, harmonics, rms
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.contact_lines import ContactLines
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines
 from .lines.touching_points import GAP_LIMIT
 from .lines.turned_flanks import BOUNDS, TurnedFlanks
+from .mesh_harmonics import continuous_range, harmonics, rms
 from .pair_errors import PairErrors, smallest
 
 Array = NDArray[Any]

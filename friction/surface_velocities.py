@@ -12,16 +12,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.lines.flank_splines import FlankSplines, fit
 from ..core.errors import InputError
 from ..geometry.newton import cramers_rule, determinant
 from ..geometry.vectors import column, cross, dot
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[Any]
 AXIS_ATTRIBUTES = ("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm", "ratio")

@@ -1,38 +1,45 @@
 """Tooth flanks, blanks, ease-off and surface of roll angle: geometry alone, no loads."""
 
-from .cutting.blade import Blade
-from .cutting.blade_sections import BladeSection, Relief
-from .cutting.generating_surface import GeneratingSurface, Hand
-from .cutting.machine import MachineSettings, work_rotation
-from .cutting.machine_pose import machine_pose
-from .cutting.named_settings import get_setting, with_settings
-from .design.basic_settings import blank_section, formate_gear, generated_gear, hobbing_blade
-from .design.blank import (
-    BlankDesign,
-    BlankDimensions,
-    PitchCones,
-    blank_design_from_symbols,
-    blank_dimensions,
-    dimensions_by_symbol,
-)
-from .design.conjugate_pinion import conjugate_pinion
-from .design.synthesis import FREE_SETTINGS, EaseOffTarget, Synthesis, fit_pinion
-from .deviation.corrective_settings import FREE_FORMATE_SETTINGS, Correction, corrective_settings
-from .deviation.deviated_flank import deviated_pair
-from .deviation.deviation import Deviation, deviation_from_dataset, deviation_from_formula
-from .deviation.ease_off_update import deviated_ease_off
-from .deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
-from .flanks.blank_section import BlankSection
-from .flanks.curvature import principal_curvatures
-from .flanks.flank import Flank, NodeStatus, solve_flank
-from .pair.assembly import Assembly, Misalignment
-from .pair.ease_off import EaseOff, exact_ease_off
-from .pair.gear_pair import FlankName, GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
-from .pair.modification import Modification, modified_ease_off
-from .tooth.lattice_spacing import LatticeSpacing
-from .tooth.tooth_flanks import MemberName, named_member, tooth_angle
-from .tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
-from .tooth.tooth_surface import tooth_patches
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .cutting.blade import Blade
+    from .cutting.blade_sections import BladeSection, Relief
+    from .cutting.generating_surface import GeneratingSurface, Hand
+    from .cutting.machine import MachineSettings, work_rotation
+    from .cutting.machine_pose import machine_pose
+    from .cutting.named_settings import get_setting, with_settings
+    from .design.basic_settings import blank_section, formate_gear, generated_gear, hobbing_blade
+    from .design.blank import (
+        BlankDesign,
+        BlankDimensions,
+        PitchCones,
+        blank_design_from_symbols,
+        blank_dimensions,
+        dimensions_by_symbol,
+    )
+    from .design.conjugate_pinion import conjugate_pinion
+    from .design.synthesis import FREE_SETTINGS, EaseOffTarget, Synthesis, fit_pinion
+    from .deviation.corrective_settings import FREE_FORMATE_SETTINGS, Correction, corrective_settings
+    from .deviation.deviated_flank import deviated_pair
+    from .deviation.deviation import Deviation, deviation_from_dataset, deviation_from_formula
+    from .deviation.ease_off_update import deviated_ease_off
+    from .deviation.global_errors import GlobalErrors, angle_errors, fit_global_errors
+    from .flanks.blank_section import BlankSection
+    from .flanks.curvature import principal_curvatures
+    from .flanks.flank import Flank, NodeStatus, solve_flank
+    from .pair.assembly import Assembly, Misalignment
+    from .pair.ease_off import EaseOff, exact_ease_off
+    from .pair.gear_pair import FlankName, GearPair, Member, PairGeometry, ease_off, flank, pair_geometry
+    from .pair.modification import Modification, modified_ease_off
+    from .tooth.lattice_spacing import LatticeSpacing
+    from .tooth.tooth_flanks import MemberName, named_member, tooth_angle
+    from .tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+    from .tooth.tooth_surface import tooth_patches
 
 __all__ = [
     "FREE_FORMATE_SETTINGS",
@@ -98,3 +105,40 @@ __all__ = [
     "with_settings",
     "work_rotation",
 ]
+
+_ORIGINS = {
+    ".cutting.blade": ["Blade"],
+    ".cutting.blade_sections": ["BladeSection", "Relief"],
+    ".cutting.generating_surface": ["GeneratingSurface", "Hand"],
+    ".cutting.machine": ["MachineSettings", "work_rotation"],
+    ".cutting.machine_pose": ["machine_pose"],
+    ".cutting.named_settings": ["get_setting", "with_settings"],
+    ".design.basic_settings": ["blank_section", "formate_gear", "generated_gear", "hobbing_blade"],
+    ".design.blank": [
+        "BlankDesign",
+        "BlankDimensions",
+        "PitchCones",
+        "blank_design_from_symbols",
+        "blank_dimensions",
+        "dimensions_by_symbol",
+    ],
+    ".design.conjugate_pinion": ["conjugate_pinion"],
+    ".design.synthesis": ["FREE_SETTINGS", "EaseOffTarget", "Synthesis", "fit_pinion"],
+    ".deviation.corrective_settings": ["FREE_FORMATE_SETTINGS", "Correction", "corrective_settings"],
+    ".deviation.deviated_flank": ["deviated_pair"],
+    ".deviation.deviation": ["Deviation", "deviation_from_dataset", "deviation_from_formula"],
+    ".deviation.ease_off_update": ["deviated_ease_off"],
+    ".deviation.global_errors": ["GlobalErrors", "angle_errors", "fit_global_errors"],
+    ".flanks.blank_section": ["BlankSection"],
+    ".flanks.curvature": ["principal_curvatures"],
+    ".flanks.flank": ["Flank", "NodeStatus", "solve_flank"],
+    ".pair.assembly": ["Assembly", "Misalignment"],
+    ".pair.ease_off": ["EaseOff", "exact_ease_off"],
+    ".pair.gear_pair": ["FlankName", "GearPair", "Member", "PairGeometry", "ease_off", "flank", "pair_geometry"],
+    ".pair.modification": ["Modification", "modified_ease_off"],
+    ".tooth.lattice_spacing": ["LatticeSpacing"],
+    ".tooth.tooth_flanks": ["MemberName", "named_member", "tooth_angle"],
+    ".tooth.tooth_lattice": ["LatticeSize", "ToothLattice", "tooth_lattice"],
+    ".tooth.tooth_surface": ["tooth_patches"],
+}
+__getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -17,8 +17,8 @@ from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torqu
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase
-from ..contact.root_stress import root_stress
 from ..contact.solvers import require_solver
+from ..contact.tooth_root_stress import root_stress
 from ..core.checks import distinct
 from ..core.errors import InputError
 from ..geometry.deviation.deviation import Method

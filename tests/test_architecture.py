@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import subprocess
 import sys
 import tomllib
@@ -85,6 +86,51 @@ def test_one_command_alone_reaches_the_yardsticks_and_only_when_it_is_run() -> N
     outside = {name for name in modules() if entry(name, "") not in (None, "verification")}
     assert {name for name in outside if any(entry(o, "") == "verification" for o in imports(name))} == {VERIFYING}
     code = "import sys, easeoff.study.cli; print([m for m in sys.modules if m.startswith('easeoff.verification')])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["geometry", "contact", "contact.compliance", "contact.solvers", "friction", "cases"])
+def test_names_imported_on_first_use_are_those_that_types_know(name: str) -> None:
+    """And none is that of a module in its folder: once imported, the module would stand in its place."""
+    path = modules()[f"easeoff.{name}"]
+    blocks = [node for node in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(node, ast.If)]
+    typed = {
+        ("." * node.level + str(node.module), alias.name)
+        for block in blocks
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    package = importlib.import_module(f"easeoff.{name}")
+    assert typed == {(origin, each) for origin, names in package._ORIGINS.items() for each in names}
+    beside = {each.stem for each in path.parent.iterdir()}
+    assert not {each for _, each in typed} & beside
+    for each in package.__all__:
+        assert getattr(package, each) is not None
+    with pytest.raises(AttributeError, match="no_such_name"):
+        _ = package.no_such_name
+
+
+@pytest.mark.parametrize(
+    ("code", "spared"),
+    [
+        ("import easeoff", ["numpy", "click"]),
+        ("import easeoff.study.cli", ["numpy", "pydantic", "xarray"]),
+        (
+            "import easeoff; easeoff.read_case('fm-11x41')",
+            ["xarray", "pandas", "scipy", "netCDF4", "easeoff.contact.loaded"],
+        ),
+        (
+            "import easeoff.study.analysis",
+            ["scipy.optimize", "scipy.interpolate", "scipy.spatial", "numba", "matplotlib"],
+        ),
+        ("import easeoff.study.result", ["scipy", "numba", "matplotlib"]),
+    ],
+)
+def test_what_is_not_needed_is_not_loaded(code: str, spared: list[str]) -> None:
+    """Most of the processor time of a command went into imports."""
+    code = f"{code}; import sys; print([name for name in {spared!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

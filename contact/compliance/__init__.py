@@ -1,10 +1,17 @@
 """Tooth compliance, in replaceable pieces: shell, root foundation, local line contact."""
 
-from .elastic_foundation import ElasticFoundation
-from .material import Material
-from .shell import Shell
-from .tooth_dimensions import ToothDimensions
-from .weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .elastic_foundation import ElasticFoundation
+    from .material import Material
+    from .shell import Shell
+    from .tooth_dimensions import ToothDimensions
+    from .weber_line_contact import FOOT_OF_NORMAL_CORRECTION, WeberLineContact
 
 __all__ = [
     "FOOT_OF_NORMAL_CORRECTION",
@@ -14,3 +21,12 @@ __all__ = [
     "ToothDimensions",
     "WeberLineContact",
 ]
+
+_ORIGINS = {
+    ".elastic_foundation": ["ElasticFoundation"],
+    ".material": ["Material"],
+    ".shell": ["Shell"],
+    ".tooth_dimensions": ["ToothDimensions"],
+    ".weber_line_contact": ["FOOT_OF_NORMAL_CORRECTION", "WeberLineContact"],
+}
+__getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

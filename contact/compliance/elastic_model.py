@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
-from . import ElasticFoundation, Material, Shell, ToothDimensions
+from .elastic_foundation import ElasticFoundation
 from .finite_elements.finite_element_tooth import solid_shell_tooth
 from .finite_elements.flank_compliance import FlankCompliance
+from .material import Material
+from .shell import Shell
+from .tooth_dimensions import ToothDimensions
 
 Array = NDArray[Any]
 PlateName = Literal["even", "fitted"]

@@ -15,8 +15,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf, dtrtri
 
 from ...core.checks import positive
 from ...core.errors import InputError
@@ -88,6 +86,8 @@ class Shell:
     _scale: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        from scipy.linalg.lapack import dpotrf
+
         counts: tuple[int, ...] = tuple(self.modes)
         if len(counts) != 2 or any(count != int(count) or count < 1 for count in counts):
             raise InputError(f"modes = {self.modes!r}: must be two whole numbers from 1 up, (profile, lengthwise)")
@@ -135,6 +135,8 @@ class Shell:
     @cached_property
     def _mid_surface_whitening(self) -> FloatArray:
         """L^-1 D^-1/2 of the last block: a product with it takes half the time of a substitution."""
+        from scipy.linalg.lapack import dtrtri
+
         idle = self.idle_size
         inverse, _info = dtrtri(self._factor[idle:, idle:], lower=1)
         return np.ascontiguousarray(np.tril(inverse) * self._scale[self._order[idle:]])
@@ -248,17 +250,19 @@ class Shell:
             Y of shape (n_dof, n); Y^T Y is the compliance between the loads [mm/N]. Its first `idle_size` rows are
             zero if all loads are on the mid-surface.
         """
+        from scipy.linalg.blas import dtrsm
+
         vectors = np.asarray(load_vectors, dtype=np.float64)
         if vectors.ndim != 2 or vectors.shape[1] != self.size:
             raise InputError(f"load_vectors of shape {vectors.shape}: must have shape (n, {self.size})")
         if vectors.shape[0] == 0:
             return np.zeros((self.size, 0))
         idle = self.idle_size
-        if vectors[:, self._order[:idle]].any():
+        if _columns(vectors, self._order[:idle]).any():
             scaled = vectors[:, self._order] * self._scale[self._order]
             return np.asarray(dtrsm(1.0, self._factor, scaled.T, lower=1, overwrite_b=1))
         whitened = np.zeros((self.size, vectors.shape[0]))
-        np.matmul(self._mid_surface_whitening, vectors[:, self._order[idle:]].T, out=whitened[idle:])
+        np.matmul(self._mid_surface_whitening, _columns(vectors, self._order[idle:]).T, out=whitened[idle:])
         return whitened
 
     def compliance(self, load_vectors: ArrayLike) -> FloatArray:
@@ -276,3 +280,10 @@ class Shell:
         """
         whitened = self.whiten(load_vectors)
         return np.asarray(whitened.T @ whitened)
+
+
+def _columns(matrix: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+    """Columns of a matrix, without a copy where they lie side by side."""
+    if index.size and index[-1] - index[0] + 1 == index.size and bool((np.diff(index) == 1).all()):
+        return matrix[:, index[0] : index[-1] + 1]
+    return matrix[:, index]

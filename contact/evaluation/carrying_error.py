@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
+from .monotone_cubic import MonotoneCubic
 from .tooth_passage import ToothPassage, tooth_passage
 
 Array = NDArray[Any]
@@ -90,8 +90,8 @@ class CarryingError:
         if not self.is_known:
             return lambda steps: np.full(np.shape(steps), np.nan)
         known = np.isfinite(self.passage.values)
-        single = PchipInterpolator(self.passage.steps[known], self.passage.values[known], extrapolate=False)
-        return lambda steps: np.asarray(single(steps))
+        single = MonotoneCubic(self.passage.steps[known], self.passage.values[known])
+        return single
 
     @cached_property
     def _cycle(self) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry.newton import cramers_rule
 from .contact_lines import curvature_and_skew
-from .flank_splines import FlankSplines
+from .flank_splines import BENDS, SLOPES, VALUE_AND_SLOPES, FlankSplines
 
 Array = NDArray[Any]
 
@@ -139,12 +139,13 @@ def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
     points
         Lengthwise and profile fractions (2, ...).
     """
-    value = splines.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], points)
-    first = [splines.evaluate(["roll_angle", "ease_off_angle", "position"], points, d) for d in ((1, 0), (0, 1))]
-    second = [splines.evaluate(["roll_angle", "ease_off_angle"], points, d) for d in ((2, 0), (1, 1), (0, 2))]
+    value = splines.evaluate(["lever_arm", *SEPARATION_FIELDS], points)
+    gap = splines.derivatives(["roll_angle", "ease_off_angle"], points, [*VALUE_AND_SLOPES, *BENDS])
+    value, first, second = value | gap[0], gap[1:3], gap[3:]
+    sides = [side["position"] for side in splines.derivatives(["position"], points, SLOPES)]
 
     # Unit length across the curve on the flank, as a direction (lengthwise, profile).
-    metric = [np.sum(first[i]["position"] * first[j]["position"], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
+    metric = [np.sum(sides[i] * sides[j], axis=0) for i, j in ((0, 0), (0, 1), (1, 1))]
     gradient = [f["roll_angle"] for f in first]
     across = cramers_rule(metric[:2], metric[1:], gradient)
     slope = np.sqrt(gradient[0] * across[0] + gradient[1] * across[1])

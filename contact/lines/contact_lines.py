@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from .flank_splines import FlankSplines, fit
+from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
 Array = NDArray[Any]
 
@@ -101,8 +101,8 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
     They may leave the flank by a fraction ``beyond``.
     """
     for _ in range(steps):
-        value = splines("roll_angle", points)
-        slope = np.stack([splines("roll_angle", points, (1, 0)), splines("roll_angle", points, (0, 1))])
+        value, *by_fraction = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], points, VALUE_AND_SLOPES))
+        slope = np.stack(by_fraction)
         step = (level - value) * slope / np.sum(slope**2, axis=0)
         points = np.clip(points + step, -beyond, 1.0 + beyond)
     return points

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import NdBSpline, RBFInterpolator, make_interp_spline
 
 from ...core.errors import InputError
+from .tensor_spline import TensorSpline
 
 Array = NDArray[Any]
 SPLINE_DEGREE = 5
+SLOPES = [(1, 0), (0, 1)]  # orders of derivatives, for ``FlankSplines.derivatives``
+VALUE_AND_SLOPES = [(0, 0), *SLOPES]
+BENDS = [(2, 0), (1, 1), (0, 2)]
 
 
 @dataclass(frozen=True)
@@ -23,7 +26,7 @@ class FlankSplines:
     Parameters
     ----------
     spline
-        Tensor spline with one trailing component per scalar field.
+        Tensor spline with one component per scalar field.
     columns
         Where each named field stands among the components, and its shape.
     holes
@@ -32,12 +35,12 @@ class FlankSplines:
         Grid coordinates (nt), (nh).
     """
 
-    spline: NdBSpline
+    spline: TensorSpline
     columns: Mapping[str, tuple[slice, tuple[int, ...]]]
     holes: Array
     lengthwise: Array
     profile: Array
-    _parts: dict[tuple[str, ...], NdBSpline] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _parts: dict[tuple[str, ...], TensorSpline] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, name: str, points: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
         """Evaluate one field.
@@ -59,23 +62,44 @@ class FlankSplines:
         return self.evaluate([name], points, derivative)[name]
 
     def evaluate(self, names: list[str], points: Array, derivative: tuple[int, int] = (0, 0)) -> dict[str, Array]:
-        """Evaluate several fields at once, sharing the basis; see ``__call__``."""
-        flat = np.reshape(points, (2, -1))
-        values = self._part(tuple(names))(flat.T, nu=derivative).T
-        result, start = {}, 0
-        for name in names:
-            shape = self.columns[name][1]
-            count = int(np.prod(shape, dtype=int))
-            result[name] = values[start : start + count].reshape(*shape, *np.shape(points)[1:])
-            start += count
-        return result
+        """Evaluate several fields at once; see ``__call__``."""
+        return self.derivatives(names, points, [derivative])[0]
 
-    def _part(self, names: tuple[str, ...]) -> NdBSpline:
+    def derivatives(
+        self, names: Sequence[str], points: Array, orders: Sequence[tuple[int, int]]
+    ) -> list[dict[str, Array]]:
+        """Evaluate several fields and several of their derivatives at once, which costs little more than one of them.
+
+        Parameters
+        ----------
+        names
+            Names of the fields.
+        points
+            Lengthwise and profile fractions (2, ...).
+        orders
+            Orders of the derivatives by the two fractions.
+
+        Returns
+        -------
+        list
+            For every derivative the values (*field shape, ...) by name.
+        """
+        shape = np.shape(points)[1:]
+        found = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
+        results: list[dict[str, Array]] = [{} for _ in orders]
+        start = 0
+        for name in names:
+            own, of_field = self.columns[name]
+            rows = slice(start, start := start + own.stop - own.start)
+            for result, values in zip(results, found, strict=True):
+                result[name] = values[rows].reshape(*of_field, *shape)
+        return results
+
+    def _part(self, names: tuple[str, ...]) -> TensorSpline:
         """Spline of some of the fields alone, made once."""
         if names not in self._parts:
-            index = np.concatenate([np.arange(self.columns[n][0].start, self.columns[n][0].stop) for n in names])
-            chosen = np.ascontiguousarray(self.spline.c[..., index])
-            self._parts[names] = NdBSpline(self.spline.t, chosen, self.spline.k)
+            own = [self.columns[name][0] for name in names]
+            self._parts[names] = self.spline.part(np.concatenate([np.arange(one.start, one.stop) for one in own]))
         return self._parts[names]
 
     def in_hole(self, points: Array) -> NDArray[np.bool_]:
@@ -116,13 +140,13 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
             f"{100 * (1 - missing.mean()):.0f} % of the grid's nodes have values, too few: must be at least 50 %"
         )
     if np.any(missing):
+        from scipy.interpolate import RBFInterpolator
+
         grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)
         bridge = RBFInterpolator(grid[~missing], stacked[~missing], neighbors=40, degree=2)
         stacked[missing] = bridge(grid[missing])
     degrees = [min(SPLINE_DEGREE, n - 1) for n in shape]
-    along = make_interp_spline(lengthwise, stacked, k=degrees[0], axis=0)
-    across = make_interp_spline(profile, np.moveaxis(along.c, 1, 0), k=degrees[1], axis=0)
-    spline = NdBSpline((along.t, across.t), np.ascontiguousarray(np.moveaxis(across.c, 0, 1)), tuple(degrees))
+    spline = TensorSpline.through((lengthwise, profile), stacked, (degrees[0], degrees[1]))
     columns, start = {}, 0
     for name, value in fields.items():
         shape_of_field = np.shape(value)[2:]

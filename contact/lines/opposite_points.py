@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.newton import cramers_rule, determinant
-from .flank_splines import FlankSplines
+from .flank_splines import VALUE_AND_SLOPES, FlankSplines
 
 Array = NDArray[Any]
 
@@ -48,10 +48,10 @@ class OppositePoints:
     @classmethod
     def of(cls, splines: FlankSplines, points: Array) -> OppositePoints:
         """Opposite points (2, n)."""
-        value = np.stack(list(splines.evaluate([*PINION_FRACTIONS, *PASSING_FIELDS], points).values()))
-        by_fraction = [splines.evaluate(list(PINION_FRACTIONS), points, d) for d in ((1, 0), (0, 1))]
-        slopes = np.stack([[slope[name] for slope in by_fraction] for name in PINION_FRACTIONS])
-        return cls(value[:2], slopes, value[2:4], value[4:])
+        found = splines.derivatives(PINION_FRACTIONS, points, VALUE_AND_SLOPES)
+        fractions, *by_fraction = (np.stack(list(each.values())) for each in found)
+        passing = np.stack(list(splines.evaluate(list(PASSING_FIELDS), points).values()))
+        return cls(fractions, np.stack(by_fraction, axis=1), passing[:2], passing[2:])
 
     def after(self, left: Array) -> Array:
         """Fractions (2, ..., n) when the pinion is ``left`` (..., n) [rad] beyond conjugate contact."""
@@ -78,8 +78,9 @@ def points_below(splines: FlankSplines, wanted: Array, points: Array, rotations:
     """Points (2, n) on the gear opposite pinion points (2, n) at pinion rotations (n), from points near them."""
     for _ in range(CORRECTION_ITERATIONS):
         opposite = OppositePoints.of(splines, points)
-        gradient = np.stack([splines("roll_angle", points, d) for d in ((1, 0), (0, 1))])
-        left = rotations - splines("roll_angle", points)
+        roll = splines.derivatives(["roll_angle"], points, VALUE_AND_SLOPES)
+        roll_angle, *by_fraction = (each["roll_angle"] for each in roll)
+        gradient, left = np.stack(by_fraction), rotations - roll_angle
         passing = opposite.rate + opposite.acceleration * left
         slopes = opposite.slopes - passing[:, None] * gradient[None]
         points = _near_flank(points + solved(slopes, wanted - opposite.after(left)))

@@ -25,7 +25,7 @@ from ...geometry.flanks.flank_parts import pick
 from ...geometry.newton import COLUMNS_PER_BLOCK
 from ...geometry.pair.gear_pair import Member, PairGeometry
 from .flank_cuts import FlankCuts
-from .flank_splines import FlankSplines, fit
+from .flank_splines import BENDS, VALUE_AND_SLOPES, FlankSplines, fit
 from .turned_pinion import CirclesMet, circles_met
 
 Array = NDArray[Any]
@@ -145,10 +145,7 @@ class TurnedFlanks:
             joined = (np.concatenate([getattr(f, one.name) for f in found], axis=-1) for one in fields(TurnedGap))
             return TurnedGap(*joined)
         of_gear, of_pinion = np.divmod(part, len(self.parts[0]))
-        each = [
-            [spline.evaluate(_OWN_FIELDS, points, d) for d in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))]
-            for spline in self.own
-        ]
+        each = [spline.derivatives(_OWN_FIELDS, points, [*VALUE_AND_SLOPES, *BENDS]) for spline in self.own]
         taken = each[0] if len(each) == 1 else [_picked(values, of_gear) for values in zip(*each, strict=True)]
         value, by_t, by_h, by_tt, by_th, by_hh = taken
         slopes = {name: np.stack([by_t[name], by_h[name]]) for name in _OWN_FIELDS}

@@ -8,7 +8,7 @@ has the answer.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +71,8 @@ class Certificate:
         return self.worst <= tolerance
 
 
+#: Names of the violations.
+CERTIFICATE_FIELDS = tuple(field.name for field in fields(Certificate))
 #: Certificate of a solve without an answer.
 NO_CERTIFICATE = Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
 

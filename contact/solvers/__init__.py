@@ -1,9 +1,16 @@
 """Solvers of the contact problem behind one interface, one adapter a file."""
 
-from .problem_batch import ContactSolutions, solve_many
-from .registry import available_solvers, require_solver, solve
-from .solution import ContactSolution, Status
-from .solver_table import SOLVERS, SolverSettings
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .problem_batch import ContactSolutions, solve_many
+    from .registry import available_solvers, require_solver, solve
+    from .solution import ContactSolution, Status
+    from .solver_table import SOLVERS, SolverSettings
 
 __all__ = [
     "SOLVERS",
@@ -16,3 +23,11 @@ __all__ = [
     "solve",
     "solve_many",
 ]
+
+_ORIGINS = {
+    ".problem_batch": ["ContactSolutions", "solve_many"],
+    ".registry": ["available_solvers", "require_solver", "solve"],
+    ".solution": ["ContactSolution", "Status"],
+    ".solver_table": ["SOLVERS", "SolverSettings"],
+}
+__getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import root
 
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
@@ -287,6 +286,8 @@ def hobbing_blade(
 
 def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     """Settings near the start at which the measured errors vanish."""
+    from scipy.optimize import root
+
     found = root(error, start, tol=1e-14)
     if not np.max(np.abs(error(found.x))) < ANGLE_TOLERANCE:
         raise GeometryError(

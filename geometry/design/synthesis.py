@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -278,6 +277,8 @@ def fit_pinion(
     >>> bool(fit.rms < 0.001)  # [mm]
     True
     """
+    from scipy.optimize import least_squares
+
     names = free if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
     t, h = grid(nodes)
     gear, pinion = pair.gear.flank(t, h), pair.pinion

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -94,6 +93,8 @@ def corrective_settings(member: Member, deviation: Deviation, *, free: Sequence[
     >>> correction.rms < 0.01 * correction.rms_before
     True
     """
+    from scipy.optimize import least_squares
+
     surface = member.loaded.designed
     names = tuple(free) if free is not None else FREE_SETTINGS if surface.settings.generated else FREE_FORMATE_SETTINGS
     scales = np.array([scale_of(name) for name in names])

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import NdBSpline, make_interp_spline
 
 from ..newton import cramers_rule, determinant
+
+if TYPE_CHECKING:
+    from scipy.interpolate import NdBSpline
 
 Array = NDArray[Any]
 SPLINE_DEGREE = 3
@@ -91,6 +93,8 @@ class GridSpline:
     @cached_property
     def _spline(self) -> NdBSpline:
         """Tensor spline with the components axial, radial, surface of second order, and the rest."""
+        from scipy.interpolate import NdBSpline, make_interp_spline
+
         x, y = (values - values.mean() for values in (self.axial, self.radial))
         terms = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=-1).reshape(-1, 6)
         size = np.max(np.abs(terms), axis=0)

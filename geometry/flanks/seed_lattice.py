@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -105,6 +104,8 @@ class SeedLattice:
         point's side again and covers targets a second time. Where near seeds lie on two such sheets, the one nearest to
         the mean point is taken.
         """
+        from scipy.spatial import cKDTree
+
         kept = np.flatnonzero(usable & np.all(np.isfinite(coordinates), axis=0))
         if kept.size == 0:
             return np.full(target.shape, np.nan)

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.writing.output_file import whole_file
@@ -118,6 +117,8 @@ def spline(points: Array) -> tuple[Array, list[Array], tuple[int, int]]:
         Poles (m, n, 3) [mm], the knots of both directions with their repetitions (m + degree + 1) and
         (n + degree + 1), and both degrees: 3, or less where there are fewer than 4 points.
     """
+    from scipy.interpolate import make_interp_spline
+
     poles, knots, degrees = points, [], []
     for axis in (0, 1):
         count = points.shape[axis]

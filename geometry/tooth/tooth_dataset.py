@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from ...core.attributes import flag_attributes, labelled
 from ..flanks.blank_section import BlankSection
@@ -85,6 +84,8 @@ def _upward(fillet: Array, flank: Array) -> Array:
 
 def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
     """Chord across the tooth at right angles to the member's axis (nt, levels) [mm]."""
+    from scipy.interpolate import PchipInterpolator
+
     thickness = np.empty((surface.top_land.shape[1], THICKNESS_LEVELS))
     for index in range(thickness.shape[0]):
         heights, azimuths = zip(

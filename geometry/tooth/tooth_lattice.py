@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from ...core.checks import positive
 from ...core.errors import GeometryError
@@ -146,6 +145,8 @@ def _upward(side: ToothSide, fillet: Array, flank: Array) -> tuple[Array, int]:
 
 def _along(values: Array, curve: Array, fractions: Array) -> Array:
     """Values (k, nt, m) known along curves (2, nt, m), at fractions (n) of the curves' length."""
+    from scipy.interpolate import PchipInterpolator
+
     result = np.empty((values.shape[0], values.shape[1], fractions.size))
     for index in range(values.shape[1]):
         steps = np.hypot(*np.diff(curve[:, index], axis=1))

@@ -14,6 +14,7 @@ from typing import Any, TextIO
 
 import click
 
+from ...contact.solvers.compiled.compiled_use import compilation_told
 from ...core import printable
 from ...core.errors import EaseoffError
 from .case_commands import cases, convert, design
@@ -52,6 +53,12 @@ def _show_warning(
         _SHOW_WARNING(message, category, filename, lineno, file, line)
 
 
+def _show_on_terminal(text: str) -> None:
+    """Say on a terminal what takes long."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        echo(text, err=True)
+
+
 def _harmless(error: click.ClickException) -> click.ClickException:
     """The error with the words of the command line in its message harmless to a terminal, and shortened."""
     if isinstance(error, click.UsageError):
@@ -79,7 +86,7 @@ class _Group(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), compilation_told(_show_on_terminal):
                 warnings.showwarning = _show_warning
                 return super().invoke(ctx)
         except EaseoffError as error:

@@ -105,6 +105,7 @@ def run(
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
+    from ...contact.solvers.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
     from ...core.writing.output_file import check_folder, check_writable
     from ..analysis import analyze, case_torques, operation_of
     from ..report.result_summary import doubts, outcome, uncertified
@@ -131,7 +132,8 @@ def run(
     shape = (0, 0, 0) if operation is None else operation.shape
     size = AnalysisSize.of(checked, len(case_torques(checked, options["torques"])), shape, feedback=bool(fed_back))
     check_cost(checked, size)
-    with progress_bar(checked, options["torques"]) as shown:
+    few = size.solved_positions < FEWEST_PROBLEMS
+    with without_compiled_code(few), progress_bar(checked, options["torques"]) as shown:
         tree = analyze(checked, **with_defaults(options), **arguments, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     echo(f"wrote {output}: {outcome(tree)}")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...contact.loaded_cases import CERTIFICATE
+from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 
@@ -102,7 +102,9 @@ def _unloaded(tree: xr.DataTree) -> dict[str, Any]:
 
 def _loaded(loaded: xr.Dataset) -> dict[str, Any]:
     """Numbers of the loaded contact."""
-    worst = np.max([loaded[name].transpose("torque", "mesh_position").values for name in CERTIFICATE], axis=(0, 2))
+    worst = np.max(
+        [loaded[name].transpose("torque", "mesh_position").values for name in CERTIFICATE_FIELDS], axis=(0, 2)
+    )
     numbers: dict[str, Any] = {name: loaded[name] for name in LOADED if name in loaded}
     numbers["harmonic"] = loaded["harmonic"].isel(order=slice(3))
     numbers["certified_positions"] = (loaded["status"].drop_attrs() == Status.CERTIFIED).sum("mesh_position")

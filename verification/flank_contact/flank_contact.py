@@ -124,7 +124,7 @@ def contact_of_flanks(
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
     step = (CELL_LENGTH_FACTOR / cells_per_half_width, across)
-    greatest_arm = float(np.max(flanks.splines.spline.c[..., flanks.splines.columns["lever_arm"][0]]))
+    greatest_arm = float(np.max(flanks.splines.spline.coefficients[flanks.splines.columns["lever_arm"][0]]))
     band, allowed = FIRST_BAND_RATIO * half_width, 1.15 * rotation
     while True:
         found = {

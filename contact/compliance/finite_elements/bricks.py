@@ -7,14 +7,16 @@ Lame terms and the Laplacian are entries of H in another order. That makes the a
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
 
 from ....core.errors import GeometryError
 from ..material import Material
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[Any]
 GAUSS_POINTS = 3  # in each direction: exact for a brick with straight edges
@@ -101,6 +103,8 @@ def stiffness(
     GeometryError
         If a brick is turned inside out somewhere.
     """
+    from scipy.sparse import csc_array
+
     points, weights = gauss_rule()
     _, gradients = functions(points)
     flat = cells.reshape(-1, 27)

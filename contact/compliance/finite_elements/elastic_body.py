@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
 
 from ..material import Material
 from .bricks import ShapeFunctions, shape_functions, stiffness
 from .stiffness_factor import Factoriser, solve_in_parts, solver_of
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[Any]
 
@@ -31,6 +33,8 @@ def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction:
     direction
         Directions (m, 3), or one for every share (m, q, 3).
     """
+    from scipy.sparse import csc_array
+
     direction = np.broadcast_to(direction[:, None] if direction.ndim == 2 else direction, (*nodes.shape, 3))
     rows = 3 * nodes[..., None] + np.arange(3)
     columns = np.broadcast_to(np.arange(len(nodes))[:, None, None], rows.shape)

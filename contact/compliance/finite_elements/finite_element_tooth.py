@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import hstack
 
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
@@ -238,6 +237,8 @@ def unfilled(member: str, error: GeometryError) -> GeometryError:
 
 
 def _condensed(lattice: ToothLattice, material: Material, member: str, fineness: float) -> dict[str, Array]:
+    from scipy.sparse import hstack
+
     needed = FACTOR_SIZE * len(lattice.nodes) ** FACTOR_EXPONENT
     require_memory(f"fineness = {fineness:g}", needed, f"the {member} by finite elements")
     try:

@@ -11,15 +11,17 @@ taken, with the eigenvalues that rounding and mesh leave below zero put to zero.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
 
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from .bricks import quadratic
 from .elastic_body import functionals
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[Any]
 FOOT_ITERATIONS = 30
@@ -59,6 +61,8 @@ class FlankCompliance:
         Array
             (k, n), such that Y^T Y is the compliance between the segments [mm/N].
         """
+        from scipy.sparse import csc_array
+
         nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
         shares = shares * np.tile(weights, points.shape[1])[:, None]
         segments = np.repeat(np.arange(points.shape[1]), weights.size * shares.shape[1])

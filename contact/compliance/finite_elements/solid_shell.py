@@ -13,12 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
-from scipy.sparse import csc_array
 
 from ....core.errors import GeometryError
 from ....geometry.tooth.tooth_lattice import ToothLattice
@@ -26,6 +24,9 @@ from ..material import Material
 from ..trial_polynomials import legendre
 from .bricks import stiffness
 from .stiffness_factor import Factoriser, solver_of
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[Any]
 Counts = tuple[int, int, int]
@@ -57,6 +58,8 @@ class SolidShell:
 
     def whiten(self, functionals: csc_array) -> Array:
         """Whitened functionals (3 m, k) of displacements (3 n, k) of the tooth: inner products are compliances."""
+        from scipy.linalg import solve_triangular
+
         rows = functionals.tocsr()
         nodes = self.tooth.ravel()
         parts = np.stack([rows[3 * nodes + axis].T @ self.functions for axis in range(3)], axis=-1)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csc_matrix
-from scipy.sparse.linalg import splu
 
 from ....core.errors import MissingPackageError, how_to_install
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[Any]
 Factoriser = Literal["auto", "cholmod", "superlu"]
@@ -37,6 +38,9 @@ def solver_of(matrix: csc_array, factoriser: Factoriser = "auto") -> Callable[[A
     MissingPackageError
         If CHOLMOD is asked for and scikit-sparse is not installed.
     """
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import splu
+
     if factoriser != "superlu":
         try:
             from sksparse.cholmod import cholesky

@@ -7,15 +7,17 @@ surface face that lie above these points, carried on to the surface along the li
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
 
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ..material import Material
 from .bricks import brick_gradients, gauss_rule, shape_functions
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 Array = NDArray[Any]
 ROOT_BRICK_SHARE = 0.35  # of the bricks from the fillet's middle to the tip whose stress is read; it falls off above
@@ -64,6 +66,8 @@ def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:
 
 def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_array, Array]:
     """Stress components around the loaded side's fillet as functionals (3 n, 6 q), and the q lengthwise fractions."""
+    from scipy.sparse import csc_array
+
     nu = material.poisson_ratio
     shear = material.shear_modulus
     first = 2.0 * shear * nu / (1.0 - 2.0 * nu)

@@ -1,12 +1,11 @@
 """Answers of the compiled contact solution, certified on the problem as it was given; none where it has none.
 
-The compiled code is loaded when it is first used. Without numba, or with EASEOFF_COMPILED=0 in the environment, there
-are no such answers, and the methods of ``solvers`` take over.
+The compiled code is loaded when it is first used. Without numba, or where ``compiled_use`` says so, there are no such
+answers, and the methods of ``solvers`` take over.
 """
 
 from __future__ import annotations
 
-import os
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -18,14 +17,13 @@ from ...problem.certificate import Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
+from .compiled_use import is_used
 
 Array = NDArray[np.float64]
 
 #: Smallest local compliance for which the method is tried, relative to the whole compliance of a segment: digits are
 #: lost, and iterations gained, in the ratio of the two.
 SMALLEST_LOCAL_FRACTION = 1e-4
-#: Switches the compiled code off.
-SWITCH = "EASEOFF_COMPILED"
 
 _NO_FORCES, _NO_MASK, _NO_LAW = np.empty((0, 0)), np.empty((0, 0), dtype=np.bool_), np.empty((0, 14))
 
@@ -38,11 +36,13 @@ class CompiledAnswer(NamedTuple):
     secant: Array
 
 
-@cache
 def compiled_code() -> Any:
     """The module of the compiled functions, or None."""
-    if os.environ.get(SWITCH, "1") == "0":
-        return None
+    return _loaded() if is_used() else None
+
+
+@cache
+def _loaded() -> Any:
     try:
         from . import newton_kernel
     except ImportError:  # no numba, or none for this Python or numpy

@@ -15,10 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 import numpy as np
+
+from .compiled_use import tell_of_compilation
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -54,18 +57,33 @@ LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORREC
 ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
 
 
-def _compiled(*signature: Any, **options: Any) -> Callable[[Function], Function]:
+def _compiled(signature: Any = None, **options: Any) -> Callable[[Function], Function]:
     """Compile a function; kept on disk where numba finds a folder that can be written."""
 
     def decorate(function: Function) -> Function:
         try:
-            return numba.njit(*signature, cache=True, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+            found = numba.njit(cache=True, error_model="numpy", **options)(function)
         except RuntimeError as error:
             if "cache" not in str(error):
                 raise
-            return numba.njit(*signature, error_model="numpy", **options)(function)  # type: ignore[no-any-return]
+            found = numba.njit(error_model="numpy", **options)(function)
+        if signature is not None:
+            if not _is_kept(found):
+                tell_of_compilation()
+            found.compile(signature)
+            found.disable_compile()
+        return found  # type: ignore[no-any-return]
 
     return decorate
+
+
+def _is_kept(function: Any) -> bool:
+    """Whether there is code of a compiled function on disk that is not older than this file."""
+    folder, source = function.stats.cache_path, Path(__file__)
+    if folder is None or not source.exists():
+        return False
+    kept = list(Path(folder).glob(f"{source.stem}.{function.__name__}-*.nbi"))
+    return any(index.stat().st_mtime >= source.stat().st_mtime for index in kept)
 
 
 def _read(kind: Any, dimensions: int) -> Any:

@@ -16,8 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from scipy.optimize import brentq
-
 from ....core.errors import GeometryError, InputError
 from .blank_design import BlankDesign
 from .cones import PitchCones
@@ -197,6 +195,8 @@ def _touching_cones(design: BlankDesign, gear_pitch_angle: float, gear_mean_diam
 
     The one unknown is the offset angle in the pinion axial plane, at which the axes have the wanted distance.
     """
+    from scipy.optimize import brentq
+
     shaft, offset, spiral = design.shaft_angle, design.hypoid_offset, design.mean_spiral_angle
     _check_offset(offset, gear_mean_diameter / 2.0)
     ratio = _ratio(design)
@@ -232,6 +232,7 @@ def _nearest_root(
     mismatch: Callable[[float], float], start: float, design: BlankDesign, step: float = 0.004, reach: float = 0.8
 ) -> float:
     """Root nearest to a starting angle [rad]; sign changes through a pole or outside the domain are passed over."""
+    from scipy.optimize import brentq
 
     def value(angle: float) -> float:
         try:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
 
 from ..core.attributes import labelled
 from ..core.errors import InputError
@@ -70,6 +69,8 @@ def root_stress(
     >>> root_stress(state.cycle.fields, state.teeth, cases, loaded)["max_root_stress"].dims
     ('torque', 'member')
     """
+    from scipy.sparse import csc_array
+
     certified = [case for case in cases if case.solution.status == Status.CERTIFIED]
     pairs, lengthwise = loaded["pair"].values, np.linspace(0.0, 1.0, LENGTHWISE_STATION_COUNT)
     shape = (loaded.sizes["torque"], loaded.sizes["mesh_position"], pairs.size)
