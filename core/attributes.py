@@ -288,6 +288,12 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "limit": ("", "greatest difference that is within the stated limit"),
     "difference_unit": ("", "unit of difference and limit"),
     "comparison_status": ("", "whether the difference is within its limit"),
+    # reductions of sweeps
+    "coordinate": ("", "swept coordinate"),
+    "slope": ("", "derivative of the number by the coordinate"),
+    "scale": ("", "standard deviation of the samples of the coordinate, or half the range of its grid"),
+    "effect": ("", "change of the number with one scale of the coordinate"),
+    "variance_share": ("1", "share of the variance of the number that is due to the coordinate alone, to first order"),
     # library of problems
     "name": ("", "name of the problem in the library"),
     "case": ("", "shipped case the problem comes from"),
@@ -324,7 +330,7 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     """
     result = dataset.copy()
     for name in result.variables:
-        units, long_name = _described(str(name))
+        units, long_name = described(str(name))
         attributes: dict[str, Any] = {"long_name": long_name}
         if units:
             attributes["units"] = units
@@ -332,11 +338,11 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     return result
 
 
-def _described(name: str) -> tuple[str, str]:
+def described(name: str) -> tuple[str, str]:
     """Units and long name of a variable; ``unloaded_`` and ``light_load_`` before a name say of which contact."""
     for state, words in STATES.items():
         if name not in VARIABLES and name.startswith(state):
-            units, long_name = _described(name.removeprefix(state))
+            units, long_name = described(name.removeprefix(state))
             return units, f"{words}: {long_name}"
     if name not in VARIABLES:
         raise EaseoffError(f"variable = {name!r}: must have a row in the table of attributes")

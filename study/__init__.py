@@ -1,4 +1,4 @@
-"""Studies of a pair: analysis, design, optimisation, wear, reports, pictures, comparison of solvers, command line.
+"""Studies of a pair: analysis, sweeps, design, optimisation, wear, reports, pictures, solver comparison, commands.
 
 ``easeoff.analyze`` and ``easeoff.optimize`` stand at the top of the package; all names here are imported on first use.
 """
@@ -9,12 +9,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from . import compare, library, plot
+    from . import compare, library, plot, sweep
     from .analysis import Analysis, contact_analysis
-    from .case_design import DesignReport, design_case
     from .case_in_mesh import CaseInMesh
+    from .design.case_design import DesignReport, design_case
+    from .design.fitted_settings import fit_modification, recorded_modification
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
-    from .fitted_settings import fit_modification, recorded_modification
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
@@ -40,6 +40,7 @@ __all__ = [
     "recorded_modification",
     "result_summary",
     "shipped_deviations",
+    "sweep",
     "wear",
     "write_pictures",
 ]
@@ -47,16 +48,16 @@ __all__ = [
 _MODULES = {
     "Analysis": ".analysis",
     "CaseInMesh": ".case_in_mesh",
-    "DesignReport": ".case_design",
+    "DesignReport": ".design.case_design",
     "WearLaw": ".wear_law",
     "contact_analysis": ".analysis",
-    "design_case": ".case_design",
-    "fit_modification": ".fitted_settings",
+    "design_case": ".design.case_design",
+    "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
     "measured_file": ".deviation_source",
     "plausibility": ".report.plausibility",
-    "recorded_modification": ".fitted_settings",
+    "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",
     "wear": ".wear_simulation",

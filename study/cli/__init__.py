@@ -25,6 +25,7 @@ from .options import echo
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
+from .sweep_command import sweep
 from .verify_command import verify
 from .wear_command import wear
 
@@ -120,6 +121,7 @@ for _command in (
     run,
     show,
     plot,
+    sweep,
     verify,
     optimize,
     design,

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from ...core.magnitude import time_in_words
-from .options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
+from .options import (
+    MISALIGNMENT,
+    allow_outside_option,
+    deviation_option,
+    flank_option,
+    misalignment,
+    numbers,
+    roughnesses,
+    torques,
+)
 from .terminal_bar import terminal_bar
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
     from ...cases import Case
     from ...cases.analysis_size import AnalysisSize
+    from ...cases.schema.friction_table import FrictionTable
+    from ...friction import FrictionModel
 
 _PAIR = (
     click.argument("case"),
@@ -64,6 +75,58 @@ _ANALYSIS = (
     ),
 )
 
+_FRICTION = (
+    click.option(
+        "--speed",
+        callback=numbers,
+        metavar="N1,N2,...",
+        help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
+        "[friction] of the case replaces the defaults of this and the following options.",
+    ),
+    click.option(
+        "--oil", metavar="OIL", show_default="75w90", help="Lubricant: the name of a shipped one, or a TOML file."
+    ),
+    click.option(
+        "--temperature",
+        callback=numbers,
+        metavar="T1,T2,...",
+        show_default="90",
+        help="Oil temperatures in degC, or FROM:TO:COUNT.",
+    ),
+    click.option(
+        "--roughness",
+        callback=roughnesses,
+        metavar="R1,R2,...",
+        show_default="0.8",
+        help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
+    ),
+    click.option(
+        "--friction-model",
+        metavar="MODEL",
+        show_default="kolivand_blended",
+        help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, "
+        "benedict_kelly), or a number from 0 to 1.",
+    ),
+    click.option(
+        "--film-heating",
+        metavar="FACTOR",
+        show_default="none",
+        help="Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.",
+    ),
+    click.option(
+        "--clamp-temperature/--no-clamp-temperature",
+        default=None,
+        show_default="no",
+        help="Beyond the oil's data, take the last value and flag it.",
+    ),
+    click.option(
+        "--friction-feedback/--no-friction-feedback",
+        default=None,
+        show_default="no",
+        help="Include friction in the balance of torque, which changes the normal forces.",
+    ),
+)
+
 TOLD_TIME = 60.0  # [s]; the cost of an analysis that takes longer is told before it
 DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
@@ -80,6 +143,13 @@ def analysis_options(command: Any) -> Any:
     for option in reversed(_ANALYSIS):
         command = option(command)
     return pair_options(command)
+
+
+def friction_options(command: Any) -> Any:
+    """Add the options of friction to a command: operating conditions and models."""
+    for option in reversed(_FRICTION):
+        command = option(command)
+    return command
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
@@ -155,3 +225,21 @@ def show_stage(bar: Any, name: str) -> None:
         if name == "friction":  # in parts of which the number is not known
             bar.total = None
     bar.set_description_str(name)
+
+
+def chosen_model(
+    table: FrictionTable | None, name: str | None, film_heating: str | None, clamp: bool | None
+) -> FrictionModel:
+    """Friction models of the case, with the coefficient, film heating and rule beyond the oil's data that are given."""
+    from ...friction import FrictionModel
+
+    changed: dict[str, Any] = {}
+    if name is not None:
+        changed["coefficient"] = name
+        with suppress(ValueError):
+            changed["coefficient"] = float(name)
+    if film_heating is not None:
+        changed["film_heating"] = film_heating
+    if clamp is not None:
+        changed["out_of_range"] = "clamp" if clamp else "error"
+    return FrictionModel(**changed) if table is None else table.model(**changed)

@@ -37,7 +37,7 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
     from ...cases import read_design, write_case
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
-    from ..case_design import design_case
+    from ..design.case_design import design_case
     from ..report.design_report import design_report, summary_lines
 
     check_writable(output, design, suffix=".toml")

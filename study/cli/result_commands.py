@@ -18,10 +18,16 @@ if TYPE_CHECKING:
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 def show(result: Path) -> None:
-    """Show the main numbers of RESULT, a file of 'easeoff run'."""
+    """Show the main numbers of RESULT, a file of 'easeoff run' or 'easeoff sweep'."""
     from ..report.result_summary import result_summary
     from ..result import read_result
 
+    dataset = _sweep(result)
+    if dataset is not None:
+        from ..report.sweep_report import sweep_summary
+
+        echo(sweep_summary(dataset))
+        return
     echo(result_summary(read_result(result)))
 
 
@@ -36,16 +42,37 @@ def show(result: Path) -> None:
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
 def plot(result: Path, folder: Path, marking: float | None) -> None:
-    """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER.
+    """Plot RESULT, a file of 'easeoff run' or 'easeoff sweep', as PNG files in FOLDER.
 
     Pictures of another result in FOLDER are replaced or removed.
     """
     from ...core.writing.output_file import check_folder
     from ..result import read_result
 
+    dataset = _sweep(result)
+    if dataset is not None:
+        from ..plot.sweep_pictures import write_sweep_pictures
+
+        if marking is not None:
+            raise click.UsageError("--marking: must go with a file of 'easeoff run'; a sweep has its own")
+        check_folder(folder, "pictures")
+        for picture in write_sweep_pictures(dataset, folder):
+            echo(f"wrote {picture}")
+        return
     tree = read_result(result)
     check_folder(folder, "pictures")
     draw(tree, folder, marking=marking)
+
+
+def _sweep(path: Path) -> xr.Dataset | None:
+    """The dataset of a sweep, if a file is of one; of another file its own reader says what is wrong with it."""
+    from ...core.errors import InputError
+    from ..sweep import read_sweep
+
+    try:
+        return read_sweep(path)
+    except InputError:
+        return None
 
 
 def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import sys
-from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .analysis_options import analysis_options, check_cost, chosen_model, friction_options, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import echo, next_commands, numbers, outside_allowed, roughnesses
+from .options import echo, next_commands, outside_allowed
 from .result_commands import draw
-
-if TYPE_CHECKING:
-    from ...cases.schema.friction_table import FrictionTable
-    from ...friction import FrictionModel
 
 
 @click.command(cls=Command)
@@ -35,55 +30,7 @@ if TYPE_CHECKING:
     show_default="contact.separation of the case",
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
-@click.option(
-    "--speed",
-    callback=numbers,
-    metavar="N1,N2,...",
-    help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
-    "[friction] of the case replaces the defaults of this and the following options.",
-)
-@click.option(
-    "--oil", metavar="OIL", show_default="75w90", help="Lubricant: the name of a shipped one, or a TOML file."
-)
-@click.option(
-    "--temperature",
-    callback=numbers,
-    metavar="T1,T2,...",
-    show_default="90",
-    help="Oil temperatures in degC, or FROM:TO:COUNT.",
-)
-@click.option(
-    "--roughness",
-    callback=roughnesses,
-    metavar="R1,R2,...",
-    show_default="0.8",
-    help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
-)
-@click.option(
-    "--friction-model",
-    metavar="MODEL",
-    show_default="kolivand_blended",
-    help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, benedict_kelly), "
-    "or a number from 0 to 1.",
-)
-@click.option(
-    "--film-heating",
-    metavar="FACTOR",
-    show_default="none",
-    help="Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.",
-)
-@click.option(
-    "--clamp-temperature/--no-clamp-temperature",
-    default=None,
-    show_default="no",
-    help="Beyond the oil's data, take the last value and flag it.",
-)
-@click.option(
-    "--friction-feedback/--no-friction-feedback",
-    default=None,
-    show_default="no",
-    help="Include friction in the balance of torque, which changes the normal forces.",
-)
+@friction_options
 def run(
     case: str,
     output: Path,
@@ -120,7 +67,7 @@ def run(
     model = None
     operation = operation_of(table, **conditions)
     if operation is not None:
-        model = _model(table, friction_model, film_heating, clamp_temperature)
+        model = chosen_model(table, friction_model, film_heating, clamp_temperature)
     elif friction_model is not None or film_heating is not None or clamp_temperature or friction_feedback:
         raise click.UsageError(
             "--friction-model, --film-heating, --clamp-temperature and --friction-feedback must go with --speed or a "
@@ -145,21 +92,3 @@ def run(
     next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     if failures:
         sys.exit(EXIT_UNCERTIFIED)
-
-
-def _model(
-    table: FrictionTable | None, name: str | None, film_heating: str | None, clamp: bool | None
-) -> FrictionModel:
-    """Friction models of the case, with the coefficient, film heating and rule beyond the oil's data that are given."""
-    from ...friction import FrictionModel
-
-    changed: dict[str, Any] = {}
-    if name is not None:
-        changed["coefficient"] = name
-        with suppress(ValueError):
-            changed["coefficient"] = float(name)
-    if film_heating is not None:
-        changed["film_heating"] = film_heating
-    if clamp is not None:
-        changed["out_of_range"] = "clamp" if clamp else "error"
-    return FrictionModel(**changed) if table is None else table.model(**changed)
