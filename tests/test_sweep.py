@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import socket
 import statistics
+import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,17 +30,15 @@ from easeoff.study import key_numbers
 from easeoff.study.cli import main
 from easeoff.study.sweep import Distribution, percentiles, read_sweep, sensitivities, sweep, worst_points, write_sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
-from easeoff.study.sweep.distribution import sample_values
+from easeoff.study.sweep.distribution import Sampler, sample_values
 
 SMALL = ["mesh_positions = 4", "segments_per_line = 9", "lengthwise_nodes = 11", "profile_nodes = 9"]
 TEXT = case_text("nasa-12x36").replace("[contact]", "[contact]\n" + "\n".join(SMALL))
 CASE = parse_case(TEXT)
 SETTING = "pinion.concave.machine.radial_distance"
-RADIAL = CASE.pinion.concave.machine.radial_distance if CASE.pinion.concave else None
-assert RADIAL is not None
+assert CASE.pinion.concave is not None
+RADIAL = CASE.pinion.concave.machine.radial_distance or 0.0
 POINTED = RADIAL - 6.0  # with it the pinion's teeth are pointed
-#: The command line in a process of its own, wherever the package is.
-EASEOFF = [sys.executable, "-c", "from easeoff.study.cli import main; main()"]
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +68,7 @@ def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
 
 
 def test_every_point_of_a_grid_is_its_analysis() -> None:
-    values = [float(RADIAL), float(RADIAL) + 0.02]
+    values = [RADIAL, RADIAL + 0.02]
     found = sweep(CASE, {"E": "-0.05:0.05:2", SETTING: values, "torque": [300.0, 100.0], "Sigma": [0.02]}, workers=1)
     assert found["peak_to_peak"].dims == ("E", SETTING, "Sigma", "torque")
     assert (found["status"] == PointStatus.CERTIFIED).all()
@@ -113,7 +118,7 @@ def test_conditions_oils_modifications_flanks_and_deviations_are_swept() -> None
 
 
 def test_failures_are_rows_with_a_reason() -> None:
-    values = [1e4, float(RADIAL), POINTED]
+    values = [1e4, RADIAL, POINTED]
     found = sweep(CASE, {SETTING: values, "P": [0.0, 0.05]}, torques=[100.0, 200.0], workers=1)
     statuses = [PointStatus.NOT_POSSIBLE, PointStatus.CERTIFIED, PointStatus.NO_CONTACT]
     assert found["status"].values.tolist() == [[[status] * 2] * 2 for status in statuses]
@@ -186,10 +191,11 @@ def test_changed_case_has_other_numbers_and_is_checked() -> None:
 def test_samples_follow_their_distributions_and_their_seed() -> None:
     """Each sequence has one point in each of the equal parts of a coordinate."""
     wanted = {"E": Distribution.parsed("normal(1, 0.5)"), "P": Distribution("triangular", (0.0, 1.0, 4.0))}
-    for sampler in ("sobol", "latin_hypercube"):
-        drawn = sample_values(wanted, 64, seed=7, sampler=sampler)  # type: ignore[arg-type]
-        again = sample_values(wanted, 64, seed=7, sampler=sampler)  # type: ignore[arg-type]
-        other = sample_values(wanted, 64, seed=8, sampler=sampler)  # type: ignore[arg-type]
+    samplers: tuple[Sampler, ...] = ("sobol", "latin_hypercube")
+    for sampler in samplers:
+        drawn = sample_values(wanted, 64, seed=7, sampler=sampler)
+        again = sample_values(wanted, 64, seed=7, sampler=sampler)
+        other = sample_values(wanted, 64, seed=8, sampler=sampler)
         assert all(np.array_equal(drawn[name], again[name]) for name in wanted)
         assert not np.array_equal(drawn["E"], other["E"])
         normal = statistics.NormalDist(1.0, 0.5)
@@ -296,7 +302,7 @@ def test_store_of_another_sweep_is_refused(tmp_path: Path) -> None:
 
 
 def test_file_holds_the_dataset(tmp_path: Path) -> None:
-    found = sweep(CASE, {"E": [0.0, 0.05], SETTING: [float(RADIAL), 1e4]}, torques=[100.0], workers=1)
+    found = sweep(CASE, {"E": [0.0, 0.05], SETTING: [RADIAL, 1e4]}, torques=[100.0], workers=1)
     write_sweep(found, tmp_path / "sweep.nc")
     assert read_sweep(tmp_path / "sweep.nc").identical(found)
     assert all(variable.attrs["long_name"] for variable in found.variables.values())
@@ -362,3 +368,95 @@ def test_pool_of_processes_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch, 
     whole = sweep(CASE, over, workers=1)
     monkeypatch.setattr(parameter_sweep, "POOL_TIME", 0.0)
     assert_same(sweep(CASE, over, workers=2, store=tmp_path / "store"), whole)
+
+
+@contextmanager
+def process(*words: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
+    """A process that does not outlive its context."""
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "text": True, **options}
+    started = subprocess.Popen([sys.executable, *words], **quiet)
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.wait()
+
+
+@pytest.mark.thorough
+def test_dask_cluster_that_loses_a_worker_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A real scheduler and two real workers, one of them killed while it computes."""
+    pytest.importorskip("distributed")
+    from easeoff.study.sweep import parameter_sweep
+
+    over = {"E": "-0.1:0.1:15"}
+    whole = sweep(CASE, over, torques=[100.0], workers=1)
+    monkeypatch.setattr(parameter_sweep, "BATCH_TIME", 0.0)  # many batches
+    address = tmp_path / "scheduler.json"
+    common = ["--scheduler-file", str(address), "--no-dashboard", "--host", "127.0.0.1"]
+    cluster = ["-m", "distributed.cli.dask_scheduler", "--port", "0", *common]
+    worker = ["-m", "distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", *common]
+    with process(*cluster), process(*worker, cwd=tmp_path) as victim, process(*worker, cwd=tmp_path):
+        limit = time.monotonic() + 60.0
+        while not address.exists() and time.monotonic() < limit:
+            time.sleep(0.1)
+        scheduler = json.loads(address.read_text())["address"]
+        distributed = pytest.importorskip("distributed")
+        with distributed.Client(scheduler, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60.0)
+
+        def kill(done: int, _: int) -> None:
+            if done == 6:
+                victim.kill()
+
+        found = sweep(CASE, over, torques=[100.0], scheduler=scheduler, progress=kill)
+        assert victim.wait(timeout=60.0) == -signal.SIGKILL
+    assert_same(found, whole)
+
+
+def test_missing_scheduler_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    from easeoff.study.sweep import engine
+
+    monkeypatch.setattr(engine, "CONNECTION_TIME_LIMIT", 0.5)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    with pytest.raises(InputError, match=f"scheduler = '{address}': must be the address of a dask scheduler that runs"):
+        sweep(CASE, {"E": [0.0, 0.02, 0.04]}, torques=[100.0], scheduler=address)
+
+
+def test_missing_dask_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(easeoff.MissingPackageError, match=r"easeoff\[dask\]"):
+        sweep(CASE, {"E": [0.0]}, torques=[100.0], scheduler="tcp://127.0.0.1:1")
+
+
+def environment() -> dict[str, str]:
+    """Environment in which a fresh process finds the package."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+
+
+@pytest.mark.thorough
+def test_sweep_killed_at_any_moment_resumes_to_the_bit(case: Path, tmp_path: Path) -> None:
+    """Killed again and again, it goes on from what it has, and leaves nothing behind but its file."""
+    out, whole = tmp_path / "killed.nc", tmp_path / "whole.nc"
+    words = ["sweep", str(case), "--over", "E=-0.1:0.1:12", "--torque", "100,300", "--workers", "1"]
+    code = "import easeoff.study.sweep.parameter_sweep as p, easeoff.study.cli as c; p.BATCH_TIME = 0.0; c.main()"
+    assert call(*words, "-o", str(whole)).exit_code == 0
+    kept = 0
+    for attempt in range(40):
+        store = tmp_path / "killed.nc.batches"
+        with process("-c", code, *words, "-o", str(out), env=environment()) as run:
+            begun = len(list(store.glob("*.npz")))
+            limit = time.monotonic() + 60.0
+            while run.poll() is None and time.monotonic() < limit and len(list(store.glob("*.npz"))) < begun + 2:
+                time.sleep(0.01)
+            time.sleep(0.01 * (attempt % 7))  # on leaving it is killed
+        if out.exists():
+            break
+        found = len(list(store.glob("*.npz")))
+        assert found >= kept
+        kept = found
+    assert out.exists()
+    assert_same(read_sweep(out), read_sweep(whole))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["killed.nc", "whole.nc"]

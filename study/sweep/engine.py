@@ -119,7 +119,7 @@ def on_cluster(batches: Iterator[Batch], address: str) -> Generator[tuple[int, B
 
 def _from_cluster(distributed: Any, client: Any, batches: Iterator[Batch]) -> Generator[tuple[int, Block]]:
     running: dict[Any, Batch] = {}
-    results = distributed.as_completed(with_results=False, raise_errors=False)
+    results = distributed.as_completed(loop=client.loop, raise_errors=False)
     exhausted = False
     while True:
         slots = max(BATCHES_PER_THREAD * sum(client.nthreads().values()), 1)

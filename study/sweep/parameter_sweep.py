@@ -183,11 +183,8 @@ def run_plan(
     >>> run_plan(planned_sweep("nasa-12x36", {"E": [0.05]}, torques=[100.0]), workers=1)["status"].item()
     0
     """
-    processes = (
-        1
-        if scheduler is not None
-        else whole("workers", usable_cores() if workers is None else workers, 1, WORKER_COUNT_LIMIT)
-    )
+    own = usable_cores() if workers is None else workers
+    processes = 1 if scheduler is not None else whole("workers", own, 1, WORKER_COUNT_LIMIT)
     if scheduler is not None:
         distributed_package()
     plan.require_memory(processes)
