@@ -224,13 +224,13 @@ def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
     errors = {name: value for name, value in values.items() if name in ASSEMBLY}
     state = _pair_in_mesh(setup, pair)
     if isinstance(state, GeometryError) and errors:
-        return _made(setup, pair, _misalignment(setup, errors))  # elsewhere the flanks may well meet
+        return _made(setup, pair, assembly_errors(setup, errors))  # elsewhere the flanks may well meet
     if isinstance(state, EaseoffError):
         raise state
-    return state.misaligned(_misalignment(setup, errors)) if errors else state
+    return state.misaligned(assembly_errors(setup, errors)) if errors else state
 
 
-def _misalignment(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment:
+def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment:
     """The assembly of a point: that of the setup with some errors in place of its own."""
     base = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
     return Misalignment(

@@ -8,7 +8,6 @@ import json
 import os
 import re
 import shutil
-import zipfile
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import pairwise
@@ -25,7 +24,7 @@ from ...core.reading.json_text import parsed_json
 from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
 from ...core.writing.output_file import check_folder, whole_file
 from ...core.writing.private_folder import NAME as PRIVATE_NAME
-from .batch_analysis import Block
+from .batch_analysis import Block, PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
 PLAN_NAME, MAP_NAME = "sweep.json", "batches.jsonl"
@@ -38,7 +37,7 @@ class BatchStore:
     """Batches of one sweep in a folder, from which an interrupted sweep resumes.
 
     A batch is written whole and is on the disk before it enters the map with the digest of its content. A batch that
-    the map does not have, or whose file has another content, is computed anew.
+    the map does not have, whose file has another content, or in which a point failed unexpectedly, is computed anew.
 
     Parameters
     ----------
@@ -96,11 +95,21 @@ class BatchStore:
     def complete(self) -> Iterator[tuple[int, Block]]:
         """The batches that are complete, by their numbers."""
         for number in range(len(self.bounds or [0]) - 1):
-            recorded = self._completed.get(str(number))
-            if recorded is not None:
-                with suppress(OSError, InputError, KeyError, ValueError, TypeError, zipfile.BadZipFile):
-                    if hashlib.sha256(self._path(number).read_bytes()).hexdigest() == recorded:
-                        yield number, _block(self._path(number))
+            block = self._read(number)
+            # What failed unexpectedly, as for want of memory, may succeed now.
+            if block is not None and not np.any(block.status == PointStatus.FAILED):
+                yield number, block
+
+    def _read(self, number: int) -> Block | None:
+        """A batch from its file, if the map has it with that content."""
+        recorded = self._completed.get(str(number))
+        if recorded is None:
+            return None
+        try:
+            intact = hashlib.sha256(self._path(number).read_bytes()).hexdigest() == recorded
+            return _block(self._path(number)) if intact else None
+        except (OSError, InputError, KeyError, ValueError):
+            return None
 
     def remove(self) -> None:
         """Remove the batches, and the folder if nothing else is in it."""

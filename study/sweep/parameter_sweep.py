@@ -22,7 +22,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..deviation_source import Deviated, Source
-from .batch_analysis import Batch, Block, analyze_batch
+from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
 from .distribution import Sampler
 from .engine import distributed_package, in_processes, in_this_process, on_cluster
@@ -268,5 +268,20 @@ def _attributes(plan: SweepPlan) -> dict[str, Any]:
         "solver": setup.solver,
         "flank": setup.flank,
         "compliance_model": case.compliance.model,
+        "pinion_teeth": case.pinion.number_of_teeth,
+        "gear_teeth": case.gear.number_of_teeth,
+        **_misalignment(plan),
         **plan.sampling,
     }
+
+
+def _misalignment(plan: SweepPlan) -> dict[str, float]:
+    """Assembly errors of every point that are not swept."""
+    found = assembly_errors(plan.setup, {})
+    errors = {
+        "E": ("misalignment_offset_mm", found.offset),
+        "P": ("misalignment_pinion_axial_mm", found.pinion_axial),
+        "G": ("misalignment_gear_axial_mm", found.gear_axial),
+        "Sigma": ("misalignment_shaft_angle_rad", found.shaft_angle),
+    }
+    return dict(pair for name, pair in errors.items() if name not in plan.table.names)
