@@ -64,6 +64,7 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
                     with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), children_without_interrupts():
                         running[pool.submit(analyze_batch, batch)] = again.pop()
                 if not running:
+                    pool.shutdown()
                     return
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     block = future.result()
