@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import compare, library, plot
     from .analysis import Analysis, contact_analysis
-    from .case_design import DesignReport, design_case
     from .case_in_mesh import CaseInMesh
+    from .design.case_design import DesignReport, design_case
+    from .design.fitted_settings import fit_modification, recorded_modification
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
-    from .fitted_settings import fit_modification, recorded_modification
+    from .flank_wear.wear_law import WearLaw
+    from .flank_wear.wear_simulation import wear
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
     from .report.result_summary import result_summary
-    from .wear_law import WearLaw
-    from .wear_simulation import wear
 
 __all__ = [
     "Analysis",
@@ -47,19 +47,19 @@ __all__ = [
 _MODULES = {
     "Analysis": ".analysis",
     "CaseInMesh": ".case_in_mesh",
-    "DesignReport": ".case_design",
-    "WearLaw": ".wear_law",
+    "DesignReport": ".design.case_design",
+    "WearLaw": ".flank_wear.wear_law",
     "contact_analysis": ".analysis",
-    "design_case": ".case_design",
-    "fit_modification": ".fitted_settings",
+    "design_case": ".design.case_design",
+    "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
     "measured_file": ".deviation_source",
     "plausibility": ".report.plausibility",
-    "recorded_modification": ".fitted_settings",
+    "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",
-    "wear": ".wear_simulation",
+    "wear": ".flank_wear.wear_simulation",
     "write_pictures": ".plot",
 }
 

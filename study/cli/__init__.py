@@ -21,7 +21,7 @@ from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
 from .oil_command import oil
 from .optimize_command import optimize
-from .options import echo
+from .options.shared_options import echo
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems

@@ -9,7 +9,7 @@ import click
 
 from ...core.printable import printable
 from .command import Command
-from .options import echo
+from .options.shared_options import echo
 
 if TYPE_CHECKING:
     import xarray as xr

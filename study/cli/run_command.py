@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import echo, next_commands, numbers, outside_allowed, roughnesses
+from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .options.shared_options import echo, next_commands, numbers, outside_allowed, roughnesses
 from .result_commands import draw
 
 if TYPE_CHECKING:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from ...core.magnitude import time_in_words
-from .options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
-from .terminal_bar import terminal_bar
+from ....core.magnitude import time_in_words
+from ..terminal_bar import terminal_bar
+from .shared_options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
-    from ...cases import Case
-    from ...cases.analysis_size import AnalysisSize
+    from ....cases import Case
+    from ....cases.analysis_size import AnalysisSize
 
 _PAIR = (
     click.argument("case"),

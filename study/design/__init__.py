@@ -1,0 +1,1 @@
+"""Design of a case, and machine settings for a modification."""
