@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ..cases.analysis_size import AnalysisSize
-from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torque_range
+from ..cases.schema.case_schema import Case
+from ..cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase

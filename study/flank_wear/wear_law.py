@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
+from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ...core.checks import positive, whole
 from ...core.errors import InputError
 from ...core.magnitude import time_in_words
