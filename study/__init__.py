@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
     from .report.result_summary import result_summary
+    from .vh.vh_check import vh_check
 
 __all__ = [
     "Analysis",
@@ -40,6 +41,7 @@ __all__ = [
     "recorded_modification",
     "result_summary",
     "shipped_deviations",
+    "vh_check",
     "wear",
     "write_pictures",
 ]
@@ -59,6 +61,7 @@ _MODULES = {
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",
+    "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
     "write_pictures": ".plot",
 }

@@ -26,6 +26,7 @@ from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
 from .verify_command import verify
+from .vh_command import vh
 from .wear_command import wear
 
 _SHOW_WARNING = warnings.showwarning
@@ -121,6 +122,7 @@ for _command in (
     show,
     plot,
     verify,
+    vh,
     optimize,
     design,
     cases,
