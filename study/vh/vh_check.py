@@ -173,7 +173,8 @@ def _searched(
     middle = rough.find(targets["middle"], start)
     first = middle if middle.status == PatternStatus.REACHED else start
     found = {"middle": middle, **{name: rough.find(targets[name], first) for name in ("toe", "heel")}}
-    return {name: fine.find(targets[name], found[name]) for name in PLACES}
+    reached = {name for name, one in found.items() if one.status == PatternStatus.REACHED}
+    return {name: fine.find(targets[name], found[name]) if name in reached else found[name] for name in PLACES}
 
 
 def _provenance(state: CaseInMesh, case: Case, thickness: float) -> dict[str, Any]:
@@ -197,8 +198,6 @@ def _provenance(state: CaseInMesh, case: Case, thickness: float) -> dict[str, An
         "misalignment_pinion_axial_mm": errors.pinion_axial,
         "misalignment_gear_axial_mm": errors.gear_axial,
         "misalignment_shaft_angle_rad": errors.shaft_angle,
-        **(
-            {} if state.modification is None else {"modification_um": json.dumps(dict(state.modification.coefficients))}
-        ),
+        **added,
         **deviation_attributes(state.deviations, state.deviated),
     }

@@ -22,7 +22,7 @@ Centre = Callable[[Array], Array]
 HALVING_COUNT_LIMIT = 4  # of a step that does not lead nearer
 EVALUATION_COUNT_LIMIT = 40  # of the centre, in one search
 LEAST_DECREASE = 0.05  # of the distance that a step must take off, as a share
-STEP_SHARE = 0.1  # of the range, the longest step
+STEP_SHARE = 0.01  # of the face; the longest step
 DIFFERENCE_SHARE = 4e-4  # of the face; a step of V and H for derivatives
 SHORT_SHARE = 1e-4  # of the face; shorter steps say nothing of the derivatives, the print has corners
 
@@ -123,13 +123,12 @@ class PatternSearch:
         here, centre, slope = start.displacement, self._centre(start.displacement), start.slope
         if not np.all(np.isfinite(centre)):
             return Found(here, centre, slope, PatternStatus.NO_PATTERN)
-        last, fresh = self.evaluations + EVALUATION_COUNT_LIMIT, False
+        last, fresh, was_cut = self.evaluations + EVALUATION_COUNT_LIMIT, False, False
         while np.linalg.norm(centre - target) > self.tolerance:
             step, cut = self._step(here, target - centre, slope)
-            if not np.linalg.norm(step) > 0.0 or self.evaluations >= last:
-                status = PatternStatus.OUT_OF_RANGE if cut else PatternStatus.NOT_REACHED
-                return Found(here, centre, slope, status)
-            moved = None
+            if cut and was_cut:
+                return Found(here, centre, slope, PatternStatus.OUT_OF_RANGE)
+            was_cut, moved = cut, None
             for _ in range(HALVING_COUNT_LIMIT):
                 found = self._centre(here + step)
                 if np.all(np.isfinite(found)):
@@ -142,8 +141,8 @@ class PatternSearch:
                 step = 0.5 * step
             if moved is not None:
                 (here, centre), fresh = moved, False
-            elif fresh:
-                return Found(here, centre, slope, PatternStatus.NOT_REACHED)
+            elif cut or fresh or self.evaluations >= last:
+                return Found(here, centre, slope, PatternStatus.OUT_OF_RANGE if cut else PatternStatus.NOT_REACHED)
             else:
                 taken = self._slope(here, centre)
                 if not np.all(np.isfinite(taken)):
@@ -163,7 +162,7 @@ class PatternSearch:
     def _step(self, here: Array, wanted: Array, slope: Array) -> tuple[Array, bool]:
         """Step (2) towards a change of the centre (2), not too long and within the range; whether that cut it."""
         step = np.linalg.lstsq(slope, wanted, rcond=1e-6)[0]
-        longest = STEP_SHARE * self.reach
+        longest = STEP_SHARE * self.face
         step = step * min(1.0, longest / max(float(np.linalg.norm(step)), 1e-300))
-        within = np.clip(here + step, -self.reach, self.reach) - here
-        return within, bool(np.any(within != step))
+        cut = bool(np.any(np.abs(here + step) > self.reach))
+        return (np.clip(here + step, -self.reach, self.reach) - here, True) if cut else (step, False)
