@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
     from .flank_wear.wear_law import WearLaw
     from .flank_wear.wear_simulation import wear
+    from .load_cases.duty_means import duty_means, equivalent_torque
+    from .load_cases.load_case_analysis import analyze_load_cases
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
@@ -28,9 +30,12 @@ __all__ = [
     "CaseInMesh",
     "DesignReport",
     "WearLaw",
+    "analyze_load_cases",
     "compare",
     "contact_analysis",
     "design_case",
+    "duty_means",
+    "equivalent_torque",
     "fit_modification",
     "flank_deviations",
     "key_numbers",
@@ -51,8 +56,11 @@ _MODULES = {
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.case_design",
     "WearLaw": ".flank_wear.wear_law",
+    "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis",
     "design_case": ".design.case_design",
+    "duty_means": ".load_cases.duty_means",
+    "equivalent_torque": ".load_cases.duty_means",
     "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",

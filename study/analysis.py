@@ -271,18 +271,55 @@ def analyze(
     found = contact_analysis(
         state, torques, edge_contact=edge_contact, marking=marking, solver=solver, progress=progress, **options
     )
-    if operation is not None:
-        from ..friction import friction
-        from ..friction import friction_feedback as with_feedback
-
-        if stage is not None:
-            stage("friction")
-        losses = (
-            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver, progress=progress)
-            if friction_feedback
-            else friction(found.tree, operation, friction_model, progress=progress)
+    return (
+        found.tree
+        if operation is None
+        else with_friction(
+            found,
+            operation,
+            friction_model,
+            feedback=bool(friction_feedback),
+            solver=solver,
+            progress=progress,
+            stage=stage,
         )
-        found.tree["friction"] = xr.DataTree(losses)
+    )
+
+
+def with_friction(
+    found: Analysis,
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    feedback: bool = False,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
+) -> xr.DataTree:
+    """The tree of an analysis with the group ``friction`` added to it.
+
+    Parameters
+    ----------
+    found
+        The analysis.
+    operation
+        Operating conditions.
+    model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    feedback, solver, progress, stage
+        As ``friction_feedback`` and so on of ``analyze``.
+    """
+    from ..friction import friction
+    from ..friction import friction_feedback as with_feedback
+
+    if stage is not None:
+        stage("friction")
+    losses = (
+        with_feedback(found.tree, found.cases, operation, model, solver=solver, progress=progress)
+        if feedback
+        else friction(found.tree, operation, model, progress=progress)
+    )
+    found.tree["friction"] = xr.DataTree(losses)
     return found.tree
 
 
