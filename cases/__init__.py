@@ -1,6 +1,7 @@
 """Case and design files: schemas, reading, checking and writing, the shipped ones, exchange with other programs."""
 
 from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
+from .load_cases import load_case_misalignment, read_load_cases
 from .reading import (
     case_text,
     design_text,
@@ -16,6 +17,7 @@ from .rexs.rexs_writing import write_rexs
 from .schema.case_schema import Case, ContactTable
 from .schema.design_schema import Design
 from .schema.friction_table import FrictionTable
+from .schema.load_case_table import LoadCase
 from .session.session_script import read_session_script
 from .writing import case_toml, write_case
 
@@ -24,6 +26,7 @@ __all__ = [
     "ContactTable",
     "Design",
     "FrictionTable",
+    "LoadCase",
     "case_text",
     "case_toml",
     "design_text",
@@ -31,10 +34,12 @@ __all__ = [
     "ease_off_target",
     "elastic_model",
     "gear_pair",
+    "load_case_misalignment",
     "parse_case",
     "parse_design",
     "read_case",
     "read_design",
+    "read_load_cases",
     "read_rexs",
     "read_session_script",
     "shipped_cases",

@@ -15,21 +15,27 @@ if TYPE_CHECKING:
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
+    from .flank_wear.wear_law import WearLaw
+    from .flank_wear.wear_simulation import wear
+    from .load_cases.duty_means import duty_means, equivalent_torque
+    from .load_cases.load_case_analysis import analyze_load_cases
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
     from .report.result_summary import result_summary
-    from .wear_law import WearLaw
-    from .wear_simulation import wear
+    from .vh.vh_check import vh_check
 
 __all__ = [
     "Analysis",
     "CaseInMesh",
     "DesignReport",
     "WearLaw",
+    "analyze_load_cases",
     "compare",
     "contact_analysis",
     "design_case",
+    "duty_means",
+    "equivalent_torque",
     "fit_modification",
     "flank_deviations",
     "key_numbers",
@@ -41,6 +47,7 @@ __all__ = [
     "result_summary",
     "shipped_deviations",
     "sweep",
+    "vh_check",
     "wear",
     "write_pictures",
 ]
@@ -49,9 +56,12 @@ _MODULES = {
     "Analysis": ".analysis",
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.case_design",
-    "WearLaw": ".wear_law",
+    "WearLaw": ".flank_wear.wear_law",
+    "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis",
     "design_case": ".design.case_design",
+    "duty_means": ".load_cases.duty_means",
+    "equivalent_torque": ".load_cases.duty_means",
     "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
@@ -60,7 +70,8 @@ _MODULES = {
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",
-    "wear": ".wear_simulation",
+    "vh_check": ".vh.vh_check",
+    "wear": ".flank_wear.wear_simulation",
     "write_pictures": ".plot",
 }
 

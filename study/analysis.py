@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ..cases.analysis_size import AnalysisSize
-from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torque_range
+from ..cases.schema.case_schema import Case
+from ..cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase
@@ -261,12 +262,47 @@ def analyze(
     found = contact_analysis(
         state, torques, edge_contact=edge_contact, marking=marking, solver=solver, progress=progress, **options
     )
-    if operation is not None:
-        if stage is not None:
-            stage("friction")
-        found.tree["friction"] = friction_group(
-            found, operation, friction_model, feedback=feedback, solver=solver, progress=progress
-        )
+    if operation is None:
+        return found.tree
+    return with_friction(
+        found, operation, friction_model, feedback=feedback, solver=solver, progress=progress, stage=stage
+    )
+
+
+def with_friction(
+    found: Analysis,
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    feedback: bool = False,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
+) -> xr.DataTree:
+    """The tree of an analysis with the group ``friction`` added to it.
+
+    Parameters
+    ----------
+    found
+        The analysis.
+    operation
+        Operating conditions.
+    model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    feedback, solver, progress, stage
+        As ``friction_feedback`` and so on of ``analyze``.
+    """
+    from ..friction import friction
+    from ..friction import friction_feedback as with_feedback
+
+    if stage is not None:
+        stage("friction")
+    losses = (
+        with_feedback(found.tree, found.cases, operation, model, solver=solver, progress=progress)
+        if feedback
+        else friction(found.tree, operation, model, progress=progress)
+    )
+    found.tree["friction"] = xr.DataTree(losses)
     return found.tree
 
 
@@ -297,43 +333,6 @@ def friction_settings(
     elif model is not None or feedback:
         raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
     return model, bool(feedback)
-
-
-def friction_group(
-    found: Analysis,
-    operation: Operation,
-    model: FrictionModel | None,
-    *,
-    feedback: bool = False,
-    solver: str = "auto",
-    progress: Callable[[], None] | None = None,
-) -> xr.DataTree:
-    """The group ``friction`` of an analysis; with feedback the forces are found anew.
-
-    Parameters
-    ----------
-    found
-        The analysis.
-    operation, model, feedback, solver, progress
-        As ``operation_of`` gives them, and as of ``analyze``.
-
-    Examples
-    --------
-    >>> from easeoff.cases import read_case
-    >>> found = contact_analysis(CaseInMesh.of(read_case("nasa-12x36")), [100.0])
-    >>> group = friction_group(found, operation_of(None, speed=1000.0), None)
-    >>> bool(0.9 < group["efficiency"].item() < 1.0)
-    True
-    """
-    from ..friction import friction
-    from ..friction import friction_feedback as with_feedback
-
-    losses = (
-        with_feedback(found.tree, found.cases, operation, model, solver=solver, progress=progress)
-        if feedback
-        else friction(found.tree, operation, model, progress=progress)
-    )
-    return xr.DataTree(losses)
 
 
 def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:

@@ -8,7 +8,14 @@ import click
 
 from ...core.errors import InputError
 from .command import Command
-from .options import allow_outside_option, echo, force_option, next_commands, output_option, outside_allowed
+from .options.shared_options import (
+    allow_outside_option,
+    echo,
+    force_option,
+    next_commands,
+    output_option,
+    outside_allowed,
+)
 
 
 @click.command(cls=Command)

@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from .analysis_options import show_stage
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import (
+from .options.analysis_options import show_stage
+from .options.shared_options import (
     MISALIGNMENT,
     allow_outside_option,
     echo,

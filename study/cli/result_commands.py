@@ -9,7 +9,7 @@ import click
 
 from ...core.printable import printable
 from .command import Command
-from .options import echo
+from .options.shared_options import echo
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +51,7 @@ def plot(result: Path, folder: Path, marking: float | None) -> None:
 
     dataset = _sweep(result)
     if dataset is not None:
-        from ..plot.sweep_pictures import write_sweep_pictures
+        from ..plot.sweeps.sweep_pictures import write_sweep_pictures
 
         if marking is not None:
             raise click.UsageError("--marking: must go with a file of 'easeoff run'; a sweep has its own")

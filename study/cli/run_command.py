@@ -8,10 +8,11 @@ from typing import Any
 
 import click
 
-from .analysis_options import analysis_options, check_cost, chosen_model, friction_options, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import echo, next_commands, outside_allowed
+from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .options.friction_options import chosen_model, friction_options
+from .options.shared_options import echo, next_commands, outside_allowed
 from .result_commands import draw
 
 

@@ -13,10 +13,11 @@ import click
 
 from ...core.child_environment import THREAD_VARIABLES
 from ...core.magnitude import time_in_words
-from .analysis_options import TOLD_TIME, analysis_options, chosen_model, friction_options, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import echo, next_commands, output_option, outside_allowed
+from .options.analysis_options import TOLD_TIME, analysis_options, with_defaults
+from .options.friction_options import chosen_model, friction_options
+from .options.shared_options import echo, next_commands, output_option, outside_allowed
 from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ def sweep(
     echo(f"wrote {output}: {outcome(found)}")
     kept = _write_kept(plan, found, keep, output)
     if plots is not None:
-        from ..plot.sweep_pictures import write_sweep_pictures
+        from ..plot.sweeps.sweep_pictures import write_sweep_pictures
 
         for picture in write_sweep_pictures(found, plots):
             echo(f"wrote {picture}")

@@ -21,7 +21,7 @@ from ...core.printable import printable, shortened
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
-from ..analysis import Analysis, contact_analysis, friction_group, friction_settings, operation_of
+from ..analysis import Analysis, contact_analysis, friction_settings, operation_of, with_friction
 from ..case_in_mesh import CaseInMesh
 from ..report.key_numbers import key_numbers
 from .point_table import assemblies
@@ -176,8 +176,7 @@ class _Assembly:
         found = self._contact(values)
         if operation is None:
             return found.tree
-        friction = friction_group(found, operation, model, feedback=feedback, solver=setup.solver)
-        return found.tree.assign({"friction": friction})
+        return with_friction(found, operation, model, feedback=feedback, solver=setup.solver)
 
     def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
         """Key numbers at a point, and for every load its status and why it is not certified."""

@@ -21,7 +21,7 @@ from ..analysis import case_torques, friction_settings, operation_of
 from ..case_in_mesh import checked_case
 from .axis import Axis, grid_axis, is_distribution
 from .distribution import Distribution, Sampler, sample_values
-from .load_case_table import load_case_axis, read_load_cases
+from .load_case_axis import load_case_axis, read_load_case_axis
 from .point_table import PointTable
 from .sweep_setup import SweepSetup
 from .swept_quantity import CONDITIONS, swept_quantity
@@ -198,7 +198,7 @@ def _axes(
     elif count is not None:
         raise InputError(f"samples = {shown(count)}: must go with a distribution, such as E~normal(0,0.03)")
     if load_cases is not None:
-        rows = load_case_axis(load_cases) if isinstance(load_cases, Mapping) else read_load_cases(load_cases)
+        rows = load_case_axis(load_cases) if isinstance(load_cases, Mapping) else read_load_case_axis(load_cases)
         axes.append(rows)
     names = [name for axis in axes for name in axis.columns]
     for name in names:

@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from ...core.magnitude import time_in_words
-from .options import (
-    MISALIGNMENT,
-    allow_outside_option,
-    deviation_option,
-    flank_option,
-    misalignment,
-    numbers,
-    roughnesses,
-    torques,
-)
-from .terminal_bar import terminal_bar
+from ....core.magnitude import time_in_words
+from ..terminal_bar import terminal_bar
+from .shared_options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
-    from ...cases import Case
-    from ...cases.analysis_size import AnalysisSize
-    from ...cases.schema.friction_table import FrictionTable
-    from ...friction import FrictionModel
+    from ....cases import Case
+    from ....cases.analysis_size import AnalysisSize
 
 _PAIR = (
     click.argument("case"),
@@ -49,7 +38,13 @@ _PAIR = (
         show_default="spline",
         help="Interpolation between the nodes of measured grids; smooth evens out their scatter.",
     ),
-    click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver."),
+)
+_SOLVER = click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver.")
+_DEVIATED = click.option(
+    "--deviated",
+    type=click.Choice(["ease_off", "surface"]),
+    show_default="ease_off",
+    help="How deviations are taken in: the ease-off is updated, or the deviating surfaces are computed.",
 )
 _ANALYSIS = (
     click.option(
@@ -67,64 +62,7 @@ _ANALYSIS = (
         show_default="from the case",
         help="Torques at the pinion in N m.",
     ),
-    click.option(
-        "--deviated",
-        type=click.Choice(["ease_off", "surface"]),
-        show_default="ease_off",
-        help="How deviations are taken in: the ease-off is updated, or the deviating surfaces are computed.",
-    ),
-)
-
-_FRICTION = (
-    click.option(
-        "--speed",
-        callback=numbers,
-        metavar="N1,N2,...",
-        help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
-        "[friction] of the case replaces the defaults of this and the following options.",
-    ),
-    click.option(
-        "--oil", metavar="OIL", show_default="75w90", help="Lubricant: the name of a shipped one, or a TOML file."
-    ),
-    click.option(
-        "--temperature",
-        callback=numbers,
-        metavar="T1,T2,...",
-        show_default="90",
-        help="Oil temperatures in degC, or FROM:TO:COUNT.",
-    ),
-    click.option(
-        "--roughness",
-        callback=roughnesses,
-        metavar="R1,R2,...",
-        show_default="0.8",
-        help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
-    ),
-    click.option(
-        "--friction-model",
-        metavar="MODEL",
-        show_default="kolivand_blended",
-        help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, "
-        "benedict_kelly), or a number from 0 to 1.",
-    ),
-    click.option(
-        "--film-heating",
-        metavar="FACTOR",
-        show_default="none",
-        help="Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.",
-    ),
-    click.option(
-        "--clamp-temperature/--no-clamp-temperature",
-        default=None,
-        show_default="no",
-        help="Beyond the oil's data, take the last value and flag it.",
-    ),
-    click.option(
-        "--friction-feedback/--no-friction-feedback",
-        default=None,
-        show_default="no",
-        help="Include friction in the balance of torque, which changes the normal forces.",
-    ),
+    _DEVIATED,
 )
 
 TOLD_TIME = 60.0  # [s]; the cost of an analysis that takes longer is told before it
@@ -133,7 +71,14 @@ DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 def pair_options(command: Any) -> Any:
     """Add the argument CASE and the options of its pair to a command: flank, misalignment, deviations, solver."""
-    for option in reversed(_PAIR):
+    for option in reversed((*_PAIR, _SOLVER)):
+        command = option(command)
+    return command
+
+
+def unloaded_options(command: Any) -> Any:
+    """Add the argument CASE and the options of its pair without load to a command: those of a pair but the solver."""
+    for option in reversed((*_PAIR, _DEVIATED)):
         command = option(command)
     return command
 
@@ -143,13 +88,6 @@ def analysis_options(command: Any) -> Any:
     for option in reversed(_ANALYSIS):
         command = option(command)
     return pair_options(command)
-
-
-def friction_options(command: Any) -> Any:
-    """Add the options of friction to a command: operating conditions and models."""
-    for option in reversed(_FRICTION):
-        command = option(command)
-    return command
 
 
 def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
@@ -225,21 +163,3 @@ def show_stage(bar: Any, name: str) -> None:
         if name == "friction":  # in parts of which the number is not known
             bar.total = None
     bar.set_description_str(name)
-
-
-def chosen_model(
-    table: FrictionTable | None, name: str | None, film_heating: str | None, clamp: bool | None
-) -> FrictionModel:
-    """Friction models of the case, with the coefficient, film heating and rule beyond the oil's data that are given."""
-    from ...friction import FrictionModel
-
-    changed: dict[str, Any] = {}
-    if name is not None:
-        changed["coefficient"] = name
-        with suppress(ValueError):
-            changed["coefficient"] = float(name)
-    if film_heating is not None:
-        changed["film_heating"] = film_heating
-    if clamp is not None:
-        changed["out_of_range"] = "clamp" if clamp else "error"
-    return FrictionModel(**changed) if table is None else table.model(**changed)

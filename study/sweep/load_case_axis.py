@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +12,22 @@ from ...core.errors import InputError
 from ...core.printable import printable, shortened
 from ...core.reading.regular_file import named
 from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
+from ...geometry.formats.separated_text import cells, comment, separator
 from .axis import Axis, column
 from .swept_quantity import Stage, swept_quantity
 
 LOAD_CASE = "load_case"
 
 
-def read_load_cases(path: str | Path) -> Axis:
+def read_load_case_axis(path: str | Path) -> Axis:
     r"""Load cases of a table in CSV.
 
     Parameters
     ----------
     path
         The file. Its first row names the columns: quantities of ``swept_quantity``, ``share`` and ``name``. Lines that
-        begin with ``#`` are remarks. Columns are separated by commas, decimals have a point.
+        begin with ``#`` are comments. Columns are separated by commas, semicolons, tabs or blanks, as in a table of
+        load cases for ``run``, which is read here, too, where it has no empty cells.
 
     Raises
     ------
@@ -40,26 +40,21 @@ def read_load_cases(path: str | Path) -> Axis:
     >>> with TemporaryDirectory() as folder:
     ...     table = Path(folder, "loads.csv")
     ...     _ = table.write_text("torque,E,share\n100,0.01,0.7\n300,0.05,0.3\n", encoding="utf-8")
-    ...     read_load_cases(table).columns["torque"].tolist()
+    ...     read_load_case_axis(table).columns["torque"].tolist()
     [100.0, 300.0]
     """
     text = read_text(path, TABLE_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip(' \t;,"') and comment(line) is None]
     if len(lines) < 2:
         raise InputError(f"{named(path)}: must have a row of names and a row for every load case")
-    try:
-        rows = list(csv.reader(io.StringIO("\n".join(line for _, line in lines)), strict=True))
-    except csv.Error as error:
-        raise InputError(f"{named(path)}: must be a table in CSV: {error}") from error
-    if len(rows) != len(lines):
-        raise InputError(f"{named(path)}: must have a line for every load case")
-    names = [name.strip() for name in rows[0]]
+    mark = separator(lines[0][1])
+    names = cells(lines[0][1], mark)
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{named(path)}: the column {shown(name)} comes twice")
     columns: dict[str, list[Any]] = {name: [] for name in names}
-    for (number, _), row in zip(lines[1:], rows[1:], strict=True):
-        where = f"{named(path)}, line {number}"
+    for number, line in lines[1:]:
+        where, row = f"{named(path)}, line {number}", cells(line, mark)
         if len(row) != len(names):
             raise InputError(f"{where}: must have {len(names)} values, as the row of names has, and has {len(row)}")
         for name, entry in zip(names, row, strict=True):
