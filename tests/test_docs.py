@@ -47,6 +47,7 @@ WITH_CODE = (
     "finite_elements",
     "mixed_ehl",
     "verification",
+    "sweeps",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 
