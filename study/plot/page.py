@@ -139,7 +139,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     version = attributes.get("easeoff_version", "")
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
     departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
-    misaligned, model = f"misalignment {given or 'none'}", model_name(attributes)
+    misaligned = f"misalignment {given or 'none'}" if "misalignment_offset_mm" in attributes else ""
+    model = model_name(attributes)
     return [teeth, flanks.get(name, name), misaligned, *departed, model, f"easeoff {version}".strip()]
 
 
