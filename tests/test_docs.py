@@ -48,6 +48,8 @@ WITH_CODE = (
     "mixed_ehl",
     "verification",
     "sweeps",
+    "vh_check",
+    "load_cases",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 

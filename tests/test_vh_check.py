@@ -130,12 +130,12 @@ def stationary_point(geometry: PairGeometry) -> np.ndarray:
 
 
 def gradient(spline: RectBivariateSpline, point: np.ndarray) -> np.ndarray:
-    return np.array([spline(*point, dx=1)[0, 0], spline(*point, dy=1)[0, 0]])
+    return np.array([spline(point[0], point[1], dx=1)[0, 0], spline(point[0], point[1], dy=1)[0, 0]])
 
 
 def hessian(spline: RectBivariateSpline, point: np.ndarray) -> np.ndarray:
-    mixed = spline(*point, dx=1, dy=1)[0, 0]
-    return np.array([[spline(*point, dx=2)[0, 0], mixed], [mixed, spline(*point, dy=2)[0, 0]]])
+    mixed = spline(point[0], point[1], dx=1, dy=1)[0, 0]
+    return np.array([[spline(point[0], point[1], dx=2)[0, 0], mixed], [mixed, spline(point[0], point[1], dy=2)[0, 0]]])
 
 
 @pytest.mark.parametrize("flank", ["drive", "coast"])
@@ -149,18 +149,18 @@ def test_the_contact_moves_as_the_gap_of_a_rigid_displacement_says(flank: FlankN
     pair = gear_pair(read_case("fh-design-a"), flank)
     geometry = pair_geometry(pair, (21, 15))
     ease_off, assembly = geometry.ease_off, pair.assembly
-    axes = [ease_off[name].values for name in ("lengthwise", "profile")]
+    along, up = (ease_off[name].values for name in ("lengthwise", "profile"))
     normal = ease_off["action_normal"].transpose("lengthwise", "profile", "space").values
     hand = 1.0 if assembly.pinion_hand == "left" else -1.0
     directions = (
         np.array([0.0, hand, 0.0]),
         np.array([math.sin(assembly.shaft_angle), 0.0, math.cos(assembly.shaft_angle)]),
     )
-    angle = RectBivariateSpline(*axes, ease_off["ease_off_angle"].values, kx=4, ky=4, s=0)
+    angle = RectBivariateSpline(along, up, ease_off["ease_off_angle"].values, kx=4, ky=4, s=0)
     point = stationary_point(geometry)
     theory, differences = np.empty((2, 2)), np.empty((2, 2))
     for column, (direction, name) in enumerate(zip(directions, ("offset", "pinion_axial"), strict=True)):
-        added = RectBivariateSpline(*axes, -(normal @ direction) / ease_off["lever_arm"].values, kx=4, ky=4, s=0)
+        added = RectBivariateSpline(along, up, -(normal @ direction) / ease_off["lever_arm"].values, kx=4, ky=4, s=0)
         theory[:, column] = -np.linalg.solve(hessian(angle, point), gradient(added, point))
         ends = [stationary_point(geometry.misaligned(Misalignment(**{name: size}))) for size in (1e-3, -1e-3)]
         differences[:, column] = (ends[0] - ends[1]) / 2e-3

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @click.argument("result", type=click.Path(path_type=Path))
 def show(result: Path) -> None:
     """Show the main numbers of RESULT, a file of 'easeoff run' or 'easeoff sweep'."""
+    from ..report.load_case_summary import load_case_summary
     from ..report.result_summary import result_summary
     from ..result import read_result
 
@@ -28,7 +29,8 @@ def show(result: Path) -> None:
 
         echo(sweep_summary(dataset))
         return
-    echo(result_summary(read_result(result)))
+    tree = read_result(result)
+    echo(load_case_summary(tree) if "load_cases" in tree.children else result_summary(tree))
 
 
 @click.command(cls=Command)
@@ -78,10 +80,12 @@ def _sweep(path: Path) -> xr.Dataset | None:
 def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:
     """Write the pictures of a result, and say which were written and whose were replaced or removed."""
     from ..plot import write_pictures
+    from ..plot.load_case_pictures import write_load_case_pictures
     from ..plot.picture_files import pictures_of_results
 
     before = pictures_of_results(folder)
-    for picture in write_pictures(tree, folder, marking=marking):
+    write = write_load_case_pictures if "load_cases" in tree.children else write_pictures
+    for picture in write(tree, folder, marking=marking):
         echo(f"wrote {picture}")
     for title in sorted({title for title in before.values() if title != printable(str(tree.attrs.get("title", "")))}):
         echo(f"replaced the pictures of {printable(title)!r}")

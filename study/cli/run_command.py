@@ -10,6 +10,7 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
+from .load_case_run import run_load_cases
 from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .options.friction_options import chosen_model, friction_options
 from .options.shared_options import echo, next_commands, outside_allowed
@@ -31,12 +32,19 @@ from .result_commands import draw
     show_default="contact.separation of the case",
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
+@click.option(
+    "--load-cases",
+    metavar="FILE|case",
+    help="Analyse over load cases instead of torques, each in its own misalignment: those of a table with the columns "
+    "torque, E, P, G, Sigma, speed, share, flank and name, or those of the case itself.",
+)
 @friction_options
 def run(
     case: str,
     output: Path,
     plots: Path | None,
     marking: float | None,
+    load_cases: str | None,
     speed: Any,
     oil: str | None,
     temperature: Any,
@@ -49,7 +57,8 @@ def run(
 ) -> None:
     """Analyse the contact of CASE and write the result.
 
-    The result holds unloaded and loaded contact, and friction and efficiency if a speed is given.
+    The result holds unloaded and loaded contact, and friction and efficiency if a speed is given. With --load-cases it
+    holds that of every load case, a table of the numbers of all, and means over their shares of time.
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
@@ -66,6 +75,15 @@ def run(
         check_folder(plots, "pictures")
     conditions = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
     model = None
+    if load_cases is not None:
+        if speed is not None:
+            raise click.UsageError("--speed: must not go with --load-cases, which have their own speeds")
+        if any(value is not None for value in (friction_model, film_heating, clamp_temperature)) or table is not None:
+            model = chosen_model(table, friction_model, film_heating, clamp_temperature)
+        models = {"friction_model": model, "friction_feedback": friction_feedback, "marking": marking}
+        del conditions["speed"]
+        run_load_cases(checked, case, load_cases, output, plots, conditions | models, options)
+        return
     operation = operation_of(table, **conditions)
     if operation is not None:
         model = chosen_model(table, friction_model, film_heating, clamp_temperature)

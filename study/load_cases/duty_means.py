@@ -52,7 +52,8 @@ def equivalent_torque(torques: Array, cycles: Array, exponent: float) -> float:
     199.9
     """
     greatest = float(np.max(torques))
-    return greatest * float(np.average((torques / greatest) ** exponent, weights=cycles)) ** (1.0 / exponent)
+    mean = float(np.average((torques / greatest) ** exponent, weights=cycles))
+    return greatest * math.pow(mean, 1.0 / exponent)
 
 
 def checked_exponents(exponents: Sequence[float]) -> tuple[float, ...]:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 SINGLE = ("torque", "speed", "temperature", "roughness")  # dimensions of which a load case has one value
+COMMON = ("solver", "compliance_model", "edge_contact", "pinion_teeth", "gear_teeth", "pinion_hand")
 
 
 class LoadCaseStatus(StoredStatus):
@@ -181,7 +182,7 @@ def analyze_load_cases(
     if not trees:
         raise failures[0]
     numbers = _numbers(case, rows, sides, operations, trees, reasons)
-    groups = {"/": xr.Dataset(attrs=_provenance(case)), "/load_cases": numbers}
+    groups = {"/": xr.Dataset(attrs=_provenance(case, next(iter(trees.values())).attrs)), "/load_cases": numbers}
     if "share" in numbers:
         groups["/duty"] = labelled(duty_means(numbers, exponents))
     tree = xr.DataTree.from_dict(groups)
@@ -296,8 +297,8 @@ def _status(tree: xr.DataTree) -> LoadCaseStatus:
     return LoadCaseStatus.CERTIFIED if solved else LoadCaseStatus.UNCERTIFIED
 
 
-def _provenance(case: Case) -> dict[str, Any]:
-    """Origin of the results, as netCDF attributes."""
+def _provenance(case: Case, common: Mapping[Any, Any]) -> dict[str, Any]:
+    """Origin of the results, as netCDF attributes; of a result those that all have in common."""
     now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
     return {
         "Conventions": "CF-1.11",
@@ -306,4 +307,5 @@ def _provenance(case: Case) -> dict[str, Any]:
         "easeoff_version": own,
         "schema_version": RESULT_SCHEMA_VERSION,
         "case": case.text or case.model_dump_json(),
+        **{name: common[name] for name in COMMON if name in common},
     }

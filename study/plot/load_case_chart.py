@@ -53,7 +53,7 @@ def _bars(tree: xr.DataTree, rows: Array, shown: xr.Dataset) -> list[tuple[str, 
     if "duty" in tree.children:
         duty = tree["duty"].to_dataset().isel(load_case=rows)
         exponent = float(duty["damage_exponent"][0])
-        bars.append((f"share of damage [%], p = {exponent:.3g}", 100.0 * duty["damage_share"].values[:, 0]))
+        bars.append((f"damage to the flank [%], p = {exponent:.3g}", 100.0 * duty["damage_share"].values[:, 0]))
     return bars
 
 
@@ -66,7 +66,8 @@ def _draw_patterns(axes: Axes, shown: xr.Dataset) -> None:
     axes.plot(centre, rows, "o", color=INK, markersize=3.5)
     axes.plot(100.0 * shown["max_pressure_lengthwise"].values, rows, "x", color=VERMILION, markersize=5)
     axes.set_xlim(0.0, 100.0)
-    axes.set_xlabel("pattern, centre (dot), greatest\npressure (cross) [% from toe]", fontsize=SMALL_SIZE, color=INK)
+    label = "length of the pattern about its centre (dot),\ngreatest pressure (cross) [% from toe]"
+    axes.set_xlabel(label, fontsize=SMALL_SIZE, color=INK)
     axes.tick_params(axis="y", labelsize=SMALL_SIZE)
 
 

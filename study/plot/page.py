@@ -140,7 +140,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
     departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
     # A sweep says by itself which errors it has beside these.
-    misaligned = f"misalignment {given or 'none'}" if given or "swept" not in attributes else ""
+    told = given or ("none" if "misalignment_offset_mm" in attributes and "swept" not in attributes else "")
+    misaligned = f"misalignment {told}" if told else ""
     model = model_name(attributes)
     return [teeth, flanks.get(name, name), misaligned, *departed, model, f"easeoff {version}".strip()]
 

@@ -32,7 +32,7 @@ def draw(found: xr.Dataset) -> Figure:
     grid = counts[1] * ((WIDTH - 0.7) / max(counts[0], 1) * aspect + 0.06) + 0.75 if counts[0] else 0.0
     note = f"print of {found.attrs['separation']:g} µm"
     figure = page(xr.DataTree(found), "V-H check", first + grid, note)
-    parts = figure.subfigures(2, 1, height_ratios=(first, grid)) if counts[0] else np.array([figure])
+    parts: Any = figure.subfigures(2, 1, height_ratios=(first, grid)) if counts[0] else np.array([figure])
     _draw_places(parts[0].subplots(1, found.sizes["place"]), found, plane)
     if counts[0]:
         _draw_grid(parts[1], found, plane)

@@ -71,7 +71,9 @@ def _results(numbers: xr.Dataset) -> str:
     columns: dict[str, list[str]] = {"load case": [str(name) for name in numbers["load_case"].values]}
     for head, (name, words, factor) in RESULTS.items():
         if name in numbers and not np.all(np.isnan(numbers[name].values)):
-            columns[head] = [words.format(factor * value) for value in _greatest(numbers[name])]
+            columns[head] = [
+                "-" if np.isnan(value) else words.format(factor * value) for value in _greatest(numbers[name])
+            ]
     return _table(columns)
 
 
@@ -99,7 +101,9 @@ def duty_lines(duty: xr.Dataset) -> str:
         loss, power, efficiency = (
             float(duty[name]) for name in ("duty_power_loss", "duty_input_power", "duty_efficiency")
         )
-        lines.append(f"mean over time: power loss {loss:.1f} W of {power:.0f} W, efficiency {100.0 * efficiency:.2f} %")
+        said = f"power loss {loss:.1f} W of {power:.0f} W, efficiency {100.0 * efficiency:.2f} %"
+        known = not np.isnan(efficiency)
+        lines.append(f"mean over time: {said if known else 'unknown, as not every load case has a power loss'}")
     for flank in duty["flank"].values:
         torques = duty["equivalent_torque"].sel(flank=flank)
         said = ", ".join(
@@ -118,6 +122,6 @@ def load_case_notes(tree: xr.DataTree) -> list[str]:
         if str(reason):
             notes.append(f"{name}: not analysed: {reason}")
             continue
-        result = tree[f"results/{name}"]
+        result = tree["results"].children[str(name)]
         notes += [f"{name}: {note}" for note in (*uncertified(result), *doubts(result))]
     return notes

@@ -23,7 +23,7 @@ def vh_table(found: xr.Dataset) -> str:
     >>> print(vh_table(vh_check("fh-design-a", share=0.3)).splitlines()[-1].partition(":")[0])
     toe to heel
     """
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for place in found["place"].values:
         one = found.sel(place=place)
         value = {str(name): variable.item() for name, variable in one.data_vars.items() if not variable.ndim}

@@ -144,7 +144,7 @@ def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def _counts(grid: tuple[int, int]) -> tuple[int, int]:
-    if not isinstance(grid, tuple | list) or len(grid) != 2:
+    if np.shape(grid) != (2,):
         raise InputError(f"grid = {grid!r}: must be two numbers of values, of V and of H")
     return whole("grid", grid[0], 2, GRID_COUNT_LIMIT), whole("grid", grid[1], 2, GRID_COUNT_LIMIT)
 
