@@ -53,7 +53,7 @@ def plot(result: Path, folder: Path, marking: float | None) -> None:
 
     dataset = _sweep(result)
     if dataset is not None:
-        from ..plot.sweeps.sweep_pictures import write_sweep_pictures
+        from ..plot.sweep_pictures import write_sweep_pictures
 
         if marking is not None:
             raise click.UsageError("--marking: must go with a file of 'easeoff run'; a sweep has its own")

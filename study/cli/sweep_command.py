@@ -176,7 +176,7 @@ def sweep(
     echo(f"wrote {output}: {outcome(found)}")
     kept = _write_kept(plan, found, keep, output)
     if plots is not None:
-        from ..plot.sweeps.sweep_pictures import write_sweep_pictures
+        from ..plot.sweep_pictures import write_sweep_pictures
 
         for picture in write_sweep_pictures(found, plots):
             echo(f"wrote {picture}")

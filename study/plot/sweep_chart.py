@@ -15,10 +15,10 @@ from matplotlib.patches import Ellipse
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ....core.errors import InputError
-from ...report.sweep_report import outcome
-from ...sweep.reductions import numbers, point_dimensions, sensitivities, swept_names
-from ..page import (
+from ...core.errors import InputError
+from ..report.sweep_report import outcome
+from ..sweep.reductions import numbers, point_dimensions, sensitivities, swept_names
+from .page import (
     BLUE,
     BODY_SIZE,
     FAINT,

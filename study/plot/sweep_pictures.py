@@ -44,11 +44,11 @@ def write_sweep_pictures(dataset: xr.Dataset, folder: str | os.PathLike[str]) ->
     ...     [path.stem for path in write_sweep_pictures(found, folder)]
     ['sweep_curves', 'sweep_pattern']
     """
-    from ..drawing_style import default_style
+    from .drawing_style import default_style
 
     with default_style():
-        from ..picture_files import pictures_of_results, save_picture
         from . import sweep_chart
+        from .picture_files import pictures_of_results, save_picture
 
         tree = xr.DataTree(dataset)
         figures = sweep_chart.figures(dataset)
