@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from .flank_wear.wear_simulation import wear
     from .load_cases.duty_means import duty_means, equivalent_torque
     from .load_cases.load_case_analysis import analyze_load_cases
+    from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
+    from .vh.vh_picture import write_vh_picture
 
 __all__ = [
     "Analysis",
@@ -49,7 +51,9 @@ __all__ = [
     "sweep",
     "vh_check",
     "wear",
+    "write_load_case_pictures",
     "write_pictures",
+    "write_vh_picture",
 ]
 
 _MODULES = {
@@ -72,7 +76,9 @@ _MODULES = {
     "shipped_deviations": ".deviation_source",
     "vh_check": ".vh.vh_check",
     "wear": ".flank_wear.wear_simulation",
+    "write_load_case_pictures": ".load_cases.load_case_pictures",
     "write_pictures": ".plot",
+    "write_vh_picture": ".vh.vh_picture",
 }
 
 

@@ -111,8 +111,9 @@ def test_a_load_case_that_fails_is_a_row_with_a_reason(case: Case) -> None:
 
 def test_means_without_a_value_are_unknown() -> None:
     rows = {"torque": [100.0, 300.0], "share": [0.5, 0.5], "mean_power_loss": [40.0, np.nan]}
-    rows |= {"input_power": [1000.0, 3000.0], "flank": ["drive", "drive"]}
-    duty = duty_means(xr.Dataset({name: ("load_case", values) for name, values in rows.items()}), [2.0])
+    numbers = xr.Dataset({name: ("load_case", values) for name, values in rows.items()})
+    numbers = numbers.assign(input_power=("load_case", [1000.0, 3000.0]), flank=("load_case", ["drive", "drive"]))
+    duty = duty_means(numbers, [2.0])
     assert np.isnan(float(duty["duty_efficiency"]))
     assert float(duty["equivalent_torque"].squeeze()) == pytest.approx(math.sqrt(0.5 * (100.0**2 + 300.0**2)))
 
@@ -132,7 +133,7 @@ def test_a_result_is_read_as_it_was_written_and_shown(tmp_path: Path, tree: xr.D
     shown = CliRunner().invoke(main, ["show", str(file)])
     assert shown.exit_code == 0
     assert "torque of equal damage, coast flanks: 80 N m (p = 6.61)" in shown.output
-    del again["results"]["climb"]  # type: ignore[operator]
+    del again["results"]["climb"]
     easeoff.write_result(again, file)
     with pytest.raises(InputError, match="results: no climb"):
         easeoff.read_result(file)
@@ -170,6 +171,8 @@ def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path,
     assert (plots / "load_cases.png").stat().st_size > 10_000
     assert (plots / "climb" / "efficiency.png").exists()
     pressure = numbers(easeoff.read_result(file))["max_pressure"]
+    plain = CliRunner().invoke(main, ["run", str(own), "--torque", "100", "-o", str(tmp_path / "plain.nc")])
+    assert "has 2 load cases: --load-cases case analyses them" in plain.output
     without = CliRunner().invoke(main, ["run", str(own), "--load-cases", "case", "-o", str(file)])
     assert without.exit_code == 0, without.output
     xr.testing.assert_allclose(numbers(easeoff.read_result(file))["max_pressure"], pressure)

@@ -79,8 +79,8 @@ def _sweep(path: Path) -> xr.Dataset | None:
 
 def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:
     """Write the pictures of a result, and say which were written and whose were replaced or removed."""
+    from ..load_cases.load_case_pictures import write_load_case_pictures
     from ..plot import write_pictures
-    from ..plot.load_case_pictures import write_load_case_pictures
     from ..plot.picture_files import pictures_of_results
 
     before = pictures_of_results(folder)

@@ -84,6 +84,8 @@ def run(
         del conditions["speed"]
         run_load_cases(checked, case, load_cases, output, plots, conditions | models, options)
         return
+    if checked.load_cases:
+        echo(f"{case} has {len(checked.load_cases)} load cases: --load-cases case analyses them", err=True)
     operation = operation_of(table, **conditions)
     if operation is not None:
         model = chosen_model(table, friction_model, film_heating, clamp_temperature)

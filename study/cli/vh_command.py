@@ -102,7 +102,7 @@ def vh(
     echo(vh_table(found))
     echo(f"wrote {output}")
     if plots is not None:
-        from ..plot.vh_picture import write_vh_picture
+        from ..vh.vh_picture import write_vh_picture
 
         echo(f"wrote {write_vh_picture(found, plots)}")
     if found["status"].values.any():

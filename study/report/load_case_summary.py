@@ -42,8 +42,8 @@ def load_case_summary(tree: xr.DataTree) -> str:
     --------
     >>> from easeoff.cases import LoadCase
     >>> from easeoff.study import analyze_load_cases
-    >>> print(load_case_summary(analyze_load_cases("nasa-12x36", [LoadCase(torque=100.0)])).splitlines()[3])
-    load case  flank      torque       E       P       G    Sigma
+    >>> load_case_summary(analyze_load_cases("nasa-12x36", [LoadCase(torque=100.0)])).splitlines()[3].split()[:4]
+    ['load', 'case', 'flank', 'torque']
     """
     numbers = tree["load_cases"].to_dataset()
     title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from .page import BLUE, BODY_SIZE, GREY, INK, PAPER, SMALL_SIZE, VERMILION, WIDTH, page
+from ..plot.page import BLUE, BODY_SIZE, GREY, INK, PAPER, SMALL_SIZE, VERMILION, WIDTH, page
 
 Array = NDArray[Any]
 COMPOUND = "#7FB2D6"  # colour of the marking compound

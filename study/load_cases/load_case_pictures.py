@@ -7,9 +7,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from . import write_pictures
-from .drawing_style import default_style
-from .picture_files import save_picture
+from ..plot import write_pictures
+from ..plot.drawing_style import default_style
+from ..plot.picture_files import save_picture
 
 OVERVIEW = "load_cases"
 
@@ -35,6 +35,16 @@ def write_load_case_pictures(
     ------
     InputError
         As ``write_pictures``.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.cases import LoadCase
+    >>> from easeoff.study import analyze_load_cases
+    >>> tree = analyze_load_cases("nasa-12x36", [LoadCase(name="climb", torque=300.0)])
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.relative_to(folder).as_posix() for path in write_load_case_pictures(tree, folder)][:2]
+    ['load_cases.png', 'climb/ease_off.png']
     """
     with default_style():
         from .load_case_chart import draw  # loads the drawing library

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from .drawing_style import default_style
-from .picture_files import save_picture
+from ..plot.drawing_style import default_style
+from ..plot.picture_files import save_picture
 
 NAME = "vh_check"
 
@@ -27,6 +27,14 @@ def write_vh_picture(found: xr.Dataset, folder: str | os.PathLike[str]) -> Path:
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.study import vh_check
+    >>> with TemporaryDirectory() as folder:
+    ...     write_vh_picture(vh_check("fh-design-a"), folder).name
+    'vh_check.png'
     """
     with default_style():
         from .vh_chart import draw  # loads the drawing library
