@@ -67,12 +67,13 @@ def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
     assert one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
 
 
+@pytest.mark.thorough
 def test_every_point_of_a_grid_is_its_analysis() -> None:
     values = [RADIAL, RADIAL + 0.02]
-    found = sweep(CASE, {"E": "-0.05:0.05:2", SETTING: values, "torque": [300.0, 100.0], "Sigma": [0.02]}, workers=1)
+    found = sweep(CASE, {"E": "0:0.05:2", SETTING: values, "torque": [300.0, 100.0], "Sigma": [0.02]}, workers=1)
     assert found["peak_to_peak"].dims == ("E", SETTING, "Sigma", "torque")
     assert (found["status"] == PointStatus.CERTIFIED).all()
-    for e in (-0.05, 0.05):
+    for e in (0.0, 0.05):
         for value in values:
             changed = changed_case(CASE, {SETTING: value})
             moved = Misalignment(e, shaft_angle=np.radians(0.02))
@@ -100,6 +101,7 @@ def test_every_load_case_is_its_analysis(tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.thorough
 def test_conditions_oils_modifications_flanks_and_deviations_are_swept() -> None:
     term = "modification.lengthwise_crowning"
     found = sweep(
@@ -115,6 +117,13 @@ def test_conditions_oils_modifications_flanks_and_deviations_are_swept() -> None
     assert_is_analysis(found.isel(oil=0).sel({term: 5.0}), tree)
     both = sweep(CASE, {"flank": ["drive", "coast"]}, torques=[200.0], workers=1)
     assert_is_analysis(both.sel(flank="coast"), easeoff.analyze(CASE, flank="coast", torques=[200.0]))
+
+
+def test_grid_point_off_the_design_is_its_analysis() -> None:
+    """Misaligned from the design, in the other order of torques."""
+    found = sweep(CASE, {"torque": [200.0, 100.0], "G": [0.03], "E": [-0.04]}, workers=1)
+    tree = easeoff.analyze(CASE, torques=[200.0, 100.0], misalignment=Misalignment(-0.04, gear_axial=0.03))
+    assert_is_analysis(found.isel(G=0, E=0), tree)
 
 
 def test_failures_are_rows_with_a_reason() -> None:
@@ -261,6 +270,7 @@ class StopError(Exception):
     """An interruption."""
 
 
+@pytest.mark.thorough
 def test_interrupted_sweep_resumes_to_the_bit(tmp_path: Path) -> None:
     """Also with a batch whose file is damaged, and another that the map does not have."""
     over = {"E": "-0.1:0.1:6"}
@@ -460,3 +470,14 @@ def test_sweep_killed_at_any_moment_resumes_to_the_bit(case: Path, tmp_path: Pat
     assert out.exists()
     assert_same(read_sweep(out), read_sweep(whole))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["killed.nc", "whole.nc"]
+
+
+def test_pictures_are_those_of_what_is_swept(case: Path, tmp_path: Path) -> None:
+    out, folder = tmp_path / "x.nc", tmp_path / "pictures"
+    words = ["--over", "E=-0.05,0.05", "--over", "torque=100,300", "--workers", "1", "--plots", str(folder)]
+    assert call("sweep", str(case), "-o", str(out), *words).exit_code == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["sweep_map.png", "sweep_pattern.png"]
+    dataset = read_sweep(out).isel(torque=0, drop=True).rename(E="sample").assign_coords(E=("sample", [-0.05, 0.05]))
+    write_sweep(dataset.drop_vars("sample").assign_attrs(swept='["E"]'), out)
+    assert call("plot", str(out), str(folder)).exit_code == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["sweep_histograms.png", "sweep_pattern.png"]
