@@ -38,6 +38,7 @@ CASE = parse_case(TEXT)
 SETTING = "pinion.concave.machine.radial_distance"
 assert CASE.pinion.concave is not None
 RADIAL = CASE.pinion.concave.machine.radial_distance or 0.0
+OILS = ["75w90", "heavy-mineral"]
 POINTED = RADIAL - 6.0  # with it the pinion's teeth are pointed
 
 
@@ -104,19 +105,21 @@ def test_every_load_case_is_its_analysis(tmp_path: Path) -> None:
 @pytest.mark.thorough
 def test_conditions_oils_modifications_flanks_and_deviations_are_swept() -> None:
     term = "modification.lengthwise_crowning"
-    found = sweep(
-        CASE,
-        {"oil": "75w90,iso-vg-220" if False else ["75w90"], "speed": [500.0, 1000.0], term: [0.0, 5.0]},
-        torques=[200.0],
-        workers=1,
-    )
+    over = {"oil": OILS, "speed": [500.0, 1000.0], term: [0.0, 5.0]}
+    found = sweep(CASE, over, torques=[200.0], workers=1)
     assert found["efficiency"].dims == ("oil", term, "torque", "speed", "temperature", "roughness")
-    tree = easeoff.analyze(
-        CASE, torques=[200.0], speed=[500.0, 1000.0], modification=Modification({"lengthwise_crowning": 5.0})
-    )
-    assert_is_analysis(found.isel(oil=0).sel({term: 5.0}), tree)
+    for oil in OILS:
+        modified = Modification({"lengthwise_crowning": 5.0})
+        tree = easeoff.analyze(CASE, torques=[200.0], speed=[500.0, 1000.0], oil=oil, modification=modified)
+        assert_is_analysis(found.sel({"oil": oil, term: 5.0}), tree)
     both = sweep(CASE, {"flank": ["drive", "coast"]}, torques=[200.0], workers=1)
     assert_is_analysis(both.sel(flank="coast"), easeoff.analyze(CASE, flank="coast", torques=[200.0]))
+    sizes = {"mesh_positions": 4.0, "segments_per_line": 9.0, "lengthwise_nodes": 11.0, "profile_nodes": 9.0}
+    hypoid = changed_case(easeoff.read_case("fm-11x41"), {f"contact.{name}": size for name, size in sizes.items()})
+    worn = sweep(hypoid, {"deviation.gear": "fm-11x41-worn-gear", "E": [-0.1]}, torques=[200.0], workers=1)
+    moved = Misalignment(-0.1, hypoid.misalignment.pinion_axial)
+    tree = easeoff.analyze(hypoid, torques=[200.0], misalignment=moved, deviations={"gear": "fm-11x41-worn-gear"})
+    assert_is_analysis(worn.isel({"deviation.gear": 0, "E": 0}), tree)
 
 
 def test_grid_point_off_the_design_is_its_analysis() -> None:

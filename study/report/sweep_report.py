@@ -160,12 +160,11 @@ def _sensitivity_tables(dataset: xr.Dataset) -> list[str]:
         at, words = _cases(found["effect"])[-1]
         chosen = found.isel(at)
         order = np.argsort(-np.abs(np.nan_to_num(chosen["effect"].values)))
-        rows = []
+        rows: list[tuple[str, ...]] = []
         for i in order:
             share = chosen["variance_share"].values[i]
-            scale = (
-                f"{chosen['scale'].values[i]:.3g} {dataset[str(chosen['coordinate'].values[i])].attrs.get('units', '')}"
-            )
+            unit = dataset[str(chosen["coordinate"].values[i])].attrs.get("units", "")
+            scale = f"{chosen['scale'].values[i]:.3g} {unit}"
             effect, slope = chosen["effect"].values[i], chosen["slope"].values[i]
             rows.append(
                 (
