@@ -59,8 +59,8 @@ def main() -> None:
     print(f"{POINT_COUNT} samples at both torques: {each * POINT_COUNT / 3600:.2f} core-hours")
     print(f"greatest memory of a process: {max(memory):.2f} GB")
     print(f"two processes: {clock / clock_of_two:.2f} times as fast as one, with {used_by_two / used:.2f} of its work")
-    same = alone.drop_attrs(deep=False).identical(shared.drop_attrs(deep=False))
-    print(f"the numbers of both are {'the same to the bit' if same else 'NOT the same'}")
+    other = [str(name) for name in alone.variables if not alone[name].identical(shared[name])]
+    print(f"the numbers of both are {'not the same: ' + ', '.join(other) if other else 'the same to the bit'}")
 
 
 if __name__ == "__main__":
