@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from .cases import Case, read_case
     from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
     from .study.analysis import analyze
-    from .study.optimization import optimize
+    from .study.design.optimization import optimize
     from .study.result import read_result, write_result
+    from .study.sweep.parameter_sweep import sweep
 
 __all__ = [
     "Case",
@@ -45,6 +46,7 @@ __all__ = [
     "read_case",
     "read_result",
     "study",
+    "sweep",
     "verification",
     "write_result",
 ]
@@ -57,9 +59,10 @@ _MODULES = {
     "MissingPackageError": ".core.errors",
     "MissingSolverError": ".core.errors",
     "analyze": ".study.analysis",
-    "optimize": ".study.optimization",
+    "optimize": ".study.design.optimization",
     "read_case": ".cases",
     "read_result": ".study.result",
+    "sweep": ".study.sweep.parameter_sweep",
     "write_result": ".study.result",
 }
 

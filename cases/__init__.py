@@ -8,6 +8,7 @@ from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
+    from .load_cases import load_case_misalignment, read_load_cases
     from .reading import (
         case_text,
         design_text,
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .schema.case_schema import Case, ContactTable
     from .schema.design_schema import Design
     from .schema.friction_table import FrictionTable
+    from .schema.load_case_table import LoadCase
     from .session.session_script import read_session_script
     from .writing import case_toml, write_case
 
@@ -31,6 +33,7 @@ __all__ = [
     "ContactTable",
     "Design",
     "FrictionTable",
+    "LoadCase",
     "case_text",
     "case_toml",
     "design_text",
@@ -38,10 +41,12 @@ __all__ = [
     "ease_off_target",
     "elastic_model",
     "gear_pair",
+    "load_case_misalignment",
     "parse_case",
     "parse_design",
     "read_case",
     "read_design",
+    "read_load_cases",
     "read_rexs",
     "read_session_script",
     "shipped_cases",
@@ -52,6 +57,7 @@ __all__ = [
 
 _ORIGINS = {
     ".conversion": ["designed_blanks", "ease_off_target", "elastic_model", "gear_pair"],
+    ".load_cases": ["load_case_misalignment", "read_load_cases"],
     ".reading": [
         "case_text",
         "design_text",
@@ -67,6 +73,7 @@ _ORIGINS = {
     ".schema.case_schema": ["Case", "ContactTable"],
     ".schema.design_schema": ["Design"],
     ".schema.friction_table": ["FrictionTable"],
+    ".schema.load_case_table": ["LoadCase"],
     ".session.session_script": ["read_session_script"],
     ".writing": ["case_toml", "write_case"],
 }

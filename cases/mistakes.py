@@ -134,7 +134,7 @@ def _allowed(model: type[BaseModel], item: Any, told: set[tuple[Any, ...]]) -> s
 
 def _known_keys(model: type[BaseModel], table: tuple[Any, ...]) -> list[str]:
     """Keys of the table ``table`` of a case or design."""
-    return sorted(_node(model, table).get("properties", {}))
+    return sorted(_node(model, tuple(part for part in table if isinstance(part, str))).get("properties", {}))
 
 
 def _unit(model: type[BaseModel], key: tuple[Any, ...]) -> str:
@@ -149,7 +149,7 @@ def _node(model: type[BaseModel], path: tuple[Any, ...]) -> dict[str, Any]:
     node = schema
     for part in path:
         node = node.get("properties", {}).get(part, {})
-        for option in [node, *node.get("anyOf", []), *node.get("allOf", [])]:
+        for option in [node, node.get("items", {}), *node.get("anyOf", []), *node.get("allOf", [])]:
             if "$ref" in option:
                 node = schema["$defs"][option["$ref"].rsplit("/", 1)[1]]
                 break

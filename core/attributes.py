@@ -171,6 +171,40 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "largest_depth": ("um", "largest depth of wear on the flank"),
     "removed_volume": ("mm3", "volume worn off one tooth, from force and sliding"),
     "depth_integral": ("mm3", "volume worn off one tooth, as the integral of the depth over the flank"),
+    # load cases
+    "load_case": ("", "load case"),
+    "misalignment_offset": ("mm", "E: increase of the offset"),
+    "misalignment_pinion_axial": ("mm", "P: pinion away from its crossing point, along its axis"),
+    "misalignment_gear_axial": ("mm", "G: gear away from its crossing point, along its axis"),
+    "misalignment_shaft_angle": ("rad", "increase of the shaft angle"),
+    "share": ("1", "share of time"),
+    "reason": ("", "why the load case could not be analysed; empty if it was"),
+    "damage_exponent": ("1", "exponent p of a life, in cycles, in proportion to the torque to the power -p"),
+    "equivalent_torque": ("N m", "torque at the pinion that does the same damage to the flank in as many cycles"),
+    "damage_share": ("1", "share of the load case in the damage of its flank"),
+    "duty_power_loss": ("W", "power loss of the pair, mean over time"),
+    "duty_input_power": ("W", "torque times angular velocity of the pinion, mean over time"),
+    "duty_efficiency": ("1", "one less mean power loss over mean power in"),
+    # V-H check
+    "place": ("", "place on the gear flank at which the pattern is centred"),
+    "v": ("mm", "V: displacement along the offset, added to E of the misalignment"),
+    "h": ("mm", "H: displacement of the pinion along its axis, added to P of the misalignment"),
+    "place_lengthwise": ("1", "lengthwise fraction at which the centre of the pattern is wanted"),
+    "place_profile": ("1", "profile fraction at which the centre of the pattern is wanted"),
+    "v_grid": ("mm", "V of a pattern in the grid"),
+    "h_grid": ("mm", "H of a pattern in the grid"),
+    "total_v": ("mm", "V at the heel less V at the toe"),
+    "total_h": ("mm", "H at the heel less H at the toe"),
+    "h_over_v": ("1", "total H over total V"),
+    "pattern_from": ("1", "least lengthwise fraction of the contact pattern on the gear"),
+    "pattern_to": ("1", "greatest lengthwise fraction of the contact pattern on the gear"),
+    "print_excess": (
+        "1",
+        "gap over the thickness of the marking compound, less one, or distance beyond the common flank: negative "
+        "within the print",
+    ),
+    "in_plane": ("mm", "position of the flank in its projection plane: along the face from the toe, and across it"),
+    "plane_axis": ("", "axis of the projection plane"),
     # optimal modification
     "term": ("", "term of the modification, in fractions from -1 to 1 lengthwise and up the profile"),
     "coefficient": ("um", "coefficient of a term"),
@@ -291,6 +325,12 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "limit": ("", "greatest difference that is within the stated limit"),
     "difference_unit": ("", "unit of difference and limit"),
     "comparison_status": ("", "whether the difference is within its limit"),
+    # reductions of sweeps
+    "coordinate": ("", "swept coordinate"),
+    "slope": ("", "derivative of the number by the coordinate"),
+    "scale": ("", "standard deviation of the samples of the coordinate, or half the range of its grid"),
+    "effect": ("", "change of the number with one scale of the coordinate"),
+    "variance_share": ("1", "share of the variance of the number that is due to the coordinate alone, to first order"),
     # library of problems
     "name": ("", "name of the problem in the library"),
     "case": ("", "shipped case the problem comes from"),
@@ -307,7 +347,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
 }
 
 #: States of the contact that may stand before the name of a variable.
-STATES: Mapping[str, str] = {"unloaded_": "without load", "light_load_": "at light load"}
+STATES: Mapping[str, str] = {"unloaded_": "without load", "light_load_": "at light load", "grid_": "in the grid"}
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
@@ -327,7 +367,7 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     """
     result = dataset.copy()
     for name in result.variables:
-        units, long_name = _described(str(name))
+        units, long_name = described(str(name))
         attributes: dict[str, Any] = {"long_name": long_name}
         if units:
             attributes["units"] = units
@@ -335,11 +375,11 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     return result
 
 
-def _described(name: str) -> tuple[str, str]:
+def described(name: str) -> tuple[str, str]:
     """Units and long name of a variable; ``unloaded_`` and ``light_load_`` before a name say of which contact."""
     for state, words in STATES.items():
         if name not in VARIABLES and name.startswith(state):
-            units, long_name = _described(name.removeprefix(state))
+            units, long_name = described(name.removeprefix(state))
             return units, f"{words}: {long_name}"
     if name not in VARIABLES:
         raise EaseoffError(f"variable = {name!r}: must have a row in the table of attributes")

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
+import threading
 from collections.abc import Iterator, Mapping
+
+#: Numbers of threads, which libraries read when they are loaded. Processes that share a machine take one thread each,
+#: and a comparison is of methods, not of how many cores a library takes.
+THREAD_VARIABLES = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "RAYON_NUM_THREADS",
+)
 
 
 @contextlib.contextmanager
@@ -36,3 +49,23 @@ def child_environment(variables: Mapping[str, str] | None = None) -> Iterator[No
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+@contextlib.contextmanager
+def children_without_interrupts() -> Iterator[None]:
+    """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them.
+
+    Examples
+    --------
+    >>> with children_without_interrupts():
+    ...     signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    True
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may change this
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

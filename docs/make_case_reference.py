@@ -16,7 +16,7 @@ from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from easeoff.cases import FrictionTable
+from easeoff.cases import FrictionTable, LoadCase
 from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
@@ -67,12 +67,15 @@ MEANINGS = {
     "thermal_factor": ("how heat of the inlet lowers the rolling traction", ""),
     "rolling_frame": ("rolling velocity in the fixed frame, or relative to the contact line", ""),
     "out_of_range": ("temperatures the oil has no data for: an error, or the end of the data with a flag", ""),
+    "name": ("of the load case in results and pictures; its number, from 1, if left out", ""),
+    "flank": ("flanks in mesh; those of the analysis if left out", ""),
     "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),
 }
 
 # Values that a model elsewhere checks: what it allows.
 ELSEWHERE = {
+    "name": "text of up to 60 letters, digits, blanks and `. _ + = -`",
     "free_settings": "names of settings",
     "rim_depth": "one or two numbers, each > 0 and < 1000",
     "speed": "a number or a list, each ≥ 1e-6 and ≤ 1e6",
@@ -130,6 +133,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[compliance]`", model.ComplianceTable
     yield "### `[friction]`", FrictionTable
     yield "### `[target.drive]` and `[target.coast]`", model.TargetTable
+    yield "### `[[load_cases]]`", LoadCase
 
 
 def keys(table: type[BaseModel]) -> str:
@@ -145,7 +149,7 @@ def keys(table: type[BaseModel]) -> str:
 
 def sub_table(annotation: Any) -> bool:
     """Whether a key opens a table of its own."""
-    options = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
+    options = get_args(annotation) if get_origin(annotation) in (Union, UnionType, tuple) else (annotation,)
     return any(isinstance(option, type) and issubclass(option, BaseModel) for option in options)
 
 
@@ -160,7 +164,7 @@ def described(name: str, field: FieldInfo) -> tuple[str, str]:
 
 def allowed(name: str, field: FieldInfo) -> str:
     """Range, choices or type of the values of a key."""
-    if name in ELSEWHERE:
+    if name in ELSEWHERE and not any(type(limit).__name__ in SIGNS for limit in field.metadata):
         return ELSEWHERE[name]
     if bool in (field.annotation, *get_args(field.annotation)):
         return "`true`, `false`"

@@ -1,4 +1,4 @@
-"""Studies of a pair: analysis, design, optimisation, wear, reports, pictures, comparison of solvers, command line.
+"""Studies of a pair: analysis, sweeps, design, optimisation, wear, reports, pictures, solver comparison, commands.
 
 ``easeoff.analyze`` and ``easeoff.optimize`` stand at the top of the package; all names here are imported on first use.
 """
@@ -9,27 +9,35 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from . import compare, library, plot
+    from . import compare, library, plot, sweep
     from .analysis import Analysis, contact_analysis
-    from .case_design import DesignReport, design_case
     from .case_in_mesh import CaseInMesh
+    from .design.case_design import DesignReport, design_case
+    from .design.fitted_settings import fit_modification, recorded_modification
     from .deviation_source import flank_deviations, measured_file, shipped_deviations
-    from .fitted_settings import fit_modification, recorded_modification
+    from .flank_wear.wear_law import WearLaw
+    from .flank_wear.wear_simulation import wear
+    from .load_cases.duty_means import duty_means, equivalent_torque
+    from .load_cases.load_case_analysis import analyze_load_cases
+    from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
     from .report.plausibility import plausibility
     from .report.result_summary import result_summary
-    from .wear_law import WearLaw
-    from .wear_simulation import wear
+    from .vh.vh_check import vh_check
+    from .vh.vh_picture import write_vh_picture
 
 __all__ = [
     "Analysis",
     "CaseInMesh",
     "DesignReport",
     "WearLaw",
+    "analyze_load_cases",
     "compare",
     "contact_analysis",
     "design_case",
+    "duty_means",
+    "equivalent_torque",
     "fit_modification",
     "flank_deviations",
     "key_numbers",
@@ -40,27 +48,37 @@ __all__ = [
     "recorded_modification",
     "result_summary",
     "shipped_deviations",
+    "sweep",
+    "vh_check",
     "wear",
+    "write_load_case_pictures",
     "write_pictures",
+    "write_vh_picture",
 ]
 
 _MODULES = {
     "Analysis": ".analysis",
     "CaseInMesh": ".case_in_mesh",
-    "DesignReport": ".case_design",
-    "WearLaw": ".wear_law",
+    "DesignReport": ".design.case_design",
+    "WearLaw": ".flank_wear.wear_law",
+    "analyze_load_cases": ".load_cases.load_case_analysis",
     "contact_analysis": ".analysis",
-    "design_case": ".case_design",
-    "fit_modification": ".fitted_settings",
+    "design_case": ".design.case_design",
+    "duty_means": ".load_cases.duty_means",
+    "equivalent_torque": ".load_cases.duty_means",
+    "fit_modification": ".design.fitted_settings",
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
     "measured_file": ".deviation_source",
     "plausibility": ".report.plausibility",
-    "recorded_modification": ".fitted_settings",
+    "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",
-    "wear": ".wear_simulation",
+    "vh_check": ".vh.vh_check",
+    "wear": ".flank_wear.wear_simulation",
+    "write_load_case_pictures": ".load_cases.load_case_pictures",
     "write_pictures": ".plot",
+    "write_vh_picture": ".vh.vh_picture",
 }
 
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ..cases.analysis_size import AnalysisSize
-from ..cases.schema.case_schema import TORQUE_LIMIT, TORQUE_MINIMUM, Case, torque_range
+from ..cases.schema.case_schema import Case
+from ..cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase
@@ -240,19 +241,10 @@ def analyze(
     case = checked_case(case)
     require_solver(solver)
     operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
-    if case.friction is not None:
-        friction_model = friction_model or case.friction.model()
-        friction_feedback = case.friction.feedback if friction_feedback is None else friction_feedback
-    if operation is not None:
-        from ..friction import FrictionModel
-
-        friction_model = friction_model or FrictionModel()
-        friction_model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
-    elif friction_model is not None or friction_feedback:
-        raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
+    friction_model, feedback = friction_settings(case, operation, friction_model, friction_feedback)
     load = case_torques(case, torques)  # a torque given twice shows before the work, too
     conditions = (0, 0, 0) if operation is None else operation.shape
-    AnalysisSize.of(case, load.size, conditions, feedback=bool(friction_feedback)).require_memory()
+    AnalysisSize.of(case, load.size, conditions, feedback=feedback).require_memory()
     if marking is not None:
         checked_thickness(marking)
     state = CaseInMesh.of(
@@ -270,19 +262,77 @@ def analyze(
     found = contact_analysis(
         state, torques, edge_contact=edge_contact, marking=marking, solver=solver, progress=progress, **options
     )
-    if operation is not None:
-        from ..friction import friction
-        from ..friction import friction_feedback as with_feedback
+    if operation is None:
+        return found.tree
+    return with_friction(
+        found, operation, friction_model, feedback=feedback, solver=solver, progress=progress, stage=stage
+    )
 
-        if stage is not None:
-            stage("friction")
-        losses = (
-            with_feedback(found.tree, found.cases, operation, friction_model, solver=solver, progress=progress)
-            if friction_feedback
-            else friction(found.tree, operation, friction_model, progress=progress)
-        )
-        found.tree["friction"] = xr.DataTree(losses)
+
+def with_friction(
+    found: Analysis,
+    operation: Operation,
+    model: FrictionModel | None = None,
+    *,
+    feedback: bool = False,
+    solver: str = "auto",
+    progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
+) -> xr.DataTree:
+    """The tree of an analysis with the group ``friction`` added to it.
+
+    Parameters
+    ----------
+    found
+        The analysis.
+    operation
+        Operating conditions.
+    model
+        Models of friction coefficient, film and rolling; the dissertation's if left out.
+    feedback, solver, progress, stage
+        As ``friction_feedback`` and so on of ``analyze``.
+    """
+    from ..friction import friction
+    from ..friction import friction_feedback as with_feedback
+
+    if stage is not None:
+        stage("friction")
+    losses = (
+        with_feedback(found.tree, found.cases, operation, model, solver=solver, progress=progress)
+        if feedback
+        else friction(found.tree, operation, model, progress=progress)
+    )
+    found.tree["friction"] = xr.DataTree(losses)
     return found.tree
+
+
+def friction_settings(
+    case: Case, operation: Operation | None, model: FrictionModel | None, feedback: bool | None
+) -> tuple[FrictionModel | None, bool]:
+    """Friction models and whether friction is fed back: what is given, or else the case's own.
+
+    Raises
+    ------
+    InputError
+        If they are given without operating conditions, or the oil has no data for a temperature.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> friction_settings(read_case("nasa-12x36"), None, None, None)
+    (None, False)
+    """
+    if case.friction is not None:
+        model = model or case.friction.model()
+        feedback = case.friction.feedback if feedback is None else feedback
+    if operation is not None:
+        from ..friction import FrictionModel
+
+        model = model or FrictionModel()
+        model.oil_states(operation)  # a temperature the oil has no data for shows before the work, not after
+    elif model is not None or feedback:
+        raise InputError("speed = None: must be given [1/min] for friction_model and friction_feedback")
+    return model, bool(feedback)
 
 
 def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | None:

@@ -12,7 +12,7 @@ from ..core.errors import InputError
 from ..core.reading.netcdf_file import read_tree
 from ..core.reading.regular_file import named
 from ..core.writing.output_file import whole_file
-from .result_layout import VARIABLES, faults
+from .result_layout import VARIABLES, faults, load_case_faults
 
 FAULT_COUNT_LIMIT = 3  # that a message names
 
@@ -23,7 +23,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     tree
-        Result of ``analyze`` or ``optimize``.
+        Result of ``analyze``, ``optimize`` or ``study.analyze_load_cases``.
     path
         The file, replaced if it exists; missing folders are made.
 
@@ -89,7 +89,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
     if source.suffix == ".toml":
         raise InputError(f"{source} is not a netCDF file; of a case make a result: 'easeoff run {source} -o FILE'")
     tree = read_tree(source)
-    found = faults(tree)
+    found = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
     if "easeoff_version" not in tree.attrs or found == [f"no group {name}" for name in VARIABLES]:
         raise InputError(
             f"{source} is a netCDF file, but no result of 'easeoff run': make one with 'easeoff run CASE -o FILE'"

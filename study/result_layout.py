@@ -122,6 +122,19 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},
     ),
 }
+#: Of a result over load cases, in the group ``load_cases`` and in that of the means.
+LOAD_CASES: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("load_case",): (
+        *("torque", "status", "peak_to_peak", "max_pressure", "max_pressure_lengthwise", *PATTERN),
+        *(f"misalignment_{key}" for key in ("offset", "pinion_axial", "gear_axial", "shaft_angle")),
+    )
+}
+LOAD_CASE_TEXTS = ("load_case", "flank", "reason")
+DUTY: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("flank", "damage_exponent"): ("equivalent_torque",),
+    ("load_case", "damage_exponent"): ("damage_share",),
+    ("damage_exponent",): ("damage_exponent",),
+}
 #: Variables whose values have meanings, in the groups of solves and elsewhere.
 FLAGS: dict[str, type[StoredStatus]] = {"status": Status, "max_pressure_line_end": LineEnd}
 #: Groups whose status is that of other things.
@@ -186,6 +199,42 @@ def faults(tree: xr.DataTree) -> list[str]:
                     if (needed or key in own) and not _is(kind, own.get(key))
                 ]
     return found
+
+
+def load_case_faults(tree: xr.DataTree) -> list[str]:
+    """What a result over load cases lacks, or has in another form, one phrase each; empty if it is whole.
+
+    Examples
+    --------
+    >>> load_case_faults(xr.DataTree.from_dict({"/load_cases": xr.Dataset()}))
+    ['load_cases: no load cases']
+    """
+    numbers = tree["load_cases"].to_dataset()
+    if not numbers.sizes.get("load_case"):
+        return ["load_cases: no load cases"]
+    found = [f"load_cases: {fault}" for fault in _variable_faults(numbers, LOAD_CASES)]
+    found += [f"load_cases: no text {name!r}" for name in LOAD_CASE_TEXTS if not _is_text(numbers, name)]
+    if "title" not in tree.attrs or not isinstance(tree.attrs["title"], str):
+        found.append("root: no text in the attribute 'title'")
+    if found:
+        return found
+    if "duty" in tree.children:
+        duty = tree["duty"].to_dataset()
+        found += [f"duty: {fault}" for fault in _variable_faults(duty, DUTY)]
+        found += [] if _is_text(duty, "flank") else ["duty: no text 'flank'"]
+    results = tree["results"].children if "results" in tree.children else {}
+    for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):
+        if not str(reason):
+            result = results.get(str(name))
+            found += [f"results: no {name}"] if result is None else [f"{name}: {fault}" for fault in faults(result)]
+    return found
+
+
+def _is_text(group: xr.Dataset, name: str) -> bool:
+    """Whether a variable holds texts."""
+    if name not in group.variables or group[name].ndim != 1:
+        return False
+    return all(isinstance(value, str) for value in group[name].values.tolist())
 
 
 def _flag_faults(group: xr.Dataset) -> Iterator[str]:

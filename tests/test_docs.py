@@ -47,6 +47,9 @@ WITH_CODE = (
     "finite_elements",
     "mixed_ehl",
     "verification",
+    "sweeps",
+    "vh_check",
+    "load_cases",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 

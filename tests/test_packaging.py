@@ -34,6 +34,7 @@ PUBLIC = (
     "easeoff.study.compare",
     "easeoff.study.library",
     "easeoff.study.plot",
+    "easeoff.study.sweep",
     "easeoff.verification",
 )
 

@@ -14,15 +14,9 @@ from ..mistakes import written
 from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
+from .load_case_table import LoadCases, named_load_cases
 from .schema_table import InputFile, Integer, Number, Table, number
-from .usual_torques import usual_torques
-
-TORQUE_MINIMUM, TORQUE_LIMIT = 1e-6, 1e7  # [N m]; less is no load
-
-
-def torque_range() -> str:
-    """Torques allowed, in words."""
-    return f"at least {TORQUE_MINIMUM:g} and below {TORQUE_LIMIT:g} N m"
+from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
 
 
 class Blank(Table):
@@ -249,6 +243,12 @@ class Case(InputFile):
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
     target: TargetsTable = TargetsTable()
+    load_cases: LoadCases = ()
+
+    @model_validator(mode="after")
+    def _names_load_cases(self) -> Self:
+        named_load_cases(self.load_cases)
+        return self
 
     @model_validator(mode="after")
     def _has_blanks_once(self) -> Self:

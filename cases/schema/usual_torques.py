@@ -1,4 +1,4 @@
-"""Torques at the pinion where a case gives none: in proportion to the size of its teeth."""
+"""Torques at the pinion: those allowed, and those of a case that gives none, in proportion to its teeth."""
 
 from __future__ import annotations
 
@@ -6,6 +6,12 @@ from __future__ import annotations
 # shipped cases at their middle torque, 38 to 49 N/mm^2.
 UNIT_LOAD = 40.0  # [N/mm^2]
 SHARES = (0.2, 1.0, 2.0)
+TORQUE_MINIMUM, TORQUE_LIMIT = 1e-6, 1e7  # [N m]; less is no load
+
+
+def torque_range() -> str:
+    """Torques allowed, in words."""
+    return f"at least {TORQUE_MINIMUM:g} and below {TORQUE_LIMIT:g} N m"
 
 
 def usual_torques(outer_module: float, face_width: float, pinion_teeth: int) -> tuple[float, ...]:

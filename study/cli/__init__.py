@@ -22,11 +22,13 @@ from .exit_codes import EXIT_MISTAKE
 from .geometry_commands import correct, export
 from .oil_command import oil
 from .optimize_command import optimize
-from .options import echo
+from .options.shared_options import echo
 from .result_commands import plot, show
 from .run_command import run
 from .solver_commands import compare, library, problems
+from .sweep_command import sweep
 from .verify_command import verify
+from .vh_command import vh
 from .wear_command import wear
 
 _SHOW_WARNING = warnings.showwarning
@@ -127,7 +129,9 @@ for _command in (
     run,
     show,
     plot,
+    sweep,
     verify,
+    vh,
     optimize,
     design,
     cases,

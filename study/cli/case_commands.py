@@ -8,7 +8,14 @@ import click
 
 from ...core.errors import InputError
 from .command import Command
-from .options import allow_outside_option, echo, force_option, next_commands, output_option, outside_allowed
+from .options.shared_options import (
+    allow_outside_option,
+    echo,
+    force_option,
+    next_commands,
+    output_option,
+    outside_allowed,
+)
 
 
 @click.command(cls=Command)
@@ -37,7 +44,7 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
     from ...cases import read_design, write_case
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
-    from ..case_design import design_case
+    from ..design.case_design import design_case
     from ..report.design_report import design_report, summary_lines
 
     check_writable(output, design, suffix=".toml")

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from .command import Command
-from .options import (
+from .options.shared_options import (
     allow_outside_option,
     deviation_option,
     echo,

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .command import Command
-from .options import echo, next_commands, output_option
+from .options.shared_options import echo, next_commands, output_option
 
 
 @click.command(cls=Command)

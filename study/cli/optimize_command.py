@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from .analysis_options import show_stage
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import (
+from .options.analysis_options import show_stage
+from .options.shared_options import (
     MISALIGNMENT,
     allow_outside_option,
     echo,
@@ -95,8 +95,8 @@ def optimize(case: str, output: Path, fitted_case: Path | None, force: bool, **o
     from ...cases import read_case, write_case
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
-    from ..fitted_settings import fit_modification, recorded_modification
-    from ..optimization import optimize as optimized
+    from ..design.fitted_settings import fit_modification, recorded_modification
+    from ..design.optimization import optimize as optimized
     from ..report.optimization_report import optimization_report
     from ..report.result_summary import uncertified
     from ..result import write_result

@@ -9,7 +9,7 @@ import click
 
 from ...core.printable import printable
 from .command import Command
-from .options import echo
+from .options.shared_options import echo
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,11 +18,19 @@ if TYPE_CHECKING:
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 def show(result: Path) -> None:
-    """Show the main numbers of RESULT, a file of 'easeoff run'."""
+    """Show the main numbers of RESULT, a file of 'easeoff run' or 'easeoff sweep'."""
+    from ..report.load_case_summary import load_case_summary
     from ..report.result_summary import result_summary
     from ..result import read_result
 
-    echo(result_summary(read_result(result)))
+    dataset = _sweep(result)
+    if dataset is not None:
+        from ..report.sweep_report import sweep_summary
+
+        echo(sweep_summary(dataset))
+        return
+    tree = read_result(result)
+    echo(load_case_summary(tree) if "load_cases" in tree.children else result_summary(tree))
 
 
 @click.command(cls=Command)
@@ -36,25 +44,48 @@ def show(result: Path) -> None:
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
 def plot(result: Path, folder: Path, marking: float | None) -> None:
-    """Plot RESULT, a file of 'easeoff run', as PNG files in FOLDER.
+    """Plot RESULT, a file of 'easeoff run' or 'easeoff sweep', as PNG files in FOLDER.
 
     Pictures of another result in FOLDER are replaced or removed.
     """
     from ...core.writing.output_file import check_folder
     from ..result import read_result
 
+    dataset = _sweep(result)
+    if dataset is not None:
+        from ..plot.sweep_pictures import write_sweep_pictures
+
+        if marking is not None:
+            raise click.UsageError("--marking: must go with a file of 'easeoff run'; a sweep has its own")
+        check_folder(folder, "pictures")
+        for picture in write_sweep_pictures(dataset, folder):
+            echo(f"wrote {picture}")
+        return
     tree = read_result(result)
     check_folder(folder, "pictures")
     draw(tree, folder, marking=marking)
 
 
+def _sweep(path: Path) -> xr.Dataset | None:
+    """The dataset of a sweep, if a file is of one; of another file its own reader says what is wrong with it."""
+    from ...core.errors import InputError
+    from ..sweep import read_sweep
+
+    try:
+        return read_sweep(path)
+    except InputError:
+        return None
+
+
 def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:
     """Write the pictures of a result, and say which were written and whose were replaced or removed."""
+    from ..load_cases.load_case_pictures import write_load_case_pictures
     from ..plot import write_pictures
     from ..plot.picture_files import pictures_of_results
 
     before = pictures_of_results(folder)
-    for picture in write_pictures(tree, folder, marking=marking):
+    write = write_load_case_pictures if "load_cases" in tree.children else write_pictures
+    for picture in write(tree, folder, marking=marking):
         echo(f"wrote {picture}")
     for title in sorted({title for title in before.values() if title != printable(str(tree.attrs.get("title", "")))}):
         echo(f"replaced the pictures of {printable(title)!r}")

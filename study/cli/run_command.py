@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import sys
-from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import echo, next_commands, numbers, outside_allowed, roughnesses
+from .load_case_run import run_load_cases
+from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .options.friction_options import chosen_model, friction_options
+from .options.shared_options import echo, next_commands, outside_allowed
 from .result_commands import draw
-
-if TYPE_CHECKING:
-    from ...cases.schema.friction_table import FrictionTable
-    from ...friction import FrictionModel
 
 
 @click.command(cls=Command)
@@ -36,59 +33,18 @@ if TYPE_CHECKING:
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
 @click.option(
-    "--speed",
-    callback=numbers,
-    metavar="N1,N2,...",
-    help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
-    "[friction] of the case replaces the defaults of this and the following options.",
+    "--load-cases",
+    metavar="FILE|case",
+    help="Analyse over load cases instead of torques, each in its own misalignment: those of a table with the columns "
+    "torque, E, P, G, Sigma, speed, share, flank and name, or those of the case itself.",
 )
-@click.option(
-    "--oil", metavar="OIL", show_default="75w90", help="Lubricant: the name of a shipped one, or a TOML file."
-)
-@click.option(
-    "--temperature",
-    callback=numbers,
-    metavar="T1,T2,...",
-    show_default="90",
-    help="Oil temperatures in degC, or FROM:TO:COUNT.",
-)
-@click.option(
-    "--roughness",
-    callback=roughnesses,
-    metavar="R1,R2,...",
-    show_default="0.8",
-    help="RMS roughnesses Rq of the flanks in um, each a number or PINION/GEAR.",
-)
-@click.option(
-    "--friction-model",
-    metavar="MODEL",
-    show_default="kolivand_blended",
-    help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, benedict_kelly), "
-    "or a number from 0 to 1.",
-)
-@click.option(
-    "--film-heating",
-    metavar="FACTOR",
-    show_default="none",
-    help="Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.",
-)
-@click.option(
-    "--clamp-temperature/--no-clamp-temperature",
-    default=None,
-    show_default="no",
-    help="Beyond the oil's data, take the last value and flag it.",
-)
-@click.option(
-    "--friction-feedback/--no-friction-feedback",
-    default=None,
-    show_default="no",
-    help="Include friction in the balance of torque, which changes the normal forces.",
-)
+@friction_options
 def run(
     case: str,
     output: Path,
     plots: Path | None,
     marking: float | None,
+    load_cases: str | None,
     speed: Any,
     oil: str | None,
     temperature: Any,
@@ -101,7 +57,8 @@ def run(
 ) -> None:
     """Analyse the contact of CASE and write the result.
 
-    The result holds unloaded and loaded contact, and friction and efficiency if a speed is given.
+    The result holds unloaded and loaded contact, and friction and efficiency if a speed is given. With --load-cases it
+    holds that of every load case, a table of the numbers of all, and means over their shares of time.
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
@@ -119,9 +76,20 @@ def run(
         check_folder(plots, "pictures")
     conditions = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
     model = None
+    if load_cases is not None:
+        if speed is not None:
+            raise click.UsageError("--speed: must not go with --load-cases, which have their own speeds")
+        if any(value is not None for value in (friction_model, film_heating, clamp_temperature)) or table is not None:
+            model = chosen_model(table, friction_model, film_heating, clamp_temperature)
+        models = {"friction_model": model, "friction_feedback": friction_feedback, "marking": marking}
+        del conditions["speed"]
+        run_load_cases(checked, case, load_cases, output, plots, conditions | models, options)
+        return
+    if checked.load_cases:
+        echo(f"{case} has {len(checked.load_cases)} load cases: --load-cases case analyses them", err=True)
     operation = operation_of(table, **conditions)
     if operation is not None:
-        model = _model(table, friction_model, film_heating, clamp_temperature)
+        model = chosen_model(table, friction_model, film_heating, clamp_temperature)
     elif friction_model is not None or film_heating is not None or clamp_temperature or friction_feedback:
         raise click.UsageError(
             "--friction-model, --film-heating, --clamp-temperature and --friction-feedback must go with --speed or a "
@@ -147,21 +115,3 @@ def run(
     next_commands(("show", output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     if failures:
         sys.exit(EXIT_UNCERTIFIED)
-
-
-def _model(
-    table: FrictionTable | None, name: str | None, film_heating: str | None, clamp: bool | None
-) -> FrictionModel:
-    """Friction models of the case, with the coefficient, film heating and rule beyond the oil's data that are given."""
-    from ...friction import FrictionModel
-
-    changed: dict[str, Any] = {}
-    if name is not None:
-        changed["coefficient"] = name
-        with suppress(ValueError):
-            changed["coefficient"] = float(name)
-    if film_heating is not None:
-        changed["film_heating"] = film_heating
-    if clamp is not None:
-        changed["out_of_range"] = "clamp" if clamp else "error"
-    return FrictionModel(**changed) if table is None else table.model(**changed)

@@ -8,10 +8,18 @@ from typing import Any
 
 import click
 
-from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import echo, folder_option, next_commands, output_option, outside_allowed, problem_files, solvers
+from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .options.shared_options import (
+    echo,
+    folder_option,
+    next_commands,
+    output_option,
+    outside_allowed,
+    problem_files,
+    solvers,
+)
 from .terminal_bar import terminal_bar
 
 

@@ -10,7 +10,15 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import MISALIGNMENT, allow_outside_option, echo, flank_option, misalignment, outside_allowed, torques
+from .options.shared_options import (
+    MISALIGNMENT,
+    allow_outside_option,
+    echo,
+    flank_option,
+    misalignment,
+    outside_allowed,
+    torques,
+)
 from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:

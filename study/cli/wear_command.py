@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
-from .analysis_options import pair_options, show_stage, with_defaults
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options import coefficients, duty_cycle, echo, next_commands, output_option, outside_allowed
+from .options.analysis_options import pair_options, show_stage, with_defaults
+from .options.shared_options import coefficients, duty_cycle, echo, next_commands, output_option, outside_allowed
 from .terminal_bar import terminal_bar
 
 
@@ -74,8 +74,8 @@ def wear(
     """
     from ...cases import read_case
     from ...core.writing.output_file import check_writable, whole_file
-    from ..wear_simulation import WearLaw
-    from ..wear_simulation import wear as worn
+    from ..flank_wear.wear_simulation import WearLaw
+    from ..flank_wear.wear_simulation import wear as worn
 
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
     checked = read_case(case, allow_outside=outside_allowed())

@@ -6,9 +6,7 @@ import contextlib
 import importlib
 import multiprocessing
 import os
-import signal
 import sys
-import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -18,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.problem.contact_problem import ContactProblem
-from ...core.child_environment import child_environment
+from ...core.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from ...core.errors import EaseoffError, InputError
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
 
@@ -26,17 +24,6 @@ from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
 GRACE_TIME = 1.0
 #: Seconds in which a process must have imported what it needs.
 START_TIME_LIMIT = 120.0
-
-#: One thread each, which libraries read when they are loaded: a comparison is of methods, not of how many cores a
-#: library takes.
-THREAD_VARIABLES = (
-    "OPENBLAS_NUM_THREADS",
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "RAYON_NUM_THREADS",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +62,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
-        with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), _no_interrupts():
+        with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), children_without_interrupts():
             self._process.start()
         theirs.close()
 
@@ -191,16 +178,3 @@ def _silence() -> None:
     for descriptor in (1, 2):
         os.dup2(nowhere, descriptor)
     os.close(nowhere)
-
-
-@contextlib.contextmanager
-def _no_interrupts() -> Iterator[None]:
-    """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread may change this
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)

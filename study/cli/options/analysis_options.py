@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from ...core.magnitude import time_in_words
-from .options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
-from .terminal_bar import terminal_bar
+from ....core.magnitude import time_in_words
+from ..terminal_bar import terminal_bar
+from .shared_options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
-    from ...cases import Case
-    from ...cases.analysis_size import AnalysisSize
+    from ....cases import Case
+    from ....cases.analysis_size import AnalysisSize
 
 _PAIR = (
     click.argument("case"),
@@ -38,7 +38,13 @@ _PAIR = (
         show_default="spline",
         help="Interpolation between the nodes of measured grids; smooth evens out their scatter.",
     ),
-    click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver."),
+)
+_SOLVER = click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver.")
+_DEVIATED = click.option(
+    "--deviated",
+    type=click.Choice(["ease_off", "surface"]),
+    show_default="ease_off",
+    help="How deviations are taken in: the ease-off is updated, or the deviating surfaces are computed.",
 )
 _ANALYSIS = (
     click.option(
@@ -56,12 +62,7 @@ _ANALYSIS = (
         show_default="from the case",
         help="Torques at the pinion in N m.",
     ),
-    click.option(
-        "--deviated",
-        type=click.Choice(["ease_off", "surface"]),
-        show_default="ease_off",
-        help="How deviations are taken in: the ease-off is updated, or the deviating surfaces are computed.",
-    ),
+    _DEVIATED,
 )
 
 TOLD_TIME = 60.0  # [s]; the cost of an analysis that takes longer is told before it
@@ -70,7 +71,14 @@ DEVIATING = {"interpolation": "spline", "deviated": "ease_off"}
 
 def pair_options(command: Any) -> Any:
     """Add the argument CASE and the options of its pair to a command: flank, misalignment, deviations, solver."""
-    for option in reversed(_PAIR):
+    for option in reversed((*_PAIR, _SOLVER)):
+        command = option(command)
+    return command
+
+
+def unloaded_options(command: Any) -> Any:
+    """Add the argument CASE and the options of its pair without load to a command: those of a pair but the solver."""
+    for option in reversed((*_PAIR, _DEVIATED)):
         command = option(command)
     return command
 

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from ..cases.conversion import blank_design, ease_off_target, misalignment
-from ..cases.mistakes import mistakes
-from ..cases.recording import blank_table, flank_settings
-from ..cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
-from ..cases.schema.design_schema import Design
-from ..contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
-from ..core.errors import GeometryError
-from ..geometry.design.blank import BlankDimensions
-from ..geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
-from ..geometry.design.pair_design import (
+from ...cases.conversion import blank_design, ease_off_target, misalignment
+from ...cases.mistakes import mistakes
+from ...cases.recording import blank_table, flank_settings
+from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
+from ...cases.schema.design_schema import Design
+from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
+from ...core.errors import GeometryError
+from ...geometry.design.blank import BlankDimensions
+from ...geometry.design.edge_radius import REDUCTIONS, require_whole_tooth
+from ...geometry.design.pair_design import (
     BOTH_MEMBERS,
     SIDES,
     PairDesign,
@@ -28,11 +28,11 @@ from ..geometry.design.pair_design import (
     residual_limits,
     target_range,
 )
-from ..geometry.flanks.flank import Flank, NodeStatus
-from ..geometry.pair.assembly import Assembly
-from ..geometry.pair.ease_off import EaseOff, exact_ease_off
-from ..geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
-from ..geometry.tooth.tooth_flanks import MemberName
+from ...geometry.flanks.flank import Flank, NodeStatus
+from ...geometry.pair.assembly import Assembly
+from ...geometry.pair.ease_off import EaseOff, exact_ease_off
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
+from ...geometry.tooth.tooth_flanks import MemberName
 
 Array = NDArray[Any]
 EASE_OFF_NODES = (15, 11)

@@ -15,20 +15,20 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.analysis_size import AnalysisSize
-from ..cases.schema.case_schema import Case
-from ..contact.archard_wear import engagement, integral, on_flank, rolling_splines, touched
-from ..contact.solvers import Status
-from ..core.attributes import labelled
-from ..core.errors import GeometryError
-from ..geometry.deviation.deviation import Deviation, Method
-from ..geometry.deviation.ease_off_update import deviated_ease_off
-from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.gear_pair import MEMBERS, FlankName, grid
-from ..geometry.pair.rolling import rolling
-from ..geometry.tooth.tooth_flanks import MemberName, named_member
-from .case_in_mesh import CaseInMesh, checked_case, prepared_pair
-from .deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
+from ...cases.analysis_size import AnalysisSize
+from ...cases.schema.case_schema import Case
+from ...contact.archard_wear import engagement, integral, on_flank, rolling_splines, touched
+from ...contact.solvers import Status
+from ...core.attributes import labelled
+from ...core.errors import GeometryError
+from ...geometry.deviation.deviation import Deviation, Method
+from ...geometry.deviation.ease_off_update import deviated_ease_off
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, grid
+from ...geometry.pair.rolling import rolling
+from ...geometry.tooth.tooth_flanks import MemberName, named_member
+from ..case_in_mesh import CaseInMesh, checked_case, prepared_pair
+from ..deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
 __all__ = ["WearLaw", "wear"]

@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.analysis_size import AnalysisSize
-from ..cases.conversion import materials
-from ..cases.schema.case_schema import Case
-from ..contact.modification.convex_programme import (
+from ...cases.analysis_size import AnalysisSize
+from ...cases.conversion import materials
+from ...cases.schema.case_schema import Case
+from ...contact.modification.convex_programme import (
     Goal,
     Objective,
     checked_objective,
@@ -23,18 +23,18 @@ from ..contact.modification.convex_programme import (
     peak_to_peaks,
     worst_assembly,
 )
-from ..contact.modification.load_response import LoadResponse, stacked
-from ..contact.modification.modification_search import ModificationSearch, optimal_modification
-from ..contact.modification.modified_contact import ModifiedContact
-from ..contact.solvers import require_solver
-from ..core.attributes import labelled
-from ..core.checks import number, positive, whole
-from ..core.errors import GeometryError, InputError
-from ..geometry.pair.assembly import Misalignment
-from ..geometry.pair.gear_pair import FlankName, GearPair
-from ..geometry.pair.modification import Modification, basis, terms
-from .analysis import case_torques, contact_analysis
-from .case_in_mesh import CaseInMesh, checked_case
+from ...contact.modification.load_response import LoadResponse, stacked
+from ...contact.modification.modification_search import ModificationSearch, optimal_modification
+from ...contact.modification.modified_contact import ModifiedContact
+from ...contact.solvers import require_solver
+from ...core.attributes import labelled
+from ...core.checks import number, positive, whole
+from ...core.errors import GeometryError, InputError
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import FlankName, GearPair
+from ...geometry.pair.modification import Modification, basis, terms
+from ..analysis import case_torques, contact_analysis
+from ..case_in_mesh import CaseInMesh, checked_case
 
 Array = NDArray[Any]
 

@@ -10,14 +10,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..cases.conversion import gear_pair
-from ..cases.recording import flank_settings
-from ..cases.schema.case_schema import Case
-from ..geometry.design.synthesis import Synthesis, fit_pinion
-from ..geometry.flanks.flank import solve_flank
-from ..geometry.pair.ease_off import exact_ease_off
-from ..geometry.pair.gear_pair import FlankName, GearPair
-from ..geometry.pair.modification import Modification
+from ...cases.conversion import gear_pair
+from ...cases.recording import flank_settings
+from ...cases.schema.case_schema import Case
+from ...geometry.design.synthesis import Synthesis, fit_pinion
+from ...geometry.flanks.flank import solve_flank
+from ...geometry.pair.ease_off import exact_ease_off
+from ...geometry.pair.gear_pair import FlankName, GearPair
+from ...geometry.pair.modification import Modification
 
 Array = NDArray[Any]
 

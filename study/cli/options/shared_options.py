@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ...core.printable import printable_lines
+from ....core.printable import printable_lines
 from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_commas
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
-    from ...geometry.pair.assembly import Misalignment
+    from ....geometry.pair.assembly import Misalignment
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -124,7 +124,7 @@ def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None)
         return None
     import math
 
-    from ...geometry.pair.assembly import Misalignment
+    from ....geometry.pair.assembly import Misalignment
 
     values = keyed_numbers(text, MISALIGNMENT_KEYS, "E=0.15,P=-0.12")
     for key, value in values.items():

@@ -1,0 +1,98 @@
+"""Load cases: torque, misalignment, speed and share of time, a row each, in a case file or a table of their own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from ..mistakes import written
+from .schema_table import Number, Table, number
+from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM
+
+LOAD_CASE_COUNT_LIMIT = 1000
+NAME = re.compile(r"\w(?:[\w .+=-]{0,58}[\w+=-])?")  # also of a folder of pictures and of a group of a result
+
+
+def _name(value: str) -> str:
+    if not NAME.fullmatch(value):
+        raise ValueError(
+            f"{written(value)}: must be up to 60 letters, digits, blanks and . _ + = -, and begin with a letter or "
+            "digit"
+        )
+    return value
+
+
+def _rows(value: Any) -> Any:
+    if isinstance(value, dict):
+        raise ValueError("a load case is a table [[load_cases]], with two brackets")
+    return value
+
+
+class LoadCase(Table):
+    """One load case. What is left out of the misalignment, the speed and the flank is as in the rest of the analysis.
+
+    Examples
+    --------
+    >>> LoadCase(torque=250.0, E=0.05, share=0.3).P is None
+    True
+    """
+
+    name: Annotated[str, AfterValidator(_name)] | None = None
+    torque: Number = number("torque at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
+    E: Number | None = number(
+        "increase of the offset; that of `[misalignment]` if left out", "mm", default=None, gt=-10, lt=10
+    )
+    P: Number | None = number("pinion away from the crossing point; likewise", "mm", default=None, gt=-10, lt=10)
+    G: Number | None = number("gear away from the crossing point; likewise", "mm", default=None, gt=-10, lt=10)
+    Sigma: Number | None = number("increase of the shaft angle; likewise", "deg", default=None, gt=-5, lt=5)
+    speed: Number | None = number(
+        "speed of the pinion; with it the load case has friction; that of `[friction]` if left out",
+        "1/min",
+        default=None,
+        ge=1e-6,
+        le=1e6,
+    )
+    share: Number | None = number(
+        "share of time, relative to the sum of all; of every load case or of none", "1", default=None, gt=0, le=1e12
+    )
+    flank: Literal["drive", "coast"] | None = None
+
+
+LoadCases = Annotated[
+    tuple[LoadCase, ...], BeforeValidator(_rows), Field(strict=False, max_length=LOAD_CASE_COUNT_LIMIT)
+]
+
+
+def named_load_cases(load_cases: Sequence[LoadCase]) -> dict[str, LoadCase]:
+    """Load cases by name; one without a name takes its number, from 1.
+
+    Parameters
+    ----------
+    load_cases
+        Load cases in their order.
+
+    Raises
+    ------
+    ValueError
+        If a name comes twice, upper and lower case counting alike, or some have a share and some have none.
+
+    Examples
+    --------
+    >>> list(named_load_cases([LoadCase(torque=100.0), LoadCase(torque=250.0, name="climb")]))
+    ['1', 'climb']
+    """
+    found: dict[str, LoadCase] = {}
+    known: set[str] = set()
+    for at, load_case in enumerate(load_cases, start=1):
+        name = load_case.name or str(at)
+        if name.casefold() in known:
+            raise ValueError(f"load_cases: name = {name!r} comes twice; give every load case its own name")
+        known.add(name.casefold())
+        found[name] = load_case
+    without = [name for name, load_case in found.items() if load_case.share is None]
+    if 0 < len(without) < len(found):
+        raise ValueError(f"load_cases: {without[0]!r} has no share: give the share of every load case, or of none")
+    return found

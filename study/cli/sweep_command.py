@@ -1,0 +1,233 @@
+"""Command that analyses a case over swept coordinates."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...core.child_environment import THREAD_VARIABLES
+from ...core.magnitude import time_in_words
+from .command import Command
+from .exit_codes import EXIT_UNCERTIFIED
+from .options.analysis_options import TOLD_TIME, analysis_options, with_defaults
+from .options.friction_options import chosen_model, friction_options
+from .options.shared_options import echo, next_commands, output_option, outside_allowed
+from .terminal_bar import terminal_bar
+
+if TYPE_CHECKING:
+    from ..sweep.sweep_plan import SweepPlan
+
+OVER = re.compile(r"([A-Za-z][\w.]*)\s*(=|~)\s*(.+)")
+KEEP = re.compile(r"(worst|least)\s*=\s*(\w+)\s*:\s*(\d+)")
+
+
+def _swept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
+    """Values or distributions by the name of the coordinate."""
+    found: dict[str, str] = {}
+    for text in texts:
+        parts = OVER.fullmatch(text.strip())
+        if parts is None:
+            raise click.BadParameter(f"{text!r}: must be NAME=FROM:TO:COUNT, NAME=V1,V2,... or NAME~normal(0,0.03)")
+        name, sign, values = parts.groups()
+        if name in found:
+            raise click.BadParameter(f"{name} comes twice")
+        if (sign == "~") != ("(" in values):
+            raise click.BadParameter(f"{text!r}: '=' goes before values, '~' before a distribution")
+        found[name] = values
+    return found
+
+
+def _kept(_ctx: click.Context, _param: click.Parameter, texts: tuple[str, ...]) -> list[tuple[str, str, int]]:
+    """Which points to keep whole: worst or least, the name of the number, and how many."""
+    found = []
+    for text in texts:
+        parts = KEEP.fullmatch(text.strip())
+        if parts is None or not 1 <= int(parts[3]) <= 1000:
+            raise click.BadParameter(
+                f"{text!r}: must be worst=NUMBER:COUNT, such as worst=max_pressure:3, or least=..."
+            )
+        found.append((parts[1], parts[2], int(parts[3])))
+    return found
+
+
+@click.command(cls=Command)
+@analysis_options
+@click.option(
+    "--over",
+    multiple=True,
+    callback=_swept,
+    metavar="NAME=VALUES",
+    help="What is swept: FROM:TO:COUNT, a list V1,V2,... or a distribution as in 'E~normal(0,0.03)'. NAME is torque, "
+    "E, P, G, Sigma, speed, temperature, roughness, oil, flank, deviation.MEMBER, modification.TERM or the dotted key "
+    "of a number of the case file. May be given several times: every combination is analysed.",
+)
+@click.option(
+    "--load-cases",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="CSV file of load cases, a row a point: torque, E, P, G, Sigma, speed, ..., share.",
+)
+@click.option("--samples", type=int, metavar="N", help="Number of samples of what is distributed.")
+@click.option("--seed", type=int, metavar="S", default=0, show_default=True, help="Seed of the samples.")
+@click.option(
+    "--sampler",
+    type=click.Choice(["sobol", "latin_hypercube"]),
+    default="sobol",
+    show_default=True,
+    help="How samples are drawn.",
+)
+@output_option("netCDF file to write.")
+@click.option(
+    "--plots", type=click.Path(path_type=Path, file_okay=False), metavar="FOLDER", help="Folder for pictures."
+)
+@click.option(
+    "--keep",
+    multiple=True,
+    callback=_kept,
+    metavar="worst=NUMBER:COUNT",
+    help="Write whole results of the points with the greatest (least=: least) values of a number.",
+)
+@click.option(
+    "--marking",
+    type=float,
+    metavar="THICKNESS",
+    show_default="contact.separation of the case",
+    help="Thickness of the marking compound of the unloaded pattern in um.",
+)
+@friction_options
+@click.option("--workers", type=int, metavar="N", show_default="one a core", help="Processes; 1: this one alone.")
+@click.option("--scheduler", metavar="ADDRESS", help="Scheduler of a dask cluster, in place of processes here.")
+@click.option(
+    "--store",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="FOLDER",
+    show_default="FILE.batches, removed at the end",
+    help="Folder that keeps the batches; an interrupted sweep resumes from it.",
+)
+@click.option("--fresh", is_flag=True, help="Ignore and replace what the folder of batches has.")
+def sweep(
+    case: str,
+    over: dict[str, str],
+    load_cases: Path | None,
+    samples: int | None,
+    seed: int,
+    sampler: str,
+    output: Path,
+    plots: Path | None,
+    keep: list[tuple[str, str, int]],
+    film_heating: str | None,
+    friction_model: str | None,
+    clamp_temperature: bool | None,
+    workers: int | None,
+    scheduler: str | None,
+    store: Path | None,
+    fresh: bool,
+    **options: Any,
+) -> None:
+    """Analyse CASE over swept coordinates and write one table of numbers.
+
+    Points that cannot be analysed are rows with a status and a reason. Interrupted, the same command goes on where it
+    was.
+    """
+    if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
+        os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    from ...cases import read_case
+    from ...core.writing.output_file import check_folder, check_writable
+    from ..report.sweep_report import outcome, sweep_summary
+    from ..sweep import write_sweep
+    from ..sweep.batch_store import BatchStore
+    from ..sweep.parameter_sweep import run_plan
+    from ..sweep.sweep_plan import planned_sweep
+
+    files = [one for one in (load_cases, options["oil"], *options["deviations"].values()) if one is not None]
+    check_writable(output, case, *files, suffix=".nc")
+    if plots is not None:
+        check_folder(plots, "pictures")
+    checked = read_case(case, allow_outside=outside_allowed())
+    options = with_defaults(options)
+    if friction_model is not None or film_heating is not None or clamp_temperature is not None:
+        options["friction_model"] = chosen_model(checked.friction, friction_model, film_heating, clamp_temperature)
+    plan = planned_sweep(
+        checked, over, load_cases=load_cases, samples=samples, seed=seed, sampler=_sampler(sampler), **options
+    )
+    folder = store if store is not None else output.with_name(f"{output.name}.batches")
+    _tell_cost(plan)
+    total = plan.table.count
+    try:
+        with terminal_bar(total=total, desc="sweep", unit="point") as bar:
+            found = run_plan(
+                plan,
+                workers=workers,
+                scheduler=scheduler,
+                store=folder,
+                fresh=fresh,
+                progress=lambda done, _: bar.update(done - bar.n),
+            )
+    except KeyboardInterrupt:
+        echo(f"interrupted: the batches so far are kept in {folder}; the same command goes on from them", err=True)
+        raise
+    write_sweep(found, output)
+    echo(f"wrote {output}: {outcome(found)}")
+    kept = _write_kept(plan, found, keep, output)
+    if plots is not None:
+        from ..plot.sweep_pictures import write_sweep_pictures
+
+        for picture in write_sweep_pictures(found, plots):
+            echo(f"wrote {picture}")
+    if store is None:
+        BatchStore(folder, plan.digest, plan.description).remove()
+    echo("\n" + sweep_summary(found))
+    next_commands(("show", kept[0] if kept else output), *([] if plots is not None else [("plot", output, "FOLDER")]))
+    if bool((found["status"] != 0).any()):
+        sys.exit(EXIT_UNCERTIFIED)
+
+
+def _sampler(name: str) -> Any:
+    return name
+
+
+def _tell_cost(plan: SweepPlan) -> None:
+    """Say on stderr how long a sweep may take that is long."""
+    from ..sweep.parameter_sweep import usable_cores
+
+    seconds = plan.table.count * max(plan.size.seconds - 3.0, 0.05)
+    if seconds > TOLD_TIME:
+        cores = usable_cores()
+        echo(
+            f"{plan.description}; {plan.table.count} analyses: {time_in_words(seconds)} of one core, "
+            f"{time_in_words(seconds / cores)} on the {cores} here",
+            err=True,
+        )
+
+
+def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]], output: Path) -> list[Path]:
+    """Whole results of chosen points, in a folder named after the file of the sweep."""
+    from ...core.errors import EaseoffError
+    from ..result import write_result
+    from ..sweep import worst_points
+    from ..sweep.batch_analysis import point_tree
+
+    written: dict[int, Path] = {}
+    for side, name, count in keep:
+        for row in worst_points(found, name, count, least=side == "least")["row"].values.tolist():
+            if row in written:
+                continue
+            path = output.with_name(f"{output.stem}-points") / f"{row:06d}.nc"
+            try:
+                write_result(point_tree(plan.setup, plan.table.values(row)), path)
+            except EaseoffError as error:
+                echo(f"point {row}: {error}", err=True)
+                continue
+            written[row] = path
+            said = ", ".join(
+                f"{key} = {value:g}" if isinstance(value, float) else f"{key} = {value}"
+                for key, value in plan.table.values(row).items()
+            )
+            echo(f"wrote {path}: {said or plan.description}")
+    return list(written.values())

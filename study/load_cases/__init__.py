@@ -1,0 +1,1 @@
+"""Analysis over load cases, and the means of a duty cycle."""

@@ -1,0 +1,311 @@
+"""Analysis of a case over its load cases: each in its own misalignment, at its own torque and speed."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...cases.analysis_size import AnalysisSize
+from ...cases.load_cases import load_case_misalignment, read_load_cases
+from ...cases.schema.case_schema import Case
+from ...cases.schema.load_case_table import LoadCase, named_load_cases
+from ...contact.evaluation.marking_print import checked_thickness
+from ...contact.solvers import Status, require_solver
+from ...core.attributes import labelled
+from ...core.errors import EaseoffError, InputError
+from ...core.stored_status import StoredStatus
+from ...geometry.deviation.deviation import Method
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import FlankName
+from ...geometry.pair.modification import Modification
+from ...geometry.tooth.tooth_flanks import MemberName
+from ..analysis import RESULT_SCHEMA_VERSION, contact_analysis, operation_of, with_friction
+from ..case_in_mesh import CaseInMesh, checked_case
+from ..deviation_source import Deviated, Source
+from ..report.key_numbers import key_numbers
+from .duty_means import DAMAGE_EXPONENTS, checked_exponents, duty_means
+
+if TYPE_CHECKING:
+    from ...friction import FrictionModel, Lubricant, Operation
+
+Array = NDArray[Any]
+SINGLE = ("torque", "speed", "temperature", "roughness")  # dimensions of which a load case has one value
+COMMON = ("solver", "compliance_model", "edge_contact", "pinion_teeth", "gear_teeth", "pinion_hand")
+
+
+class LoadCaseStatus(StoredStatus):
+    """How the analysis of a load case ended.
+
+    Examples
+    --------
+    >>> LoadCaseStatus(0).name
+    'CERTIFIED'
+    """
+
+    CERTIFIED = 0
+    UNCERTIFIED = 1
+    FAILED = 2
+
+
+def analyze_load_cases(
+    case: Case | str | Path,
+    load_cases: Sequence[LoadCase] | str | Path | None = None,
+    *,
+    flank: FlankName = "drive",
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
+    modification: Modification | None = None,
+    edge_contact: bool | None = None,
+    marking: float | None = None,
+    solver: str = "auto",
+    temperature: float | None = None,
+    roughness: float | tuple[float, float] | None = None,
+    oil: str | Lubricant | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool | None = None,
+    damage_exponents: Sequence[float] = DAMAGE_EXPONENTS,
+    progress: Callable[[], None] | None = None,
+    stage: Callable[[str], None] | None = None,
+    **options: Any,
+) -> xr.DataTree:
+    """Analyse a case over load cases.
+
+    Flanks and elastic teeth are computed once, ease-off and contact lines once a misalignment. A load case that cannot
+    be analysed has a status and a reason; the others are analysed all the same.
+
+    Parameters
+    ----------
+    case
+        As of ``analyze``.
+    load_cases
+        Load cases, or the path of a table of them; those of the case if left out.
+    flank
+        Of load cases that name none.
+    deviations, deviated, interpolation, modification, edge_contact, marking, solver
+        As of ``analyze``.
+    temperature, roughness, oil, friction_model, friction_feedback
+        As of ``analyze``, with one value each; needed with a speed only. A load case with a speed, its own or that of
+        the case, has friction.
+    damage_exponents
+        Exponents p of a life of T^-p, for the torques of equal damage.
+    progress, stage, **options
+        As of ``analyze``.
+
+    Returns
+    -------
+    xr.DataTree
+        Group ``load_cases``: every number of ``key_numbers`` over ``load_case``, with inputs and status; ``duty``:
+        means over the shares, if the load cases have some; ``results/NAME``: the whole result of each load case, as of
+        ``analyze``.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, there are no load cases, or an analysis needs more memory than is free.
+    EaseoffError
+        If no load case can be analysed: why the first one cannot.
+    MissingSolverError
+        If the solver's package is not installed.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> rows = [LoadCase(torque=100.0, share=0.9), LoadCase(name="climb", torque=300.0, E=0.05, share=0.1)]
+    >>> tree = analyze_load_cases(case, rows)
+    >>> tree["load_cases/max_pressure"].dims, tree["results/climb/loaded"].sizes["torque"]
+    (('load_case',), 1)
+    """
+    case = checked_case(case)
+    rows = _named(case, load_cases)
+    exponents = checked_exponents(damage_exponents)
+    require_solver(solver)
+    AnalysisSize.of(case, 1).require_memory()
+    if marking is not None:
+        checked_thickness(marking)
+    if case.friction is not None:
+        friction_model = friction_model or case.friction.model()
+        friction_feedback = case.friction.feedback if friction_feedback is None else friction_feedback
+    if friction_model is None and any(row.speed is not None for row in rows.values()):
+        from ...friction import FrictionModel
+
+        friction_model = FrictionModel()
+    conditions = {"temperature": temperature, "roughness": roughness, "oil": oil}
+    operations = {name: _operation(name, case, row, conditions, friction_model) for name, row in rows.items()}
+    sides: dict[str, FlankName] = {name: row.flank or flank for name, row in rows.items()}
+    meshes = _Meshes(
+        case,
+        {
+            "deviations": deviations,
+            "deviated": deviated,
+            "interpolation": interpolation,
+            "modification": modification,
+            "stage": stage,
+        },
+    )
+    trees: dict[str, xr.DataTree] = {}
+    reasons = dict.fromkeys(rows, "")
+    failures: list[EaseoffError] = []
+    for name, row in rows.items():
+        try:
+            state = meshes.at(sides[name], load_case_misalignment(row, case))
+            found = contact_analysis(
+                state,
+                [row.torque],
+                edge_contact=edge_contact,
+                marking=marking,
+                solver=solver,
+                progress=progress,
+                **options,
+            )
+            operation = operations[name]
+            trees[name] = (
+                found.tree
+                if operation is None
+                else with_friction(
+                    found, operation, friction_model, feedback=bool(friction_feedback), solver=solver, progress=progress
+                )
+            )
+        except EaseoffError as error:
+            reasons[name] = " ".join(str(error).split())
+            failures.append(error)
+    if not trees:
+        raise failures[0]
+    numbers = _numbers(case, rows, sides, operations, trees, reasons)
+    groups = {"/": xr.Dataset(attrs=_provenance(case, next(iter(trees.values())).attrs)), "/load_cases": numbers}
+    if "share" in numbers:
+        groups["/duty"] = labelled(duty_means(numbers, exponents))
+    tree = xr.DataTree.from_dict(groups)
+    for name, result in trees.items():
+        tree[f"results/{name}"] = result
+    return tree
+
+
+class _Meshes:
+    """The pair in mesh by flank and misalignment; what does not change with the misalignment is computed once."""
+
+    def __init__(self, case: Case, given: dict[str, Any]) -> None:
+        self.case, self.given = case, given
+        self.first: dict[str, CaseInMesh] = {}
+        self.last: dict[str, tuple[Misalignment, CaseInMesh]] = {}
+
+    def at(self, flank: FlankName, misalignment: Misalignment) -> CaseInMesh:
+        """The pair in a misalignment; the last one of each flank is kept."""
+        kept = self.last.get(flank)
+        if kept is None or kept[0] != misalignment:
+            if flank not in self.first:
+                self.first[flank] = CaseInMesh.of(self.case, flank=flank, misalignment=misalignment, **self.given)
+                state = self.first[flank]
+            else:
+                state = self.first[flank].misaligned(misalignment)
+            self.last[flank] = misalignment, state
+        return self.last[flank][1]
+
+
+def _named(case: Case, load_cases: Sequence[LoadCase] | str | Path | None) -> dict[str, LoadCase]:
+    """Load cases by name, those of the case if none are given."""
+    if isinstance(load_cases, str | Path):
+        load_cases = read_load_cases(load_cases)
+    rows = case.load_cases if load_cases is None else load_cases
+    if not rows:
+        raise InputError("load_cases: the case has none; give some, or tables [[load_cases]] in the case")
+    for row in rows:
+        if not isinstance(row, LoadCase):
+            raise InputError(f"load_cases: {type(row).__name__}: must be a LoadCase")
+    try:
+        return named_load_cases(rows)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
+def _operation(
+    name: str, case: Case, row: LoadCase, conditions: Mapping[str, Any], model: FrictionModel | None
+) -> Operation | None:
+    """Operating conditions of a load case; ``None`` if neither it nor the case has a speed."""
+    if row.speed is None and case.friction is None:
+        return None
+    found = operation_of(case.friction, speed=row.speed, **conditions)
+    assert found is not None  # one of both has a speed
+    for what, count in zip(SINGLE[1:], found.shape, strict=True):
+        if count != 1:
+            raise InputError(f"load case {name!r}: {what} has {count} values: must be one, here or in [friction]")
+    if model is not None:
+        model.oil_states(found)  # a temperature the oil has no data for shows before the work
+    return found
+
+
+def _numbers(
+    case: Case,
+    rows: Mapping[str, LoadCase],
+    sides: Mapping[str, FlankName],
+    operations: Mapping[str, Operation | None],
+    trees: Mapping[str, xr.DataTree],
+    reasons: Mapping[str, str],
+) -> xr.Dataset:
+    """Inputs, status and key numbers of every load case, as one dataset."""
+    own = {name: _single(key_numbers(trees[name])) for name in trees}
+    known: dict[str, xr.DataArray] = {}
+    for dataset in own.values():
+        known |= {str(name): variable for name, variable in dataset.data_vars.items() if str(name) not in known}
+    data: dict[str, Any] = {}
+    for variable, pattern in known.items():
+        missing = np.full(pattern.shape, np.nan)
+        values = np.array([own[n][variable].values if n in own and variable in own[n] else missing for n in rows])
+        whole = values.dtype.kind == "f" and pattern.dtype.kind != "f"  # some have no value: no codes any more
+        attributes = {} if whole else {key: v for key, v in pattern.attrs.items() if key.startswith("flag_")}
+        data[variable] = (("load_case", *pattern.dims), values, attributes)
+    errors = {name: load_case_misalignment(row, case) for name, row in rows.items()}
+    data["torque"] = ("load_case", [row.torque for row in rows.values()])
+    for key in ("offset", "pinion_axial", "gear_axial", "shaft_angle"):
+        data[f"misalignment_{key}"] = ("load_case", [getattr(errors[name], key) for name in rows])
+    if any(operations.values()):
+        speeds = [np.nan if one is None else float(np.ravel(one.speed)[0]) for one in operations.values()]
+        data["speed"] = ("load_case", speeds)
+        data["input_power"] = ("load_case", data["torque"][1] * np.array(speeds) * np.pi / 30.0)
+    shares = np.array([np.nan if row.share is None else row.share for row in rows.values()])
+    if np.all(np.isfinite(shares)):
+        data["share"] = ("load_case", shares / shares.sum())
+    data["flank"] = ("load_case", [sides[name] for name in rows])
+    status = [LoadCaseStatus.FAILED if name not in trees else _status(trees[name]) for name in rows]
+    data["status"] = (
+        "load_case",
+        np.array(status, dtype=np.int8),
+        LoadCaseStatus.flag_attributes() | {"long_name": "how the analysis of the load case ended"},
+    )
+    data["reason"] = ("load_case", list(reasons.values()))
+    return labelled(xr.Dataset(data, coords={"load_case": list(rows)}))
+
+
+def _single(numbers: xr.Dataset) -> xr.Dataset:
+    """Numbers without the dimensions of which a load case has one value."""
+    single = numbers.isel({name: 0 for name in SINGLE if name in numbers.sizes}, drop=True)
+    return single.drop_vars([name for name in single.coords if name not in single.sizes])
+
+
+def _status(tree: xr.DataTree) -> LoadCaseStatus:
+    solved = all(bool(np.all(tree[group]["status"].values == Status.CERTIFIED)) for group in ("light_load", "loaded"))
+    return LoadCaseStatus.CERTIFIED if solved else LoadCaseStatus.UNCERTIFIED
+
+
+def _provenance(case: Case, common: Mapping[Any, Any]) -> dict[str, Any]:
+    """Origin of the results, as netCDF attributes; of a result those that all have in common."""
+    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title,
+        "history": f"{now} easeoff {own} analyze_load_cases",
+        "easeoff_version": own,
+        "schema_version": RESULT_SCHEMA_VERSION,
+        "case": case.text or case.model_dump_json(),
+        **{name: common[name] for name in COMMON if name in common},
+    }

@@ -1,0 +1,310 @@
+"""Charts of a sweep: maps, curves, shift of the contact pattern, histograms and tornado."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ...core.errors import InputError
+from ..report.sweep_report import outcome
+from ..sweep.reductions import numbers, point_dimensions, sensitivities, swept_names
+from .page import (
+    BLUE,
+    BODY_SIZE,
+    FAINT,
+    GREY,
+    INK,
+    SMALL_SIZE,
+    VERMILION,
+    evenly_chosen,
+    legend_at_foot,
+    page,
+    plain_axes,
+    plain_bar,
+    torque_colours,
+    torque_name,
+)
+
+Array = NDArray[Any]
+#: Numbers that are drawn, where a sweep has them, with their names.
+DRAWN = {
+    "peak_to_peak": "transmission error, peak to peak [µrad]",
+    "max_pressure": "greatest pressure [MPa]",
+    "contact_ratio": "contact ratio under load",
+    "pattern_centre_lengthwise": "centre of the pattern, toe 0 to heel 1",
+    "max_root_stress": "greatest root stress [MPa]",
+    "efficiency": "efficiency",
+}
+PANEL_LIMIT = 4
+CURVE_LIMIT = 5
+PATTERN_LIMIT = 7  # patterns that are outlined
+BAR_LIMIT = 12  # coordinates of a tornado
+BIN_LIMIT = 40
+ROWS = ("sample", "load_case")
+UNITS = {"degree": "°", "degC": "°C", "um": "µm", "rpm": "1/min", "1": ""}
+PERCENT = (5.0, 50.0, 95.0)
+PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+    """Figures of a sweep by the names of their files.
+
+    Raises
+    ------
+    InputError
+        If no point has numbers.
+    """
+    names = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())][:PANEL_LIMIT]
+    if not names:
+        raise InputError("the sweep has no point with numbers: there is nothing to draw")
+    grids = _grids(dataset)
+    found: dict[str, Figure] = {}
+    if len(grids) >= 2:
+        found["sweep_map"] = _map(dataset, names, grids[0], grids[1])
+    elif grids:
+        found["sweep_curves"] = _curves(dataset, names, grids[0])
+    if all(name in dataset for name in PATTERN):
+        found["sweep_pattern"] = _pattern(dataset)
+    if dataset.sizes.get("sample", 0) > 1:
+        found["sweep_histograms"] = _histograms(dataset, names)
+    tornado = _tornado(dataset, names)
+    if tornado is not None:
+        found["sweep_tornado"] = tornado
+    return found
+
+
+def _grids(dataset: xr.Dataset) -> list[str]:
+    """Swept grids of numbers with several values: those of points first, the longest first, then torque and speed."""
+    dims = [str(dim) for dim in dataset["status"].dims if dim in swept_names(dataset) and dataset.sizes[dim] > 1]
+    dims = [dim for dim in dims if dataset[dim].dtype.kind in "fiu"]
+    own = set(point_dimensions(dataset))
+    return sorted(dims, key=lambda dim: (dim not in own, -dataset.sizes[dim]))
+
+
+def _label(dataset: xr.Dataset, name: str) -> str:
+    """A coordinate with its unit."""
+    unit = str(dataset[name].attrs.get("units", ""))
+    unit = UNITS.get(unit, unit)
+    words = {"torque": "torque at the pinion", "Sigma": "Σ"}.get(name, name)
+    return f"{words} [{unit}]" if unit else words
+
+
+def _reduced(dataset: xr.Dataset, name: str, keep: tuple[str, ...]) -> tuple[xr.DataArray, list[str]]:
+    """A number over some dimensions: samples and load cases by their median, others at their middle, which is said."""
+    variable, said = dataset[name], []
+    for dim in variable.dims:
+        if dim in keep:
+            continue
+        if dim in ROWS:
+            variable = variable.median(dim, keep_attrs=True)
+            said.append(f"median of the {str(dim).replace('_', ' ')}s")
+            continue
+        order = np.argsort(dataset[dim].values, kind="stable")
+        middle = int(order[order.size // 2])
+        variable = variable.isel({dim: middle})
+        if dataset.sizes[dim] > 1:
+            value = dataset[dim].values[middle]
+            words = f"{value:.4g}" if dataset[dim].dtype.kind in "fiu" else str(value)
+            unit = str(dataset[dim].attrs.get("units", ""))
+            said.append(f"{dim} {words} {UNITS.get(unit, unit)}".strip())
+    return variable.transpose(*[dim for dim in keep if dim in variable.dims]), said
+
+
+def _panels(dataset: xr.Dataset, heading: str, count: int, height: float, note: str) -> tuple[Figure, list[Axes]]:
+    columns = 2 if count > 1 else 1
+    rows = -(-count // columns)
+    figure = page(xr.DataTree(dataset), heading, height * rows, " · ".join(filter(None, (outcome(dataset), note))))
+    found = list(figure.subplots(rows, columns, squeeze=False).flat)
+    for axes in found[count:]:
+        axes.set_visible(False)
+    return figure, found[:count]
+
+
+def _map(dataset: xr.Dataset, names: list[str], along: str, up: str) -> Figure:
+    """Filled contours of numbers over two coordinates; failed points stay white."""
+    said = _reduced(dataset, names[0], (up, along))[1]
+    figure, panels = _panels(dataset, f"Map over {along} and {up}", len(names), 2.7, ", ".join(said))
+    ordered = dataset.sortby([along, up])
+    for axes, name in zip(panels, names, strict=True):
+        values = _reduced(ordered, name, (up, along))[0]
+        if values.ndim < 2:
+            axes.set_visible(False)
+            continue
+        grid = np.ma.masked_invalid(values.values)
+        x, y = ordered[along].values, ordered[up].values
+        spread = float(np.ptp(grid.compressed())) if grid.count() else 0.0
+        if min(grid.shape) > 1 and not grid.mask.all() and spread > 0.0:
+            drawn: Any = axes.contourf(x, y, grid, levels=12, cmap="viridis")
+            axes.contour(x, y, grid, levels=12, colors="white", linewidths=0.3)
+        else:
+            drawn = axes.pcolormesh(x, y, grid, cmap="viridis", shading="nearest")
+        failed = np.nonzero(np.ma.getmaskarray(grid))
+        if failed[0].size:
+            axes.plot(x[failed[1]], y[failed[0]], "x", color=VERMILION, markersize=4)
+        plain_axes(axes)
+        axes.grid(False)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+        axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
+        axes.set_ylabel(_label(dataset, up), fontsize=SMALL_SIZE + 1, color=INK)
+        axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
+        plain_bar(figure.colorbar(drawn, ax=axes, pad=0.02), "")
+    return figure
+
+
+def _curves(dataset: xr.Dataset, names: list[str], along: str) -> Figure:
+    """Numbers over one coordinate, a curve a torque."""
+    by = "torque" if "torque" in dataset.dims and along != "torque" else ""
+    said = _reduced(dataset, names[0], (along, by))[1]
+    figure, panels = _panels(dataset, f"Numbers over {along}", len(names), 2.3, ", ".join(said))
+    order = np.argsort(dataset[along].values)
+    for axes, name in zip(panels, names, strict=True):
+        values = _reduced(dataset, name, (along, by))[0]
+        lines = values.values.reshape(values.sizes[along], -1)[order]
+        chosen, colours = np.zeros(1, int), np.array([colormaps["viridis"](0.35)])
+        if by and by in values.dims:
+            chosen = evenly_chosen(dataset[by].values, CURVE_LIMIT)
+            colours = torque_colours(dataset[by].values[chosen])
+        for index, colour in zip(chosen, colours, strict=True):
+            label = torque_name(float(dataset[by].values[index])) if by else None
+            line = {"color": colour, "linewidth": 1.6, "marker": "o", "markersize": 2.5}
+            axes.plot(dataset[along].values[order], lines[:, index], label=label, **line)
+        plain_axes(axes)
+        axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
+        axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
+    if by:
+        panels[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    return figure
+
+
+def _pattern(dataset: xr.Dataset) -> Figure:
+    """Centre and extent of the contact pattern on the gear flank over one coordinate, a panel a torque."""
+    own = point_dimensions(dataset)
+    grids = [dim for dim in _grids(dataset) if dim in own]
+    rows = [dim for dim in own if dim in ROWS]
+    along = grids[0] if grids else rows[0] if rows else "torque"
+    torques = evenly_chosen(dataset["torque"].values, 2) if "torque" in dataset.dims and along != "torque" else [0]
+    keep = (along, "torque") if along != "torque" else (along,)
+    said = _reduced(dataset, PATTERN[0], keep)[1]
+    by, heading = along, f"Contact pattern under load over {along}"
+    if along in ROWS:
+        heading = f"Contact pattern under load of the {along.replace('_', ' ')}s"
+        own_names = (name for name in swept_names(dataset) if dataset[name].dims == (along,))
+        by = next((name for name in own_names if dataset[name].dtype.kind == "f"), along)
+    else:
+        said.append("dots: centre of the pattern, ellipses: its length and height")
+    figure, panels = _panels(dataset, heading, len(torques), 2.6, ", ".join(said))
+    shades = dataset[by].values.astype(float)
+    scale = Normalize(float(shades.min()), float(shades.max()) if np.ptp(shades) else float(shades.min()) + 1.0)
+    for axes, torque in zip(panels, torques, strict=True):
+        t, h, length, height = (_at_torque(_reduced(dataset, name, keep)[0], int(torque)) for name in PATTERN)
+        order = np.argsort(shades, kind="stable")
+        colours = colormaps["viridis"](scale(shades))
+        known = order[np.isfinite(t[order])]
+        outlined = known[np.unique(np.linspace(0, known.size - 1, PATTERN_LIMIT).astype(int))] if known.size else known
+        for i in outlined if along not in ROWS else []:
+            axes.add_patch(
+                Ellipse((t[i], h[i]), length[i], height[i], fill=False, edgecolor=colours[i], linewidth=0.9, alpha=0.8)
+            )
+        if along not in ROWS:
+            axes.plot(t[known], h[known], color=FAINT, linewidth=0.8)
+        axes.scatter(t[known], h[known], c=colours[known], s=14, zorder=3)
+        axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
+        plain_axes(axes)
+        axes.set_xlabel("toe 0 to heel 1", fontsize=SMALL_SIZE + 1, color=INK)
+        axes.set_ylabel("root 0 to tip 1 (gear)", fontsize=SMALL_SIZE + 1, color=INK)
+        if "torque" in keep and "torque" in dataset.dims:
+            words = torque_name(float(dataset["torque"].values[torque]))
+            axes.set_title(words, fontsize=BODY_SIZE, color=INK, loc="left")
+    plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=panels, pad=0.02), _label(dataset, by))
+    return figure
+
+
+def _at_torque(values: xr.DataArray, torque: int) -> Array:
+    """Values over the coordinate alone."""
+    if values.ndim == 2:
+        values = values.isel(torque=torque)
+    return np.asarray(values.values)
+
+
+def _histograms(dataset: xr.Dataset, names: list[str]) -> Figure:
+    """Histograms of the samples, one a torque, with percentiles."""
+    said = _reduced(dataset, names[0], ("sample", "torque"))[1]
+    heading = f"Histograms of {dataset.sizes['sample']} samples"
+    figure, panels = _panels(dataset, heading, len(names), 2.3, ", ".join([*said, "lines: 5 %, median, 95 %"]))
+    for axes, name in zip(panels, names, strict=True):
+        values = _reduced(dataset, name, ("sample", "torque"))[0]
+        columns = values.values.reshape(values.sizes["sample"], -1)
+        by_torque = values.ndim == 2
+        chosen = evenly_chosen(dataset["torque"].values, 3) if by_torque else np.zeros(1, int)
+        colours = torque_colours(dataset["torque"].values[chosen]) if by_torque else [colormaps["viridis"](0.35)]
+        count = int(np.clip(np.sqrt(values.sizes["sample"]), 5, BIN_LIMIT))
+        for index, colour in zip(chosen, colours, strict=True):
+            known = columns[:, index][np.isfinite(columns[:, index])]
+            if not known.size:
+                continue
+            label = torque_name(float(dataset["torque"].values[index])) if by_torque else None
+            axes.hist(known, bins=count, color=colour, alpha=0.55, label=label)
+            for percent, value in zip(PERCENT, np.percentile(known, PERCENT), strict=True):
+                style = "-" if percent == 50.0 else ":"
+                axes.axvline(value, color=colour, linewidth=1.1, linestyle=style)
+        plain_axes(axes)
+        axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
+        axes.set_ylabel("samples", fontsize=SMALL_SIZE + 1, color=INK)
+    if "torque" in dataset.dims:
+        panels[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    return figure
+
+
+def _tornado(dataset: xr.Dataset, names: list[str]) -> Figure | None:
+    """Change of numbers with one scale of every coordinate, the greatest on top; none without sensitivities."""
+    found = []
+    for name in names:
+        try:
+            found.append((name, sensitivities(dataset, name)))
+        except InputError:
+            continue
+    found = [(name, one) for name, one in found if bool(one["effect"].notnull().any())]
+    if not found or found[0][1].sizes["coordinate"] < 2:
+        return None
+    first = found[0][1]
+    at = {dim: -1 for dim in first["effect"].dims if dim != "coordinate"}
+    said = [
+        f"{dim} {first[dim].values[-1]:g} {UNITS.get(unit := str(first[dim].attrs.get('units', '')), unit)}"
+        for dim in at
+        if dim in first.coords and first.sizes[dim] > 1
+    ]
+    note = ", ".join([*said, "change with one standard deviation of the samples, or half the range of the grid"])
+    bars = min(BAR_LIMIT, first.sizes["coordinate"])
+    figure, panels = _panels(dataset, "Sensitivities, first order", len(found), 0.9 + 0.28 * bars, note)
+    for axes, (name, one) in zip(panels, found, strict=True):
+        effect = one["effect"].isel({dim: place for dim, place in at.items() if dim in one["effect"].dims}).values
+        order = np.argsort(np.abs(np.nan_to_num(effect)))[::-1][:BAR_LIMIT][::-1]
+        for sign, colour, label in ((1.0, BLUE, "coordinate increased"), (-1.0, FAINT, "decreased")):
+            axes.barh(range(order.size), sign * effect[order], color=colour, height=0.6, label=label)
+        axes.set_yticks(range(order.size), [_bar_label(dataset, one, int(i)) for i in order])
+        widest = 1.1 * float(np.nanmax(np.abs(effect), initial=0.0)) or 1.0
+        axes.set_xlim(-widest, widest)
+        axes.axvline(0.0, color=GREY, linewidth=0.8)
+        plain_axes(axes)
+        axes.set_title(f"change of {DRAWN[name]}", fontsize=BODY_SIZE, color=INK, loc="left")
+    legend_at_foot(figure, panels[0].get_legend_handles_labels()[0], 0.28)
+    return figure
+
+
+def _bar_label(dataset: xr.Dataset, one: xr.Dataset, place: int) -> str:
+    """A coordinate with its scale: of a key of the case file the member and the setting."""
+    coordinate = str(one["coordinate"].values[place])
+    unit = str(dataset[coordinate].attrs.get("units", ""))
+    parts = coordinate.split(".")
+    name = coordinate if len(parts) == 1 else f"{parts[0]} {parts[-1].replace('_', ' ')}"
+    return f"{name}\n±{one['scale'].values[place]:.3g} {UNITS.get(unit, unit)}".strip()

@@ -1,0 +1,318 @@
+"""Analysis of a batch of points: every number of ``easeoff show`` and a status for each, failures included."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...cases.changes import changed_case
+from ...cases.conversion import misalignment as own_misalignment
+from ...contact.solvers import Status
+from ...core.errors import EaseoffError, GeometryError, InputError
+from ...core.printable import printable, shortened
+from ...core.stored_status import StoredStatus
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.modification import Modification
+from ..analysis import Analysis, contact_analysis, friction_settings, operation_of, with_friction
+from ..case_in_mesh import CaseInMesh
+from ..report.key_numbers import key_numbers
+from .point_table import assemblies
+from .sweep_setup import SweepSetup
+from .swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
+
+Array = NDArray[Any]
+REASON_LENGTH_LIMIT = 200  # of the reason of a failure [characters]
+KEPT_PAIRS = 2  # that a process keeps in mesh
+
+
+class PointStatus(StoredStatus):
+    """How the analysis of a point of a sweep ended.
+
+    Examples
+    --------
+    >>> PointStatus(0).name
+    'CERTIFIED'
+    """
+
+    CERTIFIED = 0
+    UNCERTIFIED = 1
+    NOT_POSSIBLE = 2
+    NO_CONTACT = 3
+    FAILED = 4
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Points to analyse in one go, by one process.
+
+    Parameters
+    ----------
+    setup
+        What is the same at every point.
+    number
+        Of the batch.
+    rows
+        Numbers of the points (n).
+    columns
+        Values (n) of every coordinate of theirs.
+    """
+
+    setup: SweepSetup
+    number: int
+    rows: Array
+    columns: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Numbers of the points of a batch.
+
+    Parameters
+    ----------
+    rows
+        Numbers of the points (n).
+    status
+        Values of ``PointStatus`` (n, ...), over torques where one analysis has several.
+    reason
+        Why a point failed (n, ...); empty where it did not.
+    numbers
+        Key numbers (n, ...) by name; NaN where a point failed.
+    layout
+        Dimensions, attributes and kind of every number, and the values along the dimensions, as JSON; empty if every
+        point failed.
+    """
+
+    rows: Array
+    status: Array
+    reason: Array
+    numbers: Mapping[str, Array]
+    layout: str
+
+
+def analyze_batch(batch: Batch) -> Block:
+    """Numbers of every point of a batch; what fails is a row with a reason.
+
+    What points have in common is computed once: the pair, the ease-off and contact lines of an assembly, the contact at
+    one load. No number depends on how points are divided into batches.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> setup = SweepSetup(read_case("nasa-12x36"), (100.0,))
+    >>> block = analyze_batch(Batch(setup, 0, np.array([0]), {"E": np.array([0.05])}))
+    >>> block.status.tolist(), block.numbers["peak_to_peak"].shape
+    ([[0]], (1, 1))
+    """
+    loads = 1 if batch.setup.torques is None else len(batch.setup.torques)
+    found: dict[int, xr.Dataset] = {}
+    status = np.full((batch.rows.size, loads), PointStatus.FAILED, dtype=np.int8)
+    reasons = [[""] * loads for _ in batch.rows]
+    for together in assemblies(dict(batch.columns), batch.rows.size):
+        assembly = _Assembly(batch.setup, {name: values[together[0]].item() for name, values in batch.columns.items()})
+        for place in together:
+            values = {name: column[place].item() for name, column in batch.columns.items()}
+            try:
+                numbers, status[place], reasons[place] = assembly.numbers(values)
+            except EaseoffError as error:
+                kind = {InputError: PointStatus.NOT_POSSIBLE, GeometryError: PointStatus.NO_CONTACT}
+                status[place] = kind.get(type(error), PointStatus.FAILED)
+                reasons[place] = [_reason(str(error))] * loads
+            except MemoryError:
+                raise
+            except Exception as error:  # a sweep of many hours goes on, and says what happened
+                reasons[place] = [_reason(f"{type(error).__name__}: {error}")] * loads
+            else:
+                found[place] = numbers
+    shape = (batch.rows.size,) if batch.setup.torques is None else status.shape
+    return Block(
+        batch.rows,
+        status.reshape(shape),
+        np.array(reasons, dtype=str).reshape(shape),
+        *_stacked(found, batch.rows.size),
+    )
+
+
+def point_tree(setup: SweepSetup, values: Mapping[str, Any]) -> xr.DataTree:
+    """The whole analysis at one point of a sweep, as ``analyze`` gives it.
+
+    Raises
+    ------
+    EaseoffError
+        If the point cannot be analysed.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> tree = point_tree(SweepSetup(read_case("nasa-12x36"), (100.0,)), {"E": 0.05})
+    >>> tree.attrs["misalignment_offset_mm"]
+    0.05
+    """
+    return _Assembly(setup, values).tree(values)
+
+
+class _Assembly:
+    """A pair in one assembly, at every load and condition."""
+
+    def __init__(self, setup: SweepSetup, values: Mapping[str, Any]) -> None:
+        self.setup = setup
+        self._first = dict(values)
+        self._state: CaseInMesh | EaseoffError | None = None
+        self._loaded: dict[tuple[Any, ...], Analysis] = {}
+
+    def tree(self, values: Mapping[str, Any]) -> xr.DataTree:
+        """The whole analysis at a point, as of ``analyze``."""
+        setup = self.setup
+        own = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
+        operation = operation_of(setup.case.friction, **{**setup.conditions, **own})
+        model, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
+        found = self._contact(values)
+        if operation is None:
+            return found.tree
+        return with_friction(found, operation, model, feedback=feedback, solver=setup.solver)
+
+    def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
+        """Key numbers at a point, and for every load its status and why it is not certified."""
+        tree = self.tree(values)
+        numbers = key_numbers(tree)
+        single = [name for name in ("torque", *CONDITIONS) if name in values and name in numbers.dims]
+        numbers = numbers.isel(dict.fromkeys(single, 0)).drop_vars(single)
+        return numbers, *_outcome(tree)
+
+    def _contact(self, values: Mapping[str, Any]) -> Analysis:
+        """Analysis without friction at a point."""
+        setup = self.setup
+        terms = {name: value for name, value in values.items() if swept_quantity(name).stage == Stage.EASE_OFF}
+        torques = [values["torque"]] if setup.torques is None else list(setup.torques)
+        key = (*terms.items(), *torques)
+        if key not in self._loaded:
+            state = self._in_mesh()
+            if terms:
+                given = {} if setup.modification is None else dict(setup.modification.coefficients)
+                own = {name.removeprefix("modification."): value for name, value in terms.items()}
+                state = state.modified(Modification(given | own))
+            self._loaded = {  # of the last load alone: rows are sorted, and an analysis is large
+                key: contact_analysis(
+                    state, torques, edge_contact=setup.edge_contact, marking=setup.marking, solver=setup.solver
+                )
+            }
+        return self._loaded[key]
+
+    def _in_mesh(self) -> CaseInMesh:
+        """The pair in its assembly."""
+        if self._state is None:
+            try:
+                self._state = _assembled(self.setup, self._first)
+            except EaseoffError as error:
+                self._state = error
+        if isinstance(self._state, EaseoffError):
+            raise self._state
+        return self._state
+
+
+def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
+    """The pair of a point in its assembly, without what is modified from point to point."""
+    pair = tuple((name, value) for name, value in values.items() if swept_quantity(name).stage == Stage.PAIR)
+    errors = {name: value for name, value in values.items() if name in ASSEMBLY}
+    state = _pair_in_mesh(setup, pair)
+    if isinstance(state, GeometryError) and errors:
+        return _made(setup, pair, assembly_errors(setup, errors))  # elsewhere the flanks may well meet
+    if isinstance(state, EaseoffError):
+        raise state
+    return state.misaligned(assembly_errors(setup, errors)) if errors else state
+
+
+def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment:
+    """The assembly of a point: that of the setup with some errors in place of its own."""
+    base = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
+    return Misalignment(
+        errors.get("E", base.offset),
+        errors.get("P", base.pinion_axial),
+        errors.get("G", base.gear_axial),
+        math.radians(errors["Sigma"]) if "Sigma" in errors else base.shaft_angle,
+    )
+
+
+@lru_cache(maxsize=KEPT_PAIRS)
+def _pair_in_mesh(setup: SweepSetup, pair: tuple[tuple[str, Any], ...]) -> CaseInMesh | EaseoffError:
+    """The pair of a point in the assembly of the setup, kept by the process; or why there is none."""
+    try:
+        return _made(setup, pair, setup.misalignment)
+    except EaseoffError as error:
+        return error
+
+
+def _made(setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: Misalignment | None) -> CaseInMesh:
+    """The pair in mesh from its case: settings, flanks and deviations of a point."""
+    values = dict(pair)
+    flank = values.pop("flank", setup.flank)
+    deviations: dict[Any, Any] = dict(setup.deviations)
+    for member in ("pinion", "gear"):
+        if f"deviation.{member}" in values:
+            deviations[member] = values.pop(f"deviation.{member}")
+    return CaseInMesh.of(
+        changed_case(setup.case, values) if values else setup.case,
+        flank=flank,
+        misalignment=misalignment,
+        deviations=deviations,
+        deviated=setup.deviated,
+        interpolation=setup.interpolation,
+        modification=setup.modification,
+    )
+
+
+def _outcome(tree: xr.DataTree) -> tuple[list[int], list[str]]:
+    """Status of every load, and why it is not certified."""
+    found: list[int] = []
+    reasons = []
+    light = tree["light_load"].to_dataset()["status"].values
+    friction = tree["friction"].to_dataset() if "friction" in tree.children else None
+    statuses = tree["loaded"].to_dataset()["status"].transpose("torque", "mesh_position").values
+    for load, status in enumerate(statuses):
+        parts = [("mesh positions", status), ("mesh positions at light load", light)]
+        if friction is not None and "status" in friction:
+            fed_back = friction["status"].isel(torque=load).values
+            parts.append(("mesh positions and conditions with friction fed back", fed_back))
+        said = []
+        for what, values in parts:
+            bad = values[values != Status.CERTIFIED]
+            if bad.size:
+                names = ", ".join(sorted({Status(int(value)).name.lower() for value in bad}))
+                said.append(f"{bad.size} of {values.size} {what} have no certified solution ({names})")
+        found.append(int(PointStatus.UNCERTIFIED if said else PointStatus.CERTIFIED))
+        reasons.append("; ".join(said))
+    return found, reasons
+
+
+def _reason(text: str) -> str:
+    return shortened(printable(" ".join(text.split())), REASON_LENGTH_LIMIT)
+
+
+def _stacked(found: Mapping[int, xr.Dataset], count: int) -> tuple[dict[str, Array], str]:
+    """Numbers of all points in one array each, and their layout."""
+    numbers: dict[str, Array] = {}
+    layout: dict[str, Any] = {"variables": {}, "coordinates": {}}
+    for place, dataset in found.items():
+        for name in dataset.dims:
+            if name in dataset.coords:
+                layout["coordinates"][str(name)] = dataset[name].values.tolist()
+        for name, variable in dataset.variables.items():
+            if name in dataset.dims:
+                continue
+            if name not in numbers:
+                numbers[str(name)] = np.full((count, *variable.shape), np.nan)
+                flags = {key: _plain(value) for key, value in variable.attrs.items() if key.startswith("flag_")}
+                layout["variables"][str(name)] = {"dimensions": list(map(str, variable.dims)), "flags": flags}
+            numbers[str(name)][place] = variable.values
+    return numbers, json.dumps(layout) if found else ""
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value

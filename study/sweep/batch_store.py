@@ -1,0 +1,172 @@
+"""Batches of a sweep on disk while it runs: a file each, and a map of those that are complete, written last."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.checkpoint import Checkpoint
+from ...core.errors import InputError
+from ...core.printable import printable
+from ...core.reading.array_file import read_arrays
+from ...core.reading.json_text import parsed_json
+from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
+from ...core.writing.output_file import check_folder, whole_file
+from ...core.writing.private_folder import NAME as PRIVATE_NAME
+from .batch_analysis import Block, PointStatus
+
+#: File that says which sweep a store is of, and the map of its batches.
+PLAN_NAME, MAP_NAME = "sweep.json", "batches.jsonl"
+STUDY = "parameter sweep"
+BATCH_NAME = re.compile(r"batch-\d+\.npz")
+NUMBER = "number."  # before the name of a number in a file of a batch
+
+
+class BatchStore:
+    """Batches of one sweep in a folder, from which an interrupted sweep resumes.
+
+    A batch is written whole and is on the disk before it enters the map with the digest of its content. A batch that
+    the map does not have, whose file has another content, or in which a point failed unexpectedly, is computed anew.
+
+    Parameters
+    ----------
+    folder
+        The folder; made if it does not exist.
+    digest
+        Digest of the sweep.
+    description
+        The sweep in words, for the message that refuses another.
+    fresh
+        Whether batches in the folder are ignored and replaced.
+
+    Raises
+    ------
+    InputError
+        If the folder holds the batches of another sweep, or anything else, or cannot be written.
+    """
+
+    def __init__(self, folder: Path, digest: str, description: str, *, fresh: bool = False) -> None:
+        check_folder(folder, "batches of the sweep")
+        self.folder, self._digest, self._description = folder, digest, description
+        found = None if fresh else self._plan()
+        if fresh:
+            self.remove()
+        elif found is None:
+            self._refuse_other_files()
+        elif found.get("digest") != digest:
+            raise InputError(
+                f"{printable(str(folder))}: must hold the batches of this sweep ({description}), but holds those of "
+                f"another ({printable(str(found.get('description')))}); give another folder, remove it, or begin anew "
+                "with --fresh"
+            )
+        self.bounds: list[int] | None = _bounds(found)
+        self._map: Checkpoint[str] | None = None
+
+    def divide(self, bounds: list[int]) -> None:
+        """Record how the points are divided into batches; with what was recorded before, it stays so."""
+        text = json.dumps({"digest": self._digest, "description": self._description, "bounds": bounds})
+        with whole_file(self.folder / PLAN_NAME) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+        self.bounds = bounds
+        self._completed.begin()
+
+    def add(self, number: int, block: Block) -> None:
+        """Keep a batch: it is on the disk when this returns."""
+        content = io.BytesIO()
+        arrays: dict[str, Any] = {"rows": block.rows, "status": block.status, "reason": block.reason}
+        arrays |= {"layout": block.layout, **{f"{NUMBER}{name}": values for name, values in block.numbers.items()}}
+        np.savez(content, **arrays)
+        data = content.getvalue()
+        with whole_file(self._path(number)) as temporary:
+            temporary.write_bytes(data)
+        self._completed.add(str(number), hashlib.sha256(data).hexdigest())
+
+    def complete(self) -> Iterator[tuple[int, Block]]:
+        """The batches that are complete, by their numbers."""
+        for number in range(len(self.bounds or [0]) - 1):
+            block = self._read(number)
+            # What failed unexpectedly, as for want of memory, may succeed now.
+            if block is not None and not np.any(block.status == PointStatus.FAILED):
+                yield number, block
+
+    def _read(self, number: int) -> Block | None:
+        """A batch from its file, if the map has it with that content."""
+        recorded = self._completed.get(str(number))
+        if recorded is None:
+            return None
+        try:
+            intact = hashlib.sha256(self._path(number).read_bytes()).hexdigest() == recorded
+            return _block(self._path(number)) if intact else None
+        except (OSError, InputError, KeyError, ValueError):
+            return None
+
+    def remove(self) -> None:
+        """Remove the batches, and the folder if nothing else is in it."""
+        with suppress(FileNotFoundError):
+            for entry in os.scandir(self.folder):
+                if _is_own(entry.name):
+                    shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
+        with suppress(OSError):
+            self.folder.rmdir()
+
+    @property
+    def _completed(self) -> Checkpoint[str]:
+        """Map from the number of a batch to the digest of its file."""
+        if self._map is None:
+            self._map = Checkpoint(self.folder / MAP_NAME, f"{STUDY} {self._digest}", encode=str, decode=str)
+        return self._map
+
+    def _path(self, number: int) -> Path:
+        return self.folder / f"batch-{number:06d}.npz"
+
+    def _plan(self) -> dict[str, Any] | None:
+        """What the folder says of its sweep; nothing if it does not."""
+        if not os.path.isfile(self.folder / PLAN_NAME):
+            return None
+        try:
+            found = parsed_json(read_text(self.folder / PLAN_NAME, TABLE_SIZE_LIMIT))
+        except ValueError:
+            found = None
+        if not isinstance(found, dict):
+            raise InputError(f"{printable(str(self.folder / PLAN_NAME))} is damaged: remove the folder")
+        return found
+
+    def _refuse_other_files(self) -> None:
+        if os.path.isdir(self.folder):
+            foreign = [name for name in os.listdir(self.folder) if not _is_own(name)]
+            if foreign:
+                raise InputError(
+                    f"{printable(str(self.folder))}: must be an empty folder, or not exist, to hold the batches of the "
+                    f"sweep; it holds {printable(foreign[0])}"
+                )
+
+
+def _is_own(name: str) -> bool:
+    """Whether an entry of a folder is one of a store."""
+    return name in (PLAN_NAME, MAP_NAME) or bool(BATCH_NAME.fullmatch(name) or PRIVATE_NAME.fullmatch(name))
+
+
+def _bounds(plan: dict[str, Any] | None) -> list[int] | None:
+    """Recorded bounds of the batches, if they rise from 0."""
+    bounds = plan.get("bounds") if plan else None
+    if not isinstance(bounds, list) or not all(isinstance(one, int) for one in bounds) or bounds[:1] != [0]:
+        return None
+    return bounds if all(one < two for one, two in pairwise(bounds)) else None
+
+
+def _block(path: Path) -> Block:
+    """A batch from its file."""
+    arrays = {name: found for name, found in read_arrays(path).items() if found is not None}
+    numbers = {name.removeprefix(NUMBER): values for name, values in arrays.items() if name.startswith(NUMBER)}
+    return Block(arrays["rows"], arrays["status"], arrays["reason"], numbers, str(arrays["layout"].item()))

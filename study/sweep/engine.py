@@ -1,0 +1,189 @@
+"""Engines of a sweep: this process, a pool of processes on this machine, or a dask cluster.
+
+Every engine takes the next batch only when the one before was taken over, so that a batch for each worker is all that
+is ever computed and not yet kept.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import multiprocessing
+import os
+import threading
+from collections.abc import Generator, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import wait as wait_for
+from typing import Any
+
+import numpy as np
+
+from ...core.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
+from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
+from .batch_analysis import Batch, Block, PointStatus, analyze_batch
+
+#: Times that a batch is begun whose process ends, before its points count as failed.
+ATTEMPT_COUNT = 3
+CONNECTION_TIME_LIMIT = 20.0  # [s]
+#: Batches at a time for every thread of a cluster: one that runs and none that waits.
+BATCHES_PER_THREAD = 1
+
+
+def in_this_process(batches: Iterator[Batch]) -> Generator[tuple[int, Block]]:
+    """Analyse batches one after the other."""
+    for batch in batches:
+        yield batch.number, analyze_batch(batch)
+
+
+def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int, Block]]:
+    """Analyse batches in processes of this machine, with one BLAS thread each.
+
+    A process that is ended from outside is replaced, and its batch begun anew.
+
+    Parameters
+    ----------
+    batches
+        The batches.
+    workers
+        Number of processes.
+    """
+    attempts: dict[int, int] = {}
+    again: list[Batch] = []
+    while True:
+        before = set(multiprocessing.active_children())
+        # A fork would inherit threads and half-imported libraries.
+        pool = ProcessPoolExecutor(
+            workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
+        )
+        running: dict[Future[Block], Batch] = {}
+        try:
+            while True:
+                while len(running) < workers and (batch := again.pop() if again else next(batches, None)) is not None:
+                    again.append(batch)  # until it runs: a pool that is broken takes none
+                    with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), children_without_interrupts():
+                        running[pool.submit(analyze_batch, batch)] = again.pop()
+                if not running:
+                    pool.shutdown()
+                    return
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    block = future.result()
+                    yield running.pop(future).number, block
+        except BrokenProcessPool:
+            for batch in running.values():
+                attempts[batch.number] = attempts.get(batch.number, 0) + 1
+            again += [batch for batch in running.values() if attempts[batch.number] < ATTEMPT_COUNT]
+            lost = [batch for batch in running.values() if attempts[batch.number] >= ATTEMPT_COUNT]
+        finally:
+            for process in set(multiprocessing.active_children()) - before:
+                process.terminate()
+            pool.shutdown(wait=False, cancel_futures=True)
+        for batch in lost:
+            yield batch.number, _lost(batch)
+
+
+def on_cluster(batches: Iterator[Batch], address: str) -> Generator[tuple[int, Block]]:
+    """Analyse batches on a dask cluster.
+
+    Parameters
+    ----------
+    batches
+        The batches.
+    address
+        Address of the cluster's scheduler, such as ``tcp://127.0.0.1:8786``.
+
+    Raises
+    ------
+    MissingPackageError
+        If dask.distributed is not installed.
+    InputError
+        If there is no scheduler at the address, or it has no workers.
+    """
+    distributed = distributed_package()
+    try:
+        client = distributed.Client(address, timeout=CONNECTION_TIME_LIMIT, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            f"scheduler = {address!r}: must be the address of a dask scheduler that runs ({error})"
+        ) from error
+    try:
+        try:
+            client.wait_for_workers(1, timeout=CONNECTION_TIME_LIMIT)
+        except TimeoutError as error:
+            raise InputError(
+                f"scheduler = {address!r}: has no workers; start some with 'dask worker {address}'"
+            ) from error
+        yield from _from_cluster(distributed, client, batches)
+    finally:
+        client.close()
+
+
+def _from_cluster(distributed: Any, client: Any, batches: Iterator[Batch]) -> Generator[tuple[int, Block]]:
+    running: dict[Any, Batch] = {}
+    results = distributed.as_completed(loop=client.loop, raise_errors=False)
+    exhausted = False
+    while True:
+        slots = max(BATCHES_PER_THREAD * sum(client.nthreads().values()), 1)
+        while len(running) < slots and not exhausted:
+            batch = next(batches, None)
+            if batch is None:
+                exhausted = True
+                break
+            future = client.submit(
+                analyze_batch, batch, key=f"easeoff-sweep-{os.getpid()}-{id(results)}-{batch.number}"
+            )
+            running[future.key] = batch
+            results.add(future)
+        if not running:
+            return
+        future = next(results)
+        batch = running.pop(future.key)
+        if future.status == "finished":
+            yield batch.number, future.result()
+        elif isinstance(future.exception(), distributed.KilledWorker):
+            yield batch.number, _lost(batch)
+        else:
+            raise _cluster_fault(future.exception())
+
+
+def distributed_package() -> Any:
+    """The package dask.distributed.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed.
+    """
+    try:
+        return importlib.import_module("distributed")
+    except ImportError as error:
+        message = f"dask.distributed is not installed: {how_to_install('easeoff[dask]')}; or run without a scheduler"
+        raise MissingPackageError(message) from error
+
+
+def _cluster_fault(error: BaseException) -> EaseoffError:
+    """The error of a cluster that cannot run the analysis, as of workers without this package."""
+    return InputError(
+        f"scheduler: a worker of the cluster could not run a batch ({type(error).__name__}: {error}); it needs easeoff "
+        "of this version"
+    )
+
+
+def _lost(batch: Batch) -> Block:
+    """Rows of a batch whose process ends whenever it is begun, as for want of memory."""
+    shape = (batch.rows.size,) if batch.setup.torques is None else (batch.rows.size, len(batch.setup.torques))
+    reason = f"the process that computed it ended {ATTEMPT_COUNT} times, as for want of memory"
+    return Block(batch.rows, np.full(shape, PointStatus.FAILED, np.int8), np.full(shape, reason), {}, "")
+
+
+def _prepare_worker() -> None:
+    """Let this process end when the one ends that started it, however that does."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: Any) -> None:
+    with contextlib.suppress(OSError):
+        wait_for([sentinel])
+    os._exit(1)

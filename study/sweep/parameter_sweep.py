@@ -1,0 +1,287 @@
+"""Parameter sweep of a case: from swept coordinates to one dataset, on an engine, resumable."""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import json
+import os
+import time
+from collections.abc import Callable, Generator, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from ...cases.schema.case_schema import Case
+from ...core.checks import whole
+from ...geometry.deviation.deviation import Method
+from ...geometry.pair.assembly import Misalignment
+from ...geometry.pair.gear_pair import FlankName
+from ...geometry.pair.modification import Modification
+from ...geometry.tooth.tooth_flanks import MemberName
+from ..deviation_source import Deviated, Source
+from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
+from .batch_store import BatchStore
+from .distribution import Sampler
+from .engine import distributed_package, in_processes, in_this_process, on_cluster
+from .point_table import PointTable
+from .sweep_dataset import SweepNumbers
+from .sweep_plan import SweepPlan, planned_sweep
+from .sweep_setup import SweepSetup
+from .swept_quantity import Stage, swept_quantity
+
+if TYPE_CHECKING:
+    from ...friction import FrictionModel, Lubricant
+    from ...friction.operation import Array, Numbers, Roughness
+
+SWEEP_SCHEMA_VERSION = 1
+WORKER_COUNT_LIMIT = 1024
+BATCH_TIME = 4.0  # [s]; a scheduler stalls on many short tasks, and a kill loses a batch
+POOL_TIME = 8.0  # [s]; less work than this is done before the processes of a pool are ready
+TRIAL_COUNT = 2  # batches of one point: in the first much is loaded and compiled, the second is timed
+
+
+def usable_cores() -> int:
+    """Number of processor cores that this process may use.
+
+    Examples
+    --------
+    >>> usable_cores() >= 1
+    True
+    """
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def sweep(
+    case: Case | str | Path,
+    over: Mapping[str, Any] | None = None,
+    *,
+    load_cases: str | Path | Mapping[str, Sequence[Any]] | None = None,
+    samples: int | None = None,
+    seed: int = 0,
+    sampler: Sampler = "sobol",
+    flank: FlankName = "drive",
+    torques: float | Sequence[float] | None = None,
+    misalignment: Misalignment | None = None,
+    deviations: Mapping[MemberName, Source] | None = None,
+    deviated: Deviated = "ease_off",
+    interpolation: Method = "spline",
+    modification: Modification | None = None,
+    edge_contact: bool | None = None,
+    marking: float | None = None,
+    solver: str = "auto",
+    speed: Numbers | None = None,
+    temperature: Numbers | None = None,
+    roughness: Roughness | list[Roughness] | Array | None = None,
+    oil: str | Lubricant | None = None,
+    friction_model: FrictionModel | None = None,
+    friction_feedback: bool | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    store: str | os.PathLike[str] | None = None,
+    fresh: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Analyse a case at every point of a sweep.
+
+    Parameters
+    ----------
+    case
+        A checked case, or what ``read_case`` takes.
+    over
+        What is swept, by name: ``torque``, ``E``, ``P``, ``G``, ``Sigma`` [deg], ``speed``, ``temperature``,
+        ``roughness``, ``oil``, ``flank``, ``deviation.MEMBER``, ``modification.TERM``, or the dotted key of a number of
+        the case file. Values in a row, a text (``-0.1:0.1:9``, ``50,100``), or a ``Distribution`` or its text
+        (``normal(0,0.03)``). Every combination is analysed; distributed ones are sampled together.
+    load_cases
+        Coordinates that go together, a row a point: the path of a CSV file, or columns by name.
+    samples
+        Number of samples of what is distributed.
+    seed, sampler
+        Of the samples: ``sobol`` or ``latin_hypercube``.
+    flank, torques, misalignment, deviations, deviated, interpolation, modification, edge_contact, marking, solver
+        As of ``analyze``, for what is not swept.
+    speed, temperature, roughness, oil, friction_model, friction_feedback
+        As of ``analyze``, for what is not swept.
+    workers
+        Number of processes, one a core if left out; 1: this process alone.
+    scheduler
+        Address of the scheduler of a dask cluster, in place of processes of this machine.
+    store
+        Folder that keeps the batches as they are computed, from which an interrupted sweep resumes.
+    fresh
+        Ignore and replace what the folder has.
+    progress
+        Called with the number of points done and of all.
+
+    Returns
+    -------
+    xr.Dataset
+        Key numbers (``study.key_numbers``) over the swept coordinates, with ``status`` and ``reason`` of every point.
+
+    Raises
+    ------
+    InputError
+        If a coordinate or value is not possible, the store is of another sweep, or more memory is needed than is free.
+    MissingSolverError, MissingPackageError
+        If the package of the solver, or dask.distributed, is not installed.
+
+    Notes
+    -----
+    Processes are started afresh, not forked: a script that calls this needs ``if __name__ == "__main__":``.
+
+    Examples
+    --------
+    >>> found = sweep("nasa-12x36", {"E": [-0.05, 0.05], "torque": "100,200"}, workers=1)
+    >>> found["peak_to_peak"].dims, found["status"].values.tolist()
+    (('E', 'torque'), [[0, 0], [0, 0]])
+    """
+    plan = planned_sweep(
+        case,
+        over,
+        load_cases=load_cases,
+        samples=samples,
+        seed=seed,
+        sampler=sampler,
+        flank=flank,
+        torques=torques,
+        misalignment=misalignment,
+        deviations=deviations,
+        deviated=deviated,
+        interpolation=interpolation,
+        modification=modification,
+        edge_contact=edge_contact,
+        marking=marking,
+        solver=solver,
+        speed=speed,
+        temperature=temperature,
+        roughness=roughness,
+        oil=oil,
+        friction_model=friction_model,
+        friction_feedback=friction_feedback,
+    )
+    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=progress)
+
+
+def run_plan(
+    plan: SweepPlan,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    store: str | os.PathLike[str] | None = None,
+    fresh: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Analyse every point of a plan; arguments, returns and raises as of ``sweep``.
+
+    Examples
+    --------
+    >>> run_plan(planned_sweep("nasa-12x36", {"E": [0.05]}, torques=[100.0]), workers=1)["status"].item()
+    0
+    """
+    own = usable_cores() if workers is None else workers
+    processes = 1 if scheduler is not None else whole("workers", own, 1, WORKER_COUNT_LIMIT)
+    if scheduler is not None:
+        distributed_package()
+    plan.require_memory(processes)
+    kept = None if store is None else BatchStore(Path(store), plan.digest, plan.description, fresh=fresh)
+    numbers, done, table = SweepNumbers(plan.table, plan.setup), 0, plan.table
+    with contextlib.closing(_blocks(plan.setup, table, kept, processes, scheduler)) as blocks:
+        for block in blocks:
+            numbers.add(block)
+            done += block.rows.size
+            if progress is not None:
+                progress(done, table.count)
+    result = numbers.dataset()
+    result.attrs = _attributes(plan)
+    return result
+
+
+def _blocks(
+    setup: SweepSetup, table: PointTable, store: BatchStore | None, processes: int, scheduler: str | None
+) -> Generator[Block]:
+    """Numbers of all points, batch by batch: first those that are kept, then those that are computed."""
+    bounds = (store.bounds if store is not None else None) or [0]
+    done = set()
+    for number, block in store.complete() if store is not None else ():
+        done.add(number)
+        yield block
+    seconds = None
+    while bounds[-1] < table.count and len(bounds) <= TRIAL_COUNT:
+        bounds.append(table.bound(bounds[-1], 1))
+        number = len(bounds) - 2
+        start = time.perf_counter()
+        block = analyze_batch(_batch(setup, table, bounds, number))
+        seconds = (time.perf_counter() - start) / block.rows.size
+        if store is not None:
+            store.divide(bounds)
+            store.add(number, block)
+        done.add(number)
+        yield block
+    if bounds[-1] < table.count:
+        share = -(-(table.count - bounds[-1]) // (2 * processes))
+        size = max(1, min(int(BATCH_TIME / max(seconds or BATCH_TIME, 1e-6)), share))
+        while bounds[-1] < table.count:
+            bounds.append(table.bound(bounds[-1], size))
+        if store is not None:
+            store.divide(bounds)
+    missing = [number for number in range(len(bounds) - 1) if number not in done]
+    left = sum(bounds[number + 1] - bounds[number] for number in missing)
+    batches = (_batch(setup, table, bounds, number) for number in missing)
+    if scheduler is not None and missing:
+        engine = on_cluster(batches, scheduler)
+    elif processes == 1 or (seconds is not None and seconds * left < POOL_TIME):
+        engine = in_this_process(batches)
+    else:
+        engine = in_processes(batches, processes)
+    with contextlib.closing(engine):
+        for number, block in engine:
+            if store is not None:
+                store.add(number, block)
+            yield block
+
+
+def _batch(setup: SweepSetup, table: PointTable, bounds: list[int], number: int) -> Batch:
+    rows = table.order[bounds[number] : bounds[number + 1]]
+    return Batch(setup, number, rows, table.columns(rows))
+
+
+def _attributes(plan: SweepPlan) -> dict[str, Any]:
+    """Origin of the dataset, as netCDF attributes."""
+    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
+    setup, case = plan.setup, plan.setup.case
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title,
+        "history": f"{now} easeoff {own} sweep",
+        "easeoff_version": own,
+        "sweep_schema_version": SWEEP_SCHEMA_VERSION,
+        "case": case.text or case.model_dump_json(),
+        "sweep": plan.description,
+        "swept": json.dumps(
+            [name for axis in plan.axes for name in axis.columns if swept_quantity(name).stage < Stage.NOTHING]
+        ),
+        "solver": setup.solver,
+        "flank": setup.flank,
+        "compliance_model": case.compliance.model,
+        "pinion_teeth": case.pinion.number_of_teeth,
+        "gear_teeth": case.gear.number_of_teeth,
+        **_misalignment(plan),
+        **plan.sampling,
+    }
+
+
+def _misalignment(plan: SweepPlan) -> dict[str, float]:
+    """Assembly errors of every point that are not swept."""
+    found = assembly_errors(plan.setup, {})
+    errors = {
+        "E": ("misalignment_offset_mm", found.offset),
+        "P": ("misalignment_pinion_axial_mm", found.pinion_axial),
+        "G": ("misalignment_gear_axial_mm", found.gear_axial),
+        "Sigma": ("misalignment_shaft_angle_rad", found.shaft_angle),
+    }
+    return dict(pair for name, pair in errors.items() if name not in plan.table.names)

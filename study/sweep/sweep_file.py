@@ -1,0 +1,86 @@
+"""Dataset of a sweep as a netCDF-4 file."""
+
+from __future__ import annotations
+
+import os
+
+import xarray as xr
+
+from ...core.errors import InputError
+from ...core.reading.netcdf_file import read_dataset
+from ...core.reading.regular_file import named
+from ...core.writing.output_file import whole_file
+from .batch_analysis import PointStatus
+
+MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
+
+
+def write_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write the dataset of a sweep to a netCDF-4 file, whole or not at all.
+
+    Parameters
+    ----------
+    dataset
+        From ``sweep``.
+    path
+        The file, replaced if it exists; missing folders are made.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from easeoff.study.sweep import sweep
+    >>> found = sweep("nasa-12x36", {"E": [0.05]}, torques=[100.0])
+    >>> with TemporaryDirectory() as folder:
+    ...     write_sweep(found, f"{folder}/sweep.nc")
+    ...     read_sweep(f"{folder}/sweep.nc").identical(found)
+    True
+    """
+    encoding = {
+        str(name): {"zlib": True, "complevel": 1}
+        for name, variable in dataset.variables.items()
+        if variable.dtype.kind in "fiu" and variable.ndim
+    }
+    with whole_file(path) as temporary:
+        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+
+
+def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read the dataset of a sweep from a netCDF-4 file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is not of a sweep.
+
+    Examples
+    --------
+    >>> try:
+    ...     read_sweep("no-such-file.nc")
+    ... except InputError as error:
+    ...     print(error)
+    no-such-file.nc: there is no such file
+    """
+    found = read_dataset(path)
+    if not is_sweep(found):
+        raise InputError(f"{named(path)} is a netCDF file, but no sweep: make one with 'easeoff sweep CASE -o FILE'")
+    for name, variable in found.variables.items():
+        if variable.dtype.kind == "O":  # texts
+            found[name] = (variable.dims, variable.values.astype(str), variable.attrs)
+    return found
+
+
+def is_sweep(dataset: xr.Dataset) -> bool:
+    """Whether a dataset is that of a sweep: with its mark, and a status at every point that has a meaning."""
+    return (
+        MARK in dataset.attrs
+        and "swept" in dataset.attrs
+        and "status" in dataset
+        and "reason" in dataset
+        and dataset["status"].dtype.kind in "iu"
+        and bool(dataset["status"].isin([int(one) for one in PointStatus]).all())
+    )

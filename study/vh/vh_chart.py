@@ -1,0 +1,105 @@
+"""V-H chart: marking prints at toe, middle and heel, and over the grid of V and H."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..plot.page import BLUE, BODY_SIZE, GREY, INK, PAPER, SMALL_SIZE, VERMILION, WIDTH, page
+
+Array = NDArray[Any]
+COMPOUND = "#7FB2D6"  # colour of the marking compound
+PLACE_COLOUR = VERMILION
+
+
+def draw(found: xr.Dataset) -> Figure:
+    """Draw a V-H check.
+
+    Parameters
+    ----------
+    found
+        Of ``study.vh_check``; without a grid the places alone are drawn.
+    """
+    plane = found["in_plane"].values
+    aspect = float(np.ptp(plane[1]) / np.ptp(plane[0]))
+    first = (WIDTH - 0.5) / 3 * aspect + 0.45
+    counts = (found.sizes["v_grid"], found.sizes["h_grid"]) if "v_grid" in found.sizes else (0, 0)
+    grid = counts[1] * ((WIDTH - 0.7) / max(counts[0], 1) * aspect + 0.06) + 0.75 if counts[0] else 0.0
+    note = f"print of {found.attrs['separation']:g} µm"
+    figure = page(xr.DataTree(found), "V-H check", first + grid, note)
+    parts: Any = figure.subfigures(2, 1, height_ratios=(first, grid)) if counts[0] else np.array([figure])
+    _draw_places(parts[0].subplots(1, found.sizes["place"]), found, plane)
+    if counts[0]:
+        _draw_grid(parts[1], found, plane)
+    return figure
+
+
+def _draw_places(panels: Any, found: xr.Dataset, plane: Array) -> None:
+    for axes, place in zip(panels, found["place"].values, strict=True):
+        one = found.sel(place=place)
+        wanted = np.array([float(one["place_lengthwise"]), float(one["place_profile"])])
+        centre = np.array([float(one["pattern_centre_lengthwise"]), float(one["pattern_centre_profile"])])
+        _draw_print(axes, plane, one["print_excess"].values, found, centre, wanted)
+        for name, t, across in (("toe", 0.0, -1), ("heel", 1.0, 1)):
+            x, y = _at(found, plane, np.array([t, 0.5]))
+            axes.annotate(
+                name, (x, y), (4 * across, 0), textcoords="offset points", ha=("right", "left")[across > 0],
+                va="center", rotation=90, fontsize=SMALL_SIZE, color=GREY, style="italic",
+            )  # fmt: skip
+        axes.set_title(str(place), loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+        v, h = float(one["v"]), float(one["h"])
+        said = "not reached" if np.isnan(v) else f"V {v:+.3f}, H {h:+.3f} mm".replace("-", "−")
+        axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def _draw_grid(part: Any, found: xr.Dataset, plane: Array) -> None:
+    """Prints over V, to the right, and H, upwards."""
+    v, h = found["v_grid"].values, found["h_grid"].values
+    panels = part.subplots(h.size, v.size, squeeze=False)
+    prints = found["grid_print_excess"].transpose("v_grid", "h_grid", "lengthwise", "profile").values
+    along = found["grid_pattern_centre_lengthwise"].transpose("v_grid", "h_grid").values
+    up = found["grid_pattern_centre_profile"].transpose("v_grid", "h_grid").values
+    for row, j in enumerate(reversed(range(h.size))):
+        for i in range(v.size):
+            _draw_print(panels[row, i], plane, prints[i, j], found, np.array([along[i, j], up[i, j]]))
+        panels[row, 0].set_ylabel(f"{h[j]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=4)
+    for i in range(v.size):
+        panels[-1, i].set_xlabel(f"{v[i]:+.3f}".replace("-", "−"), fontsize=SMALL_SIZE, color=INK, labelpad=2)
+    part.supxlabel("V [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
+    part.supylabel("H [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
+    part.suptitle("prints over V and H", x=0.02, ha="left", fontsize=BODY_SIZE, color=INK, weight="bold")
+
+
+def _draw_print(
+    axes: Axes, plane: Array, excess: Array, found: xr.Dataset, centre: Array, wanted: Array | None = None
+) -> None:
+    """Draw a print on its flank, its centre, and where the centre is wanted."""
+    edge = np.concatenate([plane[:, :, 0], plane[:, -1], plane[:, ::-1, -1], plane[:, 0, ::-1]], axis=1)
+    axes.fill(*edge, facecolor=PAPER, edgecolor="none", zorder=0)
+    axes.plot(*edge, color=INK, linewidth=0.9, zorder=6)
+    if np.any(excess < 0.0):
+        axes.contourf(*plane, excess, levels=[1.01 * float(np.min(excess)), 0.0], colors=[COMPOUND], zorder=2)
+        axes.contour(*plane, excess, levels=[0.0], colors=BLUE, linewidths=0.8, zorder=3)
+    if wanted is not None:
+        axes.plot(*_at(found, plane, wanted), "+", color=PLACE_COLOUR, markersize=9, markeredgewidth=1.1, zorder=8)
+    if np.all(np.isfinite(centre)):
+        axes.plot(*_at(found, plane, centre), "o", color=INK, markersize=3.0, zorder=9)
+    axes.set_aspect("equal")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.spines[:].set_visible(False)
+
+
+def _at(found: xr.Dataset, plane: Array, point: Array) -> tuple[float, float]:
+    """Coordinates in the plane of a lengthwise and a profile fraction (2)."""
+    flank = xr.DataArray(
+        plane, dims=("plane_axis", "lengthwise", "profile"),
+        coords={"lengthwise": found["lengthwise"].values, "profile": found["profile"].values},
+    )  # fmt: skip
+    x, y = flank.interp(lengthwise=float(point[0]), profile=float(point[1])).values
+    return float(x), float(y)

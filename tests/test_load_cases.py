@@ -1,0 +1,202 @@
+"""Analysis over load cases: each equals an analysis of its own; means of the duty cycle follow by definition."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import easeoff
+from easeoff import GeometryError, InputError
+from easeoff.cases import Case, LoadCase, read_case, write_case
+from easeoff.geometry import Misalignment
+from easeoff.study import analyze_load_cases, duty_means, equivalent_torque, key_numbers
+from easeoff.study.cli import main
+from easeoff.study.load_cases.duty_means import DAMAGE_EXPONENTS
+
+ROWS = (
+    LoadCase(name="cruise", torque=100.0, speed=2500.0, share=90.0),
+    LoadCase(name="climb", torque=300.0, speed=1500.0, E=0.05, P=-0.02, Sigma=0.01, share=8.0),
+    LoadCase(name="overrun", torque=80.0, speed=2500.0, flank="coast", share=2.0),
+)
+
+
+def on_coarse_grids(name: str) -> Case:
+    case = read_case(name)
+    coarse = {"mesh_positions": 4, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    return case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return on_coarse_grids("nasa-12x36")
+
+
+@pytest.fixture(scope="module")
+def tree(case: Case) -> xr.DataTree:
+    return analyze_load_cases(case, ROWS)
+
+
+def numbers(tree: xr.DataTree) -> xr.Dataset:
+    return tree["load_cases"].to_dataset()
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_every_load_case_is_an_analysis_of_its_own(case: Case, tree: xr.DataTree, row: LoadCase) -> None:
+    """In its misalignment, at its torque and speed, on its flank; every number of ``show``, to rounding."""
+    errors = Misalignment(row.E or 0.0, row.P or 0.0, row.G or 0.0, math.radians(row.Sigma or 0.0))
+    own = easeoff.analyze(case, flank=row.flank or "drive", torques=row.torque, misalignment=errors, speed=row.speed)
+    expected, found = key_numbers(own).squeeze(), numbers(tree).sel(load_case=row.name)
+    assert set(expected.data_vars) <= set(found.data_vars)
+    for name, value in expected.data_vars.items():
+        if name != "worst_certificate":
+            np.testing.assert_allclose(found[name], value, rtol=1e-11, atol=1e-11, err_msg=str(name))
+    result = tree["results"].children[str(row.name)]
+    np.testing.assert_allclose(result["loaded/force"], own["loaded/force"], rtol=1e-10, atol=1e-8)
+
+
+def test_means_are_those_of_the_shares_of_time(tree: xr.DataTree) -> None:
+    found, duty = numbers(tree), tree["duty"].to_dataset()
+    share = np.array([0.9, 0.08, 0.02])
+    np.testing.assert_allclose(found["share"], share)
+    loss, power = (float(np.sum(share * found[name].values)) for name in ("mean_power_loss", "input_power"))
+    assert float(duty["duty_power_loss"]) == pytest.approx(loss)
+    assert float(duty["duty_efficiency"]) == pytest.approx(1.0 - loss / power)
+    efficiency = found["efficiency"].values
+    np.testing.assert_allclose(1.0 - found["mean_power_loss"] / found["input_power"], efficiency, rtol=1e-9)
+    assert efficiency.min() < float(duty["duty_efficiency"]) < efficiency.max()
+
+
+def test_equal_damage_counts_the_revolutions_of_each_flank(tree: xr.DataTree) -> None:
+    duty = tree["duty"].to_dataset()
+    for exponent in DAMAGE_EXPONENTS:
+        cycles = np.array([0.9 * 2500.0, 0.08 * 1500.0])
+        damage = cycles * np.array([100.0, 300.0]) ** exponent
+        found = duty.sel(damage_exponent=exponent)
+        assert float(found["equivalent_torque"].sel(flank="drive")) == pytest.approx(
+            (damage.sum() / cycles.sum()) ** (1.0 / exponent)
+        )
+        assert float(found["equivalent_torque"].sel(flank="coast")) == pytest.approx(80.0)
+        np.testing.assert_allclose(found["damage_share"].values[:2], damage / damage.sum())
+
+
+def test_exponents_are_the_slopes_of_the_life_factors() -> None:
+    """Pitting 6.61 and root bending 8.74 for case-hardened steel, as in ISO 6336-6."""
+    np.testing.assert_allclose(DAMAGE_EXPONENTS, (6.610, 8.738), atol=2e-3)
+
+
+def test_equivalent_torque_lies_between_mean_and_greatest() -> None:
+    torques, cycles = np.array([50.0, 200.0, 400.0]), np.array([5.0, 3.0, 1.0])
+    found = [equivalent_torque(torques, cycles, exponent) for exponent in (1.0, 3.0, 6.61, 8.74, 1e4)]
+    assert found[0] == pytest.approx(float(np.average(torques, weights=cycles)))
+    assert np.all(np.diff(found) > 0.0)
+    assert found[-1] == pytest.approx(400.0, rel=1e-3)
+    assert equivalent_torque(3.0 * torques, 7.0 * cycles, 6.61) == pytest.approx(3.0 * found[2])
+
+
+def test_a_load_case_that_fails_is_a_row_with_a_reason(case: Case) -> None:
+    rows = [LoadCase(torque=100.0, share=0.5), LoadCase(name="apart", torque=100.0, G=9.9, share=0.5)]
+    found = numbers(analyze_load_cases(case, rows))
+    assert found["status"].values.tolist() == [0, 2]
+    assert "no part of the gear flank meets the pinion flank" in str(found["reason"].sel(load_case="apart").item())
+    assert np.isnan(float(found["max_pressure"].sel(load_case="apart")))
+    assert float(found["max_pressure"].sel(load_case="1")) > 100.0
+    with pytest.raises(GeometryError, match="no part of the gear flank"):
+        analyze_load_cases(case, rows[1:])
+
+
+def test_means_without_a_value_are_unknown() -> None:
+    rows = {"torque": [100.0, 300.0], "share": [0.5, 0.5], "mean_power_loss": [40.0, np.nan]}
+    numbers = xr.Dataset({name: ("load_case", values) for name, values in rows.items()})
+    numbers = numbers.assign(input_power=("load_case", [1000.0, 3000.0]), flank=("load_case", ["drive", "drive"]))
+    duty = duty_means(numbers, [2.0])
+    assert np.isnan(float(duty["duty_efficiency"]))
+    assert float(duty["equivalent_torque"].squeeze()) == pytest.approx(math.sqrt(0.5 * (100.0**2 + 300.0**2)))
+
+
+def test_without_shares_or_speeds_there_are_no_means_and_no_friction(case: Case) -> None:
+    tree = analyze_load_cases(case, [LoadCase(torque=100.0)])
+    assert "duty" not in tree.children
+    assert "efficiency" not in numbers(tree)
+    assert numbers(tree)["load_case"].values.tolist() == ["1"]
+
+
+def test_a_result_is_read_as_it_was_written_and_shown(tmp_path: Path, tree: xr.DataTree) -> None:
+    file = tmp_path / "duty.nc"
+    easeoff.write_result(tree, file)
+    again = easeoff.read_result(file)
+    assert again.identical(tree)
+    shown = CliRunner().invoke(main, ["show", str(file)])
+    assert shown.exit_code == 0
+    assert "torque of equal damage, coast flanks: 80 N m (p = 6.61)" in shown.output
+    del again["results"]["climb"]
+    easeoff.write_result(again, file)
+    with pytest.raises(InputError, match="results: no climb"):
+        easeoff.read_result(file)
+
+
+@pytest.mark.parametrize(
+    ("rows", "given", "said"),
+    [
+        ([], {}, "load_cases: the case has none"),
+        ([LoadCase(torque=1.0), LoadCase(name="1", torque=2.0)], {}, "name = '1' comes twice"),
+        ([LoadCase(torque=1.0)], {"damage_exponents": [0.5]}, "damage_exponents = 0.5"),
+        ([LoadCase(torque=1.0)], {"damage_exponents": []}, "damage_exponents = []"),
+        ([LoadCase(torque=1.0, speed=5.0)], {"temperature": [80.0, 90.0]}, "temperature has 2 values"),
+        ([LoadCase(torque=1.0)], {"marking": -1.0}, "marking = -1"),
+    ],
+)
+def test_wrong_arguments_are_refused(case: Case, rows: list[LoadCase], given: dict[str, float], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        analyze_load_cases(case, rows, **given)  # type: ignore[arg-type]
+    assert said in str(caught.value)
+
+
+@pytest.mark.thorough
+def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path, case: Case) -> None:
+    own, table, file = (tmp_path / name for name in ("case.toml", "duty.csv", "duty.nc"))
+    table.write_text("name,torque,speed,share,E\ncruise,100,2500,0.9,\nclimb,300,1500,0.1,0.05\n")
+    rows = (LoadCase(name="cruise", torque=100.0), LoadCase(name="climb", torque=300.0, E=0.05))
+    write_case(case.model_copy(update={"load_cases": rows}), own)
+    plots = tmp_path / "plots"
+    done = CliRunner().invoke(
+        main, ["run", str(own), "--load-cases", str(table), "-o", str(file), "--plots", str(plots)]
+    )
+    assert done.exit_code == 0, done.output
+    assert "mean over time: power loss" in done.output
+    assert (plots / "load_cases.png").stat().st_size > 10_000
+    assert (plots / "climb" / "efficiency.png").exists()
+    pressure = numbers(easeoff.read_result(file))["max_pressure"]
+    plain = CliRunner().invoke(main, ["run", str(own), "--torque", "100", "-o", str(tmp_path / "plain.nc")])
+    assert "has 2 load cases: --load-cases case analyses them" in plain.output
+    without = CliRunner().invoke(main, ["run", str(own), "--load-cases", "case", "-o", str(file)])
+    assert without.exit_code == 0, without.output
+    xr.testing.assert_allclose(numbers(easeoff.read_result(file))["max_pressure"], pressure)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--torque", "5"], "--torque: must not go with --load-cases"),
+        (["--misalignment", "E=0.1"], "--misalignment: must not go with --load-cases"),
+        (["--speed", "500"], "--speed: must not go with --load-cases"),
+        (["--temperature", "80,90"], "--temperature: must be one value"),
+    ],
+)
+def test_options_that_load_cases_have_themselves_are_refused(tmp_path: Path, words: list[str], said: str) -> None:
+    table = tmp_path / "duty.csv"
+    table.write_text("torque\n100\n")
+    output = str(tmp_path / "out.nc")
+    done = CliRunner().invoke(main, ["run", "nasa-12x36", "--load-cases", str(table), "-o", output, *words])
+    assert done.exit_code == 2
+    assert said in done.output
+
+
+def test_a_case_without_load_cases_is_refused(tmp_path: Path) -> None:
+    done = CliRunner().invoke(main, ["run", "nasa-12x36", "--load-cases", "case", "-o", str(tmp_path / "out.nc")])
+    assert done.exit_code == 2
+    assert "the case has no tables [[load_cases]]" in done.output
