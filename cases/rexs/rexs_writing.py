@@ -90,7 +90,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
 
     plain = Case.model_fields
-    for name in ("description", "contact", "compliance", "friction", "target"):
+    for name in ("description", "contact", "compliance", "friction", "target", "load_cases"):
         if getattr(case, name) != plain[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
     if case.pinion.number_of_teeth > case.gear.number_of_teeth:
