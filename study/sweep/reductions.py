@@ -248,7 +248,8 @@ def worst_points(dataset: xr.Dataset, name: str, count: int = 3, *, least: bool 
     --------
     >>> import easeoff
     >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05, 0.1]}, torques=[100.0])
-    >>> bool(worst_points(found, "peak_to_peak", 1)["E"].item() == found["E"][found["peak_to_peak"].argmax()].item())
+    >>> worst = int(found["peak_to_peak"].values.argmax())
+    >>> bool(worst_points(found, "peak_to_peak", 1)["E"].item() == found["E"].values[worst])
     True
     """
     one_of("name", name, numbers(dataset))
