@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 def show(result: Path) -> None:
-    """Show the main numbers of RESULT, a file of 'easeoff run' or 'easeoff sweep'."""
+    """Show the main numbers of RESULT.
+
+    RESULT is a file of 'easeoff run' or 'easeoff sweep'.
+    """
     from ..report.load_case_summary import load_case_summary
     from ..report.result_summary import result_summary
     from ..result import read_result
@@ -44,9 +47,9 @@ def show(result: Path) -> None:
     help="Thickness of the marking compound of the unloaded pattern in um.",
 )
 def plot(result: Path, folder: Path, marking: float | None) -> None:
-    """Plot RESULT, a file of 'easeoff run' or 'easeoff sweep', as PNG files in FOLDER.
+    """Plot RESULT as PNG files in FOLDER.
 
-    Pictures of another result in FOLDER are replaced or removed.
+    RESULT is a file of 'easeoff run' or 'easeoff sweep'. Pictures of another result in FOLDER are replaced or removed.
     """
     from ...core.writing.output_file import check_folder
     from ..result import read_result

@@ -130,10 +130,10 @@ def sweep(
     fresh: bool,
     **options: Any,
 ) -> None:
-    """Analyse CASE over swept coordinates and write one table of numbers.
+    """Analyse CASE over swept coordinates.
 
-    Points that cannot be analysed are rows with a status and a reason. Interrupted, the same command goes on where it
-    was.
+    One file holds the numbers of all points. Points that cannot be analysed are rows with a status and a reason.
+    Interrupted, the same command goes on where it was.
     """
     if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))

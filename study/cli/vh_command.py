@@ -79,7 +79,9 @@ def vh(
     grid: tuple[int, int] | None,
     **options: Any,
 ) -> None:
-    """Make the V-H check of CASE: shift the unloaded pattern to toe, middle and heel.
+    """Shift the pattern of CASE to toe, middle and heel.
+
+    This is the V-H check of the shop, without load.
 
     V is a displacement along the offset, positive as E: the offset grows. H is one of the pinion along its axis,
     positive as P: away from the crossing point. Both are added to the misalignment. The centre is that of the marking
