@@ -486,7 +486,7 @@ def test_sharp_edges_that_carry_all_of_the_load_have_no_pressure(tmp_path: Path)
     tree = analyze(
         coarse("nasa-12x36", mesh_positions=2), torques=1e-3, misalignment=Misalignment(offset=-0.5), edge_contact=True
     )
-    loaded = tree["loaded"]
+    loaded = tree["loaded"].to_dataset()
     assert np.all(loaded["status"] == Status.CERTIFIED)
     carries = loaded["force"].values > 0.0
     assert np.any(carries)
