@@ -139,8 +139,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     version = attributes.get("easeoff_version", "")
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
     departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
-    # A sweep says by itself which errors it has beside these.
-    told = given or ("none" if "misalignment_offset_mm" in attributes and "swept" not in attributes else "")
+    # A sweep and load cases say by themselves which errors they have.
+    told = given or ("none" if "flank" in attributes and "swept" not in attributes else "")
     misaligned = f"misalignment {told}" if told else ""
     model = model_name(attributes)
     return [teeth, flanks.get(name, name), misaligned, *departed, model, f"easeoff {version}".strip()]
