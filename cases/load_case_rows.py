@@ -24,6 +24,7 @@ def read_load_case_rows(
     size_limit: int,
     count_limit: int | None = None,
     needed: str | None = None,
+    complete: bool = False,
 ) -> tuple[Row, ...]:
     r"""Rows of a table: a head with the names of the columns, then a load case a line.
 
@@ -44,6 +45,8 @@ def read_load_case_rows(
         Of the rows; none if left out.
     needed
         A column that must be there.
+    complete
+        Whether no cell may be empty.
 
     Raises
     ------
@@ -78,7 +81,7 @@ def read_load_case_rows(
     found, wrong = [], []
     for at, line in lines[1:]:
         try:
-            found.append(checked(_values(line, mark, texts)))
+            found.append(checked(_values(line, mark, texts, complete=complete)))
         except ValueError as error:
             wrong += [f"line {at}, {mistake.strip()}" for mistake in str(error).splitlines()]
     if wrong:
@@ -109,7 +112,7 @@ def _columns(
     return texts
 
 
-def _values(line: str, mark: str, texts: Mapping[str, bool]) -> dict[str, Any]:
+def _values(line: str, mark: str, texts: Mapping[str, bool], *, complete: bool) -> dict[str, Any]:
     """Values of a line by column, without those of empty cells."""
     values = cells(line, mark)
     if len(values) > len(texts):
@@ -123,4 +126,7 @@ def _values(line: str, mark: str, texts: Mapping[str, bool]) -> dict[str, Any]:
             row[column] = value if text else float(value)
         except ValueError as error:
             raise ValueError(f"{column} = {shortened(printable(repr(value)))}: must be a number") from error
+    missing = [column for column in texts if column not in row]
+    if missing and complete:
+        raise ValueError(f"{missing[0]}: is missing; every column must have a value in every row here")
     return row

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ..report.sweep_report import outcome
-from ..sweep.reductions import numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
+from ..sweep.reductions import LOADS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from .page import (
     BLUE,
     BODY_SIZE,
@@ -87,7 +87,7 @@ def _grids(dataset: xr.Dataset) -> list[str]:
     """Swept grids of numbers with several values: those of points first, the longest first, then torque and speed."""
     swept = swept_names(dataset)
     dims = [str(dim) for dim in dataset["status"].dims if dim in swept and dataset.sizes[dim] > 1]
-    dims = dims or [dim for dim in reduced_dimensions(dataset) if dataset.sizes[dim] > 1]
+    dims = dims or [dim for dim in reduced_dimensions(dataset) if dim in LOADS and dataset.sizes[dim] > 1]
     dims = [dim for dim in dims if dataset[dim].dtype.kind in "fiu"]
     own = set(point_dimensions(dataset))
     return sorted(dims, key=lambda dim: (dim not in own, -dataset.sizes[dim]))

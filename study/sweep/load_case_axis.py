@@ -12,7 +12,7 @@ import numpy as np
 from ...cases.load_case_rows import read_load_case_rows
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.reading.regular_file import leads_outside, named
+from ...core.reading.regular_file import leads_outside
 from ...core.reading.text_file import TABLE_SIZE_LIMIT
 from ...friction.lubricants.lubricant import is_shipped
 from ..deviation_source import shipped_deviations
@@ -20,7 +20,7 @@ from .axis import Axis, column
 from .swept_quantity import Stage, swept_quantity
 
 LOAD_CASE = "load_case"
-FILES = {"oil", "deviation.pinion", "deviation.gear"}  # columns that name files
+FILES = ("oil", "deviation.pinion", "deviation.gear")  # columns that name files
 
 
 def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axis:
@@ -30,7 +30,7 @@ def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axi
     ----------
     path
         The file, as of ``read_load_case_rows``. Its columns are quantities of ``swept_quantity``, ``share`` and
-        ``name``: those of a table of load cases for ``run``, and more. A column is empty in every row or in none.
+        ``name``: those of a table of load cases for ``run``, and more. No cell is empty.
     allow_outside
         Whether the table may name files of oils and deviations outside its folder: it may be anybody's.
 
@@ -48,35 +48,27 @@ def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axi
     ...     read_load_case_axis(table).columns["torque"].tolist()
     [100.0, 300.0]
     """
+
+    def checked(row: Mapping[str, Any]) -> dict[str, Any]:
+        for name in FILES:
+            if name in row and not allow_outside:
+                _require_inside(path, name, row[name])
+        return {name: swept_quantity(name).checked(value) for name, value in row.items()}
+
     rows = read_load_case_rows(
-        path, lambda column: swept_quantity(column).words, _checked_values, size_limit=TABLE_SIZE_LIMIT
+        path, lambda column: swept_quantity(column).words, checked, size_limit=TABLE_SIZE_LIMIT, complete=True
     )
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    for at, row in enumerate(rows, start=1):
-        for name in FILES & row.keys() if not allow_outside else ():
-            _require_inside(path, at, name, row[name])
-        missing = [name for name in names if name not in row]
-        if missing:
-            raise InputError(
-                f"{named(path)}, load case {at}: {missing[0]} is missing; a sweep needs every value of its columns"
-            )
-    return load_case_axis({name: [row[name] for row in rows] for name in names})
+    return load_case_axis({name: [row[name] for row in rows] for name in rows[0]})
 
 
-def _require_inside(path: str | Path, at: int, name: str, value: str) -> None:
+def _require_inside(path: str | Path, name: str, value: str) -> None:
     """Refuse a file outside the folder of the table, and say nothing of it."""
     is_known = is_shipped(value) if name == "oil" else value in shipped_deviations()
     if not is_known and leads_outside(os.path.dirname(os.path.abspath(path)), os.path.abspath(value)):
         raise InputError(
-            f"{named(path)}, load case {at}: {name} = {shown(value)}: must be a shipped one, or a file inside the "
-            "folder of the table; if you trust the table, --allow-outside (in Python columns in place of a file) opens "
-            "files elsewhere"
+            f"{name} = {shown(value)}: must be a shipped one, or a file inside the folder of the table; if you trust "
+            "the table, --allow-outside (in Python columns in place of a file) opens files elsewhere"
         )
-
-
-def _checked_values(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of a row, each one of its quantity."""
-    return {name: swept_quantity(name).checked(value) for name, value in row.items()}
 
 
 def load_case_axis(columns: Any) -> Axis:
