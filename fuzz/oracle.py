@@ -141,7 +141,12 @@ def folder_faults(
     ]
     if stray:
         faults.append(f"touched without being named: {', '.join(sorted(stray)[:4])}")
-    remains = [path for path in new if Path(path).name.startswith(".") or path.endswith((".tmp", "~"))]
+    # A folder ~ is that of a path that begins so.
+    remains = [
+        path
+        for path in new
+        if Path(path).name.startswith(".") or path.endswith(".tmp") or (path.endswith("~") and after[path][0] == "file")
+    ]
     if remains:
         faults.append(f"temporary file: {', '.join(sorted(remains)[:4])}")
     for path in changed:
@@ -155,6 +160,8 @@ def folder_faults(
 def _paths(args: Sequence[str]) -> list[str]:
     """Words of a command line that may be paths, and folders that a command writes to by itself."""
     words = [*args, *(word.partition("=")[2] for word in args), *(DEFAULT_FOLDERS.get(word, "") for word in args[:1])]
+    if "" in args:
+        words.append(".")  # the current folder
     if "--keep" in args:
         words += [os.path.splitext(word)[0] + "-points" for word in args]
     return [word for word in words if word]

@@ -169,9 +169,11 @@ def test_mistakes_are_refused_before_the_work(over: dict[str, Any], wanted: str)
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("torque\n", "a row for every load case"),
-        ("torque,E\n100\n", "line 2: must have 2 values"),
-        ("torque,E\n100,0.1\n\n200,x\n", "line 4: E = 'x': must be a number"),
+        ("torque\n", "a head but no load cases: give a load case a line"),
+        ("torque,E\n100\n", "line 2, E: is missing; every column must have a value"),
+        ("torque,E\n100,0\n,0.1\n", "line 3, torque: is missing"),
+        ("torque,E\n100,0.1\n\n200,x\n", "line 4, E = 'x': must be a number"),
+        ("torque,E\n100,11\n", "line 2, E = 11: must be a number above -10 and below 10"),
         ("torque,torque\n1,2\n", "comes twice"),
         ("share\n1\n", "must have a column that changes something"),
         ("torque,share\n100,-1\n", "share: must be numbers of 0 or more"),

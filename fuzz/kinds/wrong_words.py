@@ -21,8 +21,8 @@ def options(rng: random.Random, box: Box) -> Input:
     output = rng.choice([*["out.nc"] * 12, *option_values.PATHS])
     words: dict[str, list[str]] = {
         "run": ["run", pair, "-o", output, "--torque", "50"],
-        "sweep": ["sweep", pair, "-o", output, "--over", rng.choice(["E=0:0.05:2", *option_values.OVER]), "--torque",
-        "50", "--workers", "1"],
+        "sweep": ["sweep", pair, "-o", output, "--over", rng.choice(["E=0:0.05:2", rng.choice(option_values.OVER)]),
+        "--torque", "50", "--workers", "1"],
         "vh": ["vh", pair, "-o", output],
         "problems": ["problems", pair, "-o", output, "--torque", "50"],
         "wear": ["wear", pair, "-o", output, "--torque", "50", "--revolutions", "1e3"],

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.checkpoint import Checkpoint
 from ...core.errors import InputError
@@ -47,6 +48,8 @@ class BatchStore:
         Digest of the sweep.
     description
         The sweep in words, for the message that refuses another.
+    count
+        Number of its points.
     fresh
         Whether batches in the folder are ignored and replaced.
 
@@ -56,7 +59,7 @@ class BatchStore:
         If the folder holds the batches of another sweep, or anything else, or cannot be written.
     """
 
-    def __init__(self, folder: Path, digest: str, description: str, *, fresh: bool = False) -> None:
+    def __init__(self, folder: Path, digest: str, description: str, count: int, *, fresh: bool = False) -> None:
         check_folder(folder, "batches of the sweep")
         self.folder, self._digest, self._description = folder, digest, description
         found = None if fresh else self._plan()
@@ -70,7 +73,7 @@ class BatchStore:
                 f"another ({printable(str(found.get('description')))}); give another folder, remove it, or begin anew "
                 "with --fresh"
             )
-        self.bounds: list[int] | None = _bounds(found)
+        self.bounds: list[int] | None = _bounds(found, count)
         self._map: Checkpoint[str] | None = None
 
     def divide(self, bounds: list[int]) -> None:
@@ -92,12 +95,20 @@ class BatchStore:
             temporary.write_bytes(data)
         self._completed.add(str(number), hashlib.sha256(data).hexdigest())
 
-    def complete(self) -> Iterator[tuple[int, Block]]:
-        """The batches that are complete, by their numbers."""
-        for number in range(len(self.bounds or [0]) - 1):
+    def complete(self, order: NDArray[Any]) -> Iterator[tuple[int, Block]]:
+        """The batches that are complete, by their numbers.
+
+        Parameters
+        ----------
+        order
+            Rows of the sweep (n) in the order in which the bounds divide them.
+        """
+        for number, (first, last) in enumerate(pairwise(self.bounds or [])):
             block = self._read(number)
+            # Another run of the same sweep may have divided it otherwise.
+            own = block is not None and np.array_equal(block.rows, order[first:last])
             # What failed unexpectedly, as for want of memory, may succeed now.
-            if block is not None and not np.any(block.status == PointStatus.FAILED):
+            if block is not None and own and not np.any(block.status == PointStatus.FAILED):
                 yield number, block
 
     def _read(self, number: int) -> Block | None:
@@ -157,12 +168,12 @@ def _is_own(name: str) -> bool:
     return name in (PLAN_NAME, MAP_NAME) or bool(BATCH_NAME.fullmatch(name) or PRIVATE_NAME.fullmatch(name))
 
 
-def _bounds(plan: dict[str, Any] | None) -> list[int] | None:
-    """Recorded bounds of the batches, if they rise from 0."""
+def _bounds(plan: dict[str, Any] | None, count: int) -> list[int] | None:
+    """Recorded bounds of the batches, if they rise from 0 to the number of points at most."""
     bounds = plan.get("bounds") if plan else None
-    if not isinstance(bounds, list) or not all(isinstance(one, int) for one in bounds) or bounds[:1] != [0]:
+    if not isinstance(bounds, list) or not all(type(one) is int for one in bounds) or bounds[:1] != [0]:
         return None
-    return bounds if all(one < two for one, two in pairwise(bounds)) else None
+    return bounds if all(one < two for one, two in pairwise(bounds)) and bounds[-1] <= count else None
 
 
 def _block(path: Path) -> Block:

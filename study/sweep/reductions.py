@@ -31,7 +31,7 @@ def numbers(dataset: xr.Dataset) -> list[str]:
     >>> "peak_to_peak" in numbers(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
     True
     """
-    own = set(point_dimensions(dataset))
+    own = set(reduced_dimensions(dataset))
     return [
         str(name)
         for name, variable in dataset.data_vars.items()
@@ -60,6 +60,19 @@ def point_dimensions(dataset: xr.Dataset) -> list[str]:
     """Dimensions over which points are analysed apart: those of the sweep but torque and operating conditions."""
     found = {str(dim) for name in swept_names(dataset) for dim in dataset[name].dims if dim not in LOADS}
     return [str(dim) for dim in dataset["status"].dims if dim in found]
+
+
+def reduced_dimensions(dataset: xr.Dataset) -> list[str]:
+    """Dimensions over which numbers are reduced: those of the points, or the loads that are swept if there are none.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> reduced_dimensions(easeoff.sweep("nasa-12x36", {"torque": [50.0, 100.0]}))
+    ['torque']
+    """
+    swept = swept_names(dataset)
+    return point_dimensions(dataset) or [name for name in LOADS if name in swept and name in dataset.dims]
 
 
 def percentiles(
@@ -97,7 +110,7 @@ def percentiles(
     wanted = np.asarray(percent, dtype=float)
     if wanted.ndim != 1 or not np.all((wanted >= 0.0) & (wanted <= 100.0)):
         raise InputError(f"percent = {shown(percent)}: must be numbers from 0 to 100")
-    own = set(point_dimensions(dataset))
+    own = set(reduced_dimensions(dataset))
     data: dict[str, Any] = {}
     for name in numbers(dataset) if names is None else names:
         variable = dataset[one_of("name", name, numbers(dataset))].variable
