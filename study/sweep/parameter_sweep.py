@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import datetime
 import json
 import os
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +20,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..deviation_source import Deviated, Source
+from ..provenance import case_attributes
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
 from .distribution import Sampler
@@ -265,15 +264,10 @@ def _batch(setup: SweepSetup, table: PointTable, bounds: list[int], number: int)
 
 def _attributes(plan: SweepPlan) -> dict[str, Any]:
     """Origin of the dataset, as netCDF attributes."""
-    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
     setup, case = plan.setup, plan.setup.case
     return {
-        "Conventions": "CF-1.11",
-        "title": case.title,
-        "history": f"{now} easeoff {own} sweep",
-        "easeoff_version": own,
+        **case_attributes(case, "sweep"),
         "sweep_schema_version": SWEEP_SCHEMA_VERSION,
-        "case": case.text or case.model_dump_json(),
         "sweep": plan.description,
         "swept": json.dumps(
             [name for axis in plan.axes for name in axis.columns if swept_quantity(name).stage < Stage.NOTHING]
