@@ -24,9 +24,8 @@ from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
 from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
-from .case_in_mesh import CaseInMesh, checked_case
+from .case_in_mesh import CaseInMesh, case_attributes, checked_case
 from .deviation_source import Deviated, Source, require_line_contact
-from .provenance import case_attributes, mesh_attributes
 
 if TYPE_CHECKING:
     from ..cases.schema.friction_table import FrictionTable
@@ -373,7 +372,7 @@ def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[s
     flanks = (state.pair.pinion.opposite, state.pair.gear.opposite)
     return {
         **case_attributes(state.case, "analyze"),
-        **mesh_attributes(state),
+        **state.attributes,
         "schema_version": RESULT_SCHEMA_VERSION,
         "solver": solver,
         "compliance_model": state.case.compliance.model,

@@ -25,9 +25,8 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis import RESULT_SCHEMA_VERSION, contact_analysis, operation_of, with_friction
-from ..case_in_mesh import CaseInMesh, checked_case
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
-from ..provenance import case_attributes
 from ..report.key_numbers import key_numbers
 from .duty_means import DAMAGE_EXPONENTS, checked_exponents, duty_means
 

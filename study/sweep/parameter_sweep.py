@@ -19,8 +19,8 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..case_in_mesh import case_attributes
 from ..deviation_source import Deviated, Source
-from ..provenance import case_attributes
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
 from .distribution import Sampler

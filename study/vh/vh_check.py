@@ -25,9 +25,8 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_in_mesh import CaseInMesh, checked_case
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
-from ..provenance import case_attributes, mesh_attributes
 from .shifted_patterns import PLACES, STORED_GRID, ShiftedPatterns, found_dataset, grid_dataset
 from .vh_search import Found, PatternSearch, PatternStatus
 
@@ -118,7 +117,7 @@ def vh_check(
     dataset = found_dataset(found, places, exact)
     if counts is not None:
         dataset = dataset.merge(grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID)))
-    origin = case_attributes(case, "vh_check") | mesh_attributes(fine)
+    origin = case_attributes(case, "vh_check") | fine.attributes
     units = {"separation": thickness, "attribute_units": "separation: um"}
     return labelled(dataset).assign_attrs(origin | units | dataset.attrs)
 
