@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +16,7 @@ from .compliance.spread_deflection import SpreadDeflection
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from .lines.mesh_edges import edges_in_mesh
+from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges, may_touch
 from .lines.mesh_lines import MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis, basis_of_blocks
@@ -178,7 +178,8 @@ class LineSegments:
     @cached_property
     def bending(self) -> list[ModalBasis]:
         """Bending compliance at every mesh position that has contact lines."""
-        return [_bending(here["pair"], here["load"]) for here in _parted(self.table).values()]
+        table, parts = _sorted(self.table)
+        return [_bending(table["pair"][own], table["load"][:, own]) for own in parts.values()]
 
 
 @dataclass(frozen=True)
@@ -208,6 +209,7 @@ class CycleSegments:
     fields: FlankSplines
     on_lines: LineSegments
     cut: bool = False
+    _searched: list[tuple[Array, dict[str, Array]]] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @cached_property
     def to_edges(self) -> CycleSegments:
@@ -227,10 +229,29 @@ class CycleSegments:
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
-        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest)
+        on_lines, on_edges = self.to_edges._on_lines, self._on_edges(widest)
+        both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
+        return self._split(both)
+
+    @cached_property
+    def _edges(self) -> tuple[FlankEdge, ...]:
+        return flank_edges(self.fields)
+
+    def _on_edges(self, widest: Array) -> dict[str, Array]:
+        """The table of the pieces of edges; from that of the last search if this was for no lesser gap."""
+        if not self._searched or np.any(widest > self._searched[0][0]):
+            self._searched[:] = [
+                (widest, self._edge_table(edges_in_mesh(self.fields, self.on_lines.lines, widest, self._edges)))
+            ]
+        table = self._searched[0][1]
+        near = may_touch(table["separation_angle"], table["estimate"], widest[table["position"]])
+        return {name: values[..., near] for name, values in table.items()}
+
+    def _edge_table(self, edges: MeshEdges) -> dict[str, Array]:
+        """The table of pieces of edges."""
         found = edges.elements
-        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
-        on_edges = {name: getattr(found, name) for name in names} | {
+        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang", "estimate")
+        return {name: getattr(found, name) for name in names} | {
             **self.fields.evaluate(DEPTHS, found.points),
             "position": edges.position,
             "pair": edges.pair,
@@ -238,9 +259,6 @@ class CycleSegments:
             "searched": np.zeros(edges.pair.size, dtype=bool),
             "load": self.on_lines.loads(found.points[..., None], np.ones(1)),
         }
-        on_lines = self.to_edges._on_lines
-        both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
-        return self._split(both)
 
     @cached_property
     def _on_lines(self) -> dict[str, Array]:
@@ -264,29 +282,32 @@ class CycleSegments:
         """Segments of a table by mesh position, with their bending where it is known."""
         model = self.on_lines.teeth.model
         result: list[Segments | None] = [None] * self.on_lines.lines.rotations.size
-        for i, (k, here) in enumerate(_parted(table).items()):
-            depths = [np.maximum(here[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
-            contact = WeberLineContact(
-                here["length"],
-                1.0 / np.maximum(here["curvature"], RELATIVE_CURVATURE_MINIMUM),
-                depths[0],
-                depths[1],
-                model.pinion,
-                model.gear,
-                model.foot_correction,
-                overhang=here["overhang"],
-            )
+        table, parts = _sorted(table)
+        depths = [np.maximum(table[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
+        contact = WeberLineContact(
+            table["length"],
+            1.0 / np.maximum(table["curvature"], RELATIVE_CURVATURE_MINIMUM),
+            depths[0],
+            depths[1],
+            model.pinion,
+            model.gear,
+            model.foot_correction,
+            overhang=table["overhang"],
+        )
+        for i, (k, own) in enumerate(parts.items()):
+            here = {name: values[..., own] for name, values in table.items()}
             basis = bending[i] if bending is not None else _bending(here["pair"], here["load"])
             gap = here["separation_angle"], here["lever_arm"]
-            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact, here["searched"])
+            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), here["searched"])
         return result
 
 
-def _parted(table: dict[str, Array]) -> dict[int, dict[str, Array]]:
-    """Parts of a table by mesh position, those without segments left out."""
-    position = table["position"]
-    rows = {int(k): np.flatnonzero(position == k) for k in np.unique(position)}
-    return {k: {name: values[..., chosen] for name, values in table.items()} for k, chosen in rows.items()}
+def _sorted(table: dict[str, Array]) -> tuple[dict[str, Array], dict[int, slice]]:
+    """A table in the order of the mesh positions, and the part of each that has segments."""
+    order = np.argsort(table["position"], kind="stable")
+    table = {name: values[..., order] for name, values in table.items()}
+    known, first = np.unique(table["position"], return_index=True)
+    return table, {int(k): slice(*ends) for k, *ends in zip(known, first, [*first[1:], order.size], strict=True)}
 
 
 def _bending(pairs: NDArray[np.int64], load: Array) -> ModalBasis:

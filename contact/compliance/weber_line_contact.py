@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -224,6 +224,17 @@ class WeberLineContact:
             first.floor_ratio,
             np.concatenate([contact.overhang for contact in contacts]),
         )
+
+    def part(self, chosen: slice) -> WeberLineContact:
+        """Some of the segments alone, of arrays (n)."""
+        own, bodies = object.__new__(WeberLineContact), self._bodies
+        known = {name: value[chosen] if np.ndim(value) else value for name, value in self.__dict__.items()}
+        cut = {"depth": bodies.depth[:, chosen]}
+        cut |= {"width_squared": bodies.width_squared[chosen], "overhang": bodies.overhang[chosen]}
+        own.__dict__.update(
+            known | {"_bodies": replace(bodies, **cut), "parameters": self.parameters[chosen]}
+        )  # frozen
+        return own
 
     @property
     def flexibility(self) -> float:

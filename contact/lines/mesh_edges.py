@@ -7,6 +7,7 @@ the gear is fixed on the gear flank; an edge of the pinion moves over it as the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
 from typing import Any
@@ -46,6 +47,8 @@ class EdgeElements:
         Relative curvature of the gap across the contact line [1/mm].
     overhang
         Distance beyond the edge at which the flanks would come closest, across the contact line [mm].
+    estimate
+        Estimate of the gap [rad], by which the pieces were looked for.
     """
 
     level: NDArray[np.int64]
@@ -55,6 +58,11 @@ class EdgeElements:
     length: Array
     curvature: Array
     overhang: Array
+    estimate: Array
+
+    def at(self, chosen: NDArray[Any]) -> EdgeElements:
+        """Some of the pieces."""
+        return EdgeElements(*(getattr(self, field.name)[..., chosen] for field in dataclass_fields(EdgeElements)))
 
 
 @dataclass(frozen=True)
@@ -74,7 +82,9 @@ class MeshEdges:
     pair: NDArray[np.int64]
 
 
-def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array) -> MeshEdges:
+def edges_in_mesh(
+    splines: FlankSplines, mesh: MeshLines, widest: Array, edges: Sequence[FlankEdge] | None = None
+) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
     Parameters
@@ -86,14 +96,23 @@ def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array) -> Mesh
         as well.
     widest
         For every mesh position the gap above which nothing touches, as a gear rotation [rad].
+    edges
+        The edges from ``flank_edges``, if they are known.
     """
     pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
     levels = mesh.rotations[:, None] - pairs * mesh.pinion_pitch
-    elements = edge_elements(splines, levels.ravel(), np.repeat(widest, pairs.size))
+    elements = edge_elements(splines, levels.ravel(), np.repeat(widest, pairs.size), edges)
     return MeshEdges(elements, elements.level // pairs.size, pairs[elements.level % pairs.size])
 
 
-def edge_elements(splines: FlankSplines, rotations: Array, widest: Array) -> EdgeElements:
+def flank_edges(splines: FlankSplines) -> tuple[FlankEdge, ...]:
+    """Toe, heel and tip of both members, at no rotation in particular."""
+    return tuple(FlankEdge.of(splines, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True))
+
+
+def edge_elements(
+    splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge] | None = None
+) -> EdgeElements:
     """Pieces of the edges of one tooth pair that may touch.
 
     Parameters
@@ -104,16 +123,22 @@ def edge_elements(splines: FlankSplines, rotations: Array, widest: Array) -> Edg
         Pinion rotations (q) [rad], counted as the roll angle.
     widest
         Gap (q) above which nothing touches, as a gear rotation [rad].
+    edges
+        The edges from ``flank_edges``, if they are known.
     """
-    edges = [_Edge.of(splines, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True)]
-    parts = [_touching(splines, edge, rotations, widest) for edge in edges]
+    parts = [_touching(splines, edge, rotations, widest) for edge in edges or flank_edges(splines)]
     return EdgeElements(
         *(np.concatenate([getattr(p, field.name) for p in parts], axis=-1) for field in dataclass_fields(EdgeElements))
     )
 
 
+def may_touch(gap: Array, estimate: Array, widest: Array) -> NDArray[np.bool_]:
+    """Whether pieces with a gap and its estimate (n) may touch, where nothing does above the gap ``widest`` (n)."""
+    return np.asarray((gap < widest) & (estimate < GAP_ESTIMATE_MARGIN * widest))
+
+
 @dataclass(frozen=True)
-class _Edge:
+class FlankEdge:
     """Nodes (k) of one edge, and where on the gear they are in conjugate contact.
 
     Parameters
@@ -151,7 +176,7 @@ class _Edge:
     blade_distance: Array
 
     @classmethod
-    def of(cls, splines: FlankSplines, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
+    def of(cls, splines: FlankSplines, fraction: int, value: float, *, of_pinion: bool) -> FlankEdge:
         """Nodes of the edge on which one fraction has the given value."""
         along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
         nodes = np.full((2, along.size), value)
@@ -177,9 +202,9 @@ class _Edge:
         )
 
 
-def _touching(splines: FlankSplines, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
+def _touching(splines: FlankSplines, edge: FlankEdge, rotations: Array, widest: Array) -> EdgeElements:
     """Elements of one edge at all rotations."""
-    row, element, low, high = _candidates(edge, rotations, widest)
+    row, element, low, high, estimate = _candidates(edge, rotations, widest)
     middle = 0.5 * (low + high)
 
     def between(nodes: Array) -> Array:
@@ -197,15 +222,16 @@ def _touching(splines: FlankSplines, edge: _Edge, rotations: Array, widest: Arra
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
     length = (high - low) * here.length_along(last - first)
-    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~splines.in_hole(points)
-    found = EdgeElements(row, points, gap, here.lever_arm, length, curvature, overhang)
-    return EdgeElements(*(getattr(found, field.name)[..., kept] for field in dataclass_fields(EdgeElements)))
+    kept = may_touch(gap, estimate, widest[row]) & (curvature > 0.0) & (length > 0.0)
+    kept &= here.still_opens(left) & ~splines.in_hole(points)
+    return EdgeElements(row, points, gap, here.lever_arm, length, curvature, overhang, estimate).at(kept)
 
 
-def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Array, Array, Array]:
-    """Rotations and elements (n) of an edge that may touch, and the part of each between two fractions (n) that does.
+def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Rotations and elements (n) of an edge that may touch, the part of each between two fractions (n), and its gap.
 
-    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
+    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds. The
+    gap (n) is an estimate.
     """
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
@@ -215,8 +241,8 @@ def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Ar
         moved = edge.points[:, None] + edge.moving[:, None] * away
         other = moved if edge.of_pinion else edge.opposite.after(away)
         blade = np.broadcast_to(edge.blade_distance, gap.shape)
-        near = gap < GAP_ESTIMATE_MARGIN * widest[:, None]
-    row, element = np.nonzero(near[:, 1:] | near[:, :-1])
+        estimate = np.minimum(gap[:, 1:], gap[:, :-1])
+    row, element = np.nonzero(estimate < GAP_ESTIMATE_MARGIN * widest[:, None])
     low, high = np.zeros(row.size), np.ones(row.size)
     for margin in (falls, *other, *(1.0 - other), blade):
         first, last = margin[row, element], margin[row, element + 1]
@@ -225,4 +251,5 @@ def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Ar
         low = np.maximum(low, np.where(first > 0.0, 0.0, np.where(last > 0.0, zero, 1.0)))
         high = np.minimum(high, np.where(last > 0.0, 1.0, np.where(first > 0.0, zero, 0.0)))
     kept = high > low
-    return row[kept], element[kept], low[kept], high[kept]
+    row, element = row[kept], element[kept]
+    return row, element, low[kept], high[kept], estimate[row, element]

@@ -48,11 +48,18 @@ def _b_splines(ends: Any, pieces: Any, x: float, i: int, values: Any) -> None:
             values[2, s] = unit * unit * bend
 
 
-_vector, _table, _block = readable(numba.f8, 1), readable(numba.f8, 2), readable(numba.f8, 3)
+@_sums
+def _sum(c: Any, i: int, y: int, w: Any) -> float:
+    """Sum of the B-splines of the first direction with weights, for one of the second."""
+    low = w[0] * c[i, y] + w[1] * c[i + 1, y] + w[2] * c[i + 2, y]
+    return low + (w[3] * c[i + 3, y] + w[4] * c[i + 4, y] + w[5] * c[i + 5, y])  # type: ignore[no-any-return]
+
+
+_vector, _block = readable(numba.f8, 1), readable(numba.f8, 3)
 
 
 @compiled(
-    numba.void(_vector, _block, _vector, _block, _table, _vector, _vector, readable(numba.i8, 2), numba.f8[:, :, ::1]),
+    numba.void(_vector, _block, _vector, _block, _block, _vector, _vector, readable(numba.i8, 2), numba.f8[:, :, ::1]),
     fastmath={"contract"},
 )
 def evaluate(
@@ -65,7 +72,7 @@ def evaluate(
     ends_t, pieces_t, ends_h, pieces_h
         Of the intervals of both directions, the pieces as (interval, power, B-spline).
     coefficients
-        Of the B-splines (nt, nh * m).
+        Of the B-splines (m, nt, nh).
     t, h
         Points (n).
     orders
@@ -73,24 +80,20 @@ def evaluate(
     results
         For the derivatives (d, m, n).
     """
-    count = results.shape[1]
     along, across = np.empty((orders[:, 0].max() + 1, SIZE)), np.empty((orders[:, 1].max() + 1, SIZE))
-    half, c = np.empty((along.shape[0], SIZE * count)), coefficients
     per_t, per_h = (ends_t.size - 1) / (ends_t[-1] - ends_t[0]), (ends_h.size - 1) / (ends_h[-1] - ends_h[0])
     for n in range(t.size):
         i, j = _interval(ends_t, per_t, t[n]), _interval(ends_h, per_h, h[n])
         _b_splines(ends_t, pieces_t, t[n], i, along)
         _b_splines(ends_h, pieces_h, h[n], j, across)
-        first = j * count
-        for order in range(along.shape[0]):
-            w = along[order]
-            for x in range(SIZE * count):
-                y = first + x
-                low = w[0] * c[i, y] + w[1] * c[i + 1, y] + w[2] * c[i + 2, y]
-                half[order, x] = low + w[3] * c[i + 3, y] + w[4] * c[i + 4, y] + w[5] * c[i + 5, y]
-        for d in range(orders.shape[0]):
-            v, w = half[orders[d, 0]], across[orders[d, 1]]
-            for m in range(count):
-                low = w[0] * v[m] + w[1] * v[m + count] + w[2] * v[m + 2 * count]
-                high = w[3] * v[m + 3 * count] + w[4] * v[m + 4 * count] + w[5] * v[m + 5 * count]
-                results[d, m, n] = low + high
+        for m in range(coefficients.shape[0]):
+            c = coefficients[m]
+            for order in range(along.shape[0]):
+                w = along[order]
+                v0, v1, v2 = _sum(c, i, j, w), _sum(c, i, j + 1, w), _sum(c, i, j + 2, w)
+                v3, v4, v5 = _sum(c, i, j + 3, w), _sum(c, i, j + 4, w), _sum(c, i, j + 5, w)
+                for d in range(orders.shape[0]):
+                    if orders[d, 0] == order:
+                        b = across[orders[d, 1]]
+                        low = b[0] * v0 + b[1] * v1 + b[2] * v2
+                        results[d, m, n] = low + (b[3] * v3 + b[4] * v4 + b[5] * v5)

@@ -193,13 +193,8 @@ class TensorSpline:
         (t, h), (along, across) = np.ascontiguousarray(points, dtype=float), self.intervals
         results = np.empty((len(derivatives), len(self.coefficients), t.size))
         orders = np.array(derivatives, dtype=np.int64)
-        kernel.evaluate(*along.compiled, *across.compiled, self._by_node, t, h, orders, results)
+        kernel.evaluate(*along.compiled, *across.compiled, self.coefficients, t, h, orders, results)
         return list(results)
-
-    @cached_property
-    def _by_node(self) -> Array:
-        """Coefficients (nt, nh * m)."""
-        return np.ascontiguousarray(self.coefficients.transpose(1, 2, 0)).reshape(self.coefficients.shape[1], -1)
 
 
 @cache
