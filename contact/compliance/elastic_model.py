@@ -229,4 +229,4 @@ def whitened_loads(
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
         stacked.append(tooth.whiten(vectors)[tooth.idle_size :])
-    return np.concatenate(stacked, axis=0)
+    return np.concatenate([loads.T for loads in stacked], axis=1).T

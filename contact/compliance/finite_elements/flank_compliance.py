@@ -11,6 +11,7 @@ taken, with the eigenvalues that rounding and mesh leave below zero put to zero.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,13 +62,18 @@ class FlankCompliance:
         Array
             (k, n), such that Y^T Y is the compliance between the segments [mm/N].
         """
-        from scipy.sparse import csc_array
+        from scipy.sparse import csr_array
 
         nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
         shares = shares * np.tile(weights, points.shape[1])[:, None]
-        segments = np.repeat(np.arange(points.shape[1]), weights.size * shares.shape[1])
-        loads = csc_array((shares.ravel(), (nodes.ravel(), segments)), shape=(self.profile.size, points.shape[1]))
-        return np.asarray(self.factor @ loads)
+        per_segment = weights.size * shares.shape[1]
+        starts = np.arange(points.shape[1] + 1) * per_segment
+        loads = csr_array((shares.ravel(), nodes.ravel(), starts), shape=(points.shape[1], self.profile.size))
+        return np.asarray((loads @ self._by_node).T)
+
+    @cached_property
+    def _by_node(self) -> Array:
+        return np.ascontiguousarray(self.factor.T)
 
 
 def share_of_three(point: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:
