@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from math import perm
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ..solvers.compiled.compiled_use import is_used
+from ..solvers.compiled.compiled_use import compiled_code_of
 
 Array = NDArray[Any]
 TABLE_SIZE_LIMIT = 2_000_000  # numbers of a table of all cells; beyond it those of the cells that are asked for
@@ -156,7 +156,7 @@ class TensorSpline:
 
         Beyond the grid the polynomials of its edge go on.
         """
-        kernel = _kernel() if is_used() else None
+        kernel = compiled_code_of(_kernel)
         if kernel is not None and self._suits(kernel, derivatives):
             return self._compiled(kernel, points, derivatives)
         (i, u), (j, v) = (each.place(one) for each, one in zip(self.intervals, points, strict=True))
@@ -197,13 +197,9 @@ class TensorSpline:
         return list(results)
 
 
-@cache
 def _kernel() -> Any:
-    """The compiled evaluation, loaded when it is first used, or None."""
-    try:
-        from . import spline_kernel
-    except ImportError:  # no numba, or none for this Python or numpy
-        return None
+    from . import spline_kernel
+
     return spline_kernel
 
 
