@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from ...core.ordered_values import ordered
 
 Array = NDArray[Any]
 
@@ -65,13 +68,13 @@ class Line:
     points: Array
     pressure: Array
 
-    @property
+    @cached_property
     def along(self) -> Array:
         """Distance of the points (k) from the first one, as a part of the length."""
-        steps = np.linalg.norm(np.diff(self.points, axis=1), axis=0)
+        steps = np.linalg.norm(self.points[:, 1:] - self.points[:, :-1], axis=0)
         return np.concatenate([[0.0], np.cumsum(steps)]) / max(float(np.sum(steps)), 1e-12)
 
-    @property
+    @cached_property
     def middle(self) -> Array:
         """Mean of the points (2)."""
         return np.asarray(self.points.mean(axis=1))
@@ -92,7 +95,7 @@ def pressure_map(at_torque: xr.Dataset) -> PressureMap:
     """
     positions = at_torque.sizes["mesh_position"]
     names = ("tooth", "lengthwise", "profile", "pressure", "length")
-    table = np.stack([at_torque[name].transpose("mesh_position", "segment").values for name in names])
+    table = np.stack([ordered(at_torque, name, "mesh_position", "segment") for name in names])
     steps: dict[int, list[Line]] = {}
     for k in range(positions):
         for tooth, line in _lines(table[:, k]):
@@ -106,8 +109,10 @@ def _lines(segments: Array) -> Iterator[tuple[int, Line]]:
     segments = segments[:, np.all(np.isfinite(segments), axis=0)]
     tooth, length = segments[0], segments[4]
     # The segments of a line are equally long: another length is another line, even on the same tooth.
-    new = (np.diff(tooth) != 0) | (np.abs(np.diff(length)) > 1e-9 * length[1:])
-    for part in np.split(segments, np.flatnonzero(new) + 1, axis=1):
+    new = (tooth[1:] != tooth[:-1]) | (np.abs(length[1:] - length[:-1]) > 1e-9 * length[1:])
+    cuts = (np.flatnonzero(new) + 1).tolist()
+    for first, beyond in zip([0, *cuts], [*cuts, tooth.size], strict=True):
+        part = segments[:, first:beyond]
         points, pressure = part[1:3], part[3]
         if pressure.size < 2:
             continue
@@ -190,8 +195,9 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
 
 def _nearest(line: Line, others: list[Line]) -> int | None:
     """Index of the line whose middle is nearest; ``None`` if there are no others."""
-    distances = [float(np.linalg.norm(other.middle - line.middle)) for other in others]
-    return int(np.argmin(distances)) if distances else None
+    if len(others) < 2:
+        return 0 if others else None
+    return int(np.argmin([float(np.linalg.norm(other.middle - line.middle)) for other in others]))
 
 
 def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
