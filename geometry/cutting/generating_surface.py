@@ -26,6 +26,13 @@ Array = NDArray[Any]
 Hand = Literal["left", "right"]
 
 
+def area_ratio(first: Array, second: Array, normal: Array) -> Array:
+    """Area per parameters (n) of a surface with derivatives of its points and outward normals (3, n); see
+    ``GeneratingSurface.orientation``.
+    """
+    return np.asarray(dot(cross(first[:3], second[:3]), normal))
+
+
 @dataclass(frozen=True)
 class GeneratingSurface:
     """Generating surface of one flank: blade, machine settings and hand of the member.
@@ -217,9 +224,8 @@ class GeneratingSurface:
     def orientation(self, parameters: Array) -> Array:
         """Signed area ratio of the parametrisation (n): it changes sign where the flank is undercut."""
 
-        def position(p: Array) -> Array:
-            return self.evaluate(p)[0]
+        def position_and_normal(p: Array) -> Array:
+            return np.concatenate(self.evaluate(p)[:2])
 
-        _, (first, second) = complex_steps(position, parameters)
-        _, normal, _ = self.evaluate(parameters)
-        return np.asarray(dot(cross(first, second), normal))
+        value, (first, second) = complex_steps(position_and_normal, parameters)
+        return area_ratio(first, second, value[3:])
