@@ -184,7 +184,7 @@ class LineSegments:
         """Both teeth's unit loads (n, k) on segments with quadrature points (2, n, g), see ``whitened_loads``."""
         bending = whitened_loads(self.teeth.both, self.fields, points, weights)
         spread = (one.loads(self.fields, points, weights) for one in self.spread)
-        return np.concatenate([loads.T for loads in (bending, *spread)], axis=1)
+        return np.concatenate([loads.T for loads in (*bending, *spread)], axis=1)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:

@@ -199,8 +199,8 @@ def whitened_loads(
     splines: FlankSplines,
     points: Array,
     weights: Array,
-) -> NDArray[np.float64]:
-    """Both members' whitened unit loads on segments; their inner products are bending compliances.
+) -> list[Array]:
+    """Whitened unit loads of each member on segments; their inner products are bending compliances.
 
     Parameters
     ----------
@@ -215,8 +215,9 @@ def whitened_loads(
 
     Returns
     -------
-    Array
-        Y (k, n) such that the compliance of segments on one tooth pair is Y^T Y [mm/N] (Kolivand 2009, Eq. 3.11).
+    list
+        Y (k, n) of pinion and gear, such that the compliance of segments on one tooth pair is the sum of Y^T Y [mm/N]
+        (Kolivand 2009, Eq. 3.11).
     """
     stacked = []
     for member, tooth in zip(MEMBERS, elastic, strict=True):
@@ -229,4 +230,4 @@ def whitened_loads(
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
         stacked.append(tooth.whiten(vectors)[tooth.idle_size :])
-    return np.concatenate([loads.T for loads in stacked], axis=1).T
+    return stacked

@@ -63,9 +63,8 @@ def _of_certified(cases: Sequence[LoadedCase]) -> Array:
     blocks = []
     for case, force, tangent in zip(cases, forces, tangents, strict=True):
         bending, arm = case.segments.bending, case.segments.lever_arm
-        for index, modes in zip(bending.index, bending.modes, strict=True):
-            rows = np.flatnonzero(index < bending.size)
-            rows = rows[force[index[rows]] > 0.0]
+        for index, modes in bending.blocks:
+            rows = np.flatnonzero(force[index] > 0.0)
             blocks.append((modes[rows], tangent[index[rows]], arm[index[rows]]))
     size, rank = (max(modes.shape[axis] for modes, _, _ in blocks) for axis in (0, 1))
     shape = len(blocks), size
@@ -75,5 +74,5 @@ def _of_certified(cases: Sequence[LoadedCase]) -> Array:
         compliance[number, : len(modes)], arms[number, : len(modes)] = tangent, arm
     whole = all_modes @ all_modes.swapaxes(1, 2) + compliance[:, :, None] * np.eye(size)
     carried = np.sum(arms * np.linalg.solve(whole, arms[..., None])[..., 0], axis=1)
-    first = np.cumsum([0, *(len(case.segments.bending.index) for case in cases)])[:-1]
+    first = np.cumsum([0, *(len(case.segments.bending.blocks) for case in cases)])[:-1]
     return np.asarray(np.add.reduceat(carried, first)) * 1e-9

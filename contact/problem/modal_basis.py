@@ -50,11 +50,16 @@ class ModalBasis:
         return factor[:-1]
 
     @cached_property
-    def columns(self) -> ModeColumns:
-        """The modes as the compiled contact solution reads them."""
+    def blocks(self) -> list[tuple[NDArray[np.intp], Array]]:
+        """Segments (m) and modes (m, k) of each block, without the padding."""
         rows = [index < self.size for index in self.index]
         blocks = zip(self.index, self.modes, rows, strict=True)
-        return mode_columns(self.size, [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks])
+        return [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks]
+
+    @cached_property
+    def columns(self) -> ModeColumns:
+        """The modes as the compiled contact solution reads them."""
+        return mode_columns(self.size, self.blocks)
 
     @property
     def basis(self) -> ModalBasis:
@@ -112,7 +117,9 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Seq
     for number, (own, block) in enumerate(zip(rows, compressed, strict=True)):
         index[number, : own.size] = own
         modes[number, : own.size, : block.shape[1]] = block
-    return ModalBasis(size, index, modes)
+    basis = ModalBasis(size, index, modes)
+    basis.__dict__["blocks"] = list(zip(rows, compressed, strict=True))  # known already
+    return basis
 
 
 def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:

@@ -27,9 +27,7 @@ Hand = Literal["left", "right"]
 
 
 def area_ratio(first: Array, second: Array, normal: Array) -> Array:
-    """Area per parameters (n) of a surface with derivatives of its points and outward normals (3, n); see
-    ``GeneratingSurface.orientation``.
-    """
+    """Area per parameters (n), from the derivatives of points and outward normals (3, n): see ``orientation``."""
     return np.asarray(dot(cross(first[:3], second[:3]), normal))
 
 

@@ -88,17 +88,15 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDAr
     rows = profile.shape[1]
     along = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, np.arange(lengthwise.size))
     sections, section_shares, _ = share_of_three(along, lengthwise.size)
-    # Heights of the nodes at this lengthwise fraction; then the brick, and the point in it by Newton's method.
+    # Heights of the nodes at this lengthwise fraction; then the brick, and the point in it, from a parabola.
     heights = np.einsum("nk,nkh->nh", section_shares, profile[sections])
     wanted = np.clip(points[1], heights[:, 0], heights[:, -1])
     brick = np.clip(np.sum(heights[:, ::2] <= wanted[:, None], axis=1) - 1, 0, (rows - 3) // 2)
     levels = 2 * brick[:, None] + np.arange(3)
     three = np.take_along_axis(heights, levels, axis=1)
-    point = np.zeros(wanted.size)
-    for _ in range(6):
-        shares, slopes = quadratic(point)
-        point = point - (np.sum(shares * three, axis=1) - wanted) / np.sum(slopes * three, axis=1)
-    shares = quadratic(point)[0]
+    low, middle, high = three.T
+    rise, bend, above = 0.5 * (high - low), 0.5 * (high + low) - middle, wanted - middle
+    shares = quadratic(2.0 * above / (rise + np.sqrt(rise * rise + 4.0 * bend * above)))[0]
     nodes = sections[:, :, None] * rows + levels[:, None, :]
     return nodes.reshape(-1, 9), (section_shares[:, :, None] * shares[:, None, :]).reshape(-1, 9)
 
