@@ -67,9 +67,10 @@ class MachinePose:
 
 def _moving(settings: MachineSettings, name: str, increment: Array, sense: int) -> tuple[Array, Array]:
     """Value of a setting (n) and its derivative by the cradle rotation."""
-    value = np.full(increment.shape, getattr(settings, name)) + 0.0 * increment
+    coefficients = dict(settings.motions).get(name, ()) if settings.motions else ()
+    value = np.full(increment.shape, getattr(settings, name), dtype=increment.dtype)
     derivative = np.zeros_like(value)
-    for order, coefficient in enumerate(dict(settings.motions).get(name, ()), start=1):
+    for order, coefficient in enumerate(coefficients, start=1):
         value = value + coefficient * increment**order
         derivative = derivative + sense * order * coefficient * increment ** (order - 1)
     return value, derivative
