@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
 from .elastic_foundation import ElasticFoundation
@@ -179,11 +180,11 @@ def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``whitened_loads`` needs, by name."""
     fields = {}
     for member in MEMBERS:
-        one = teeth.sel(member=member)
+        one = int(np.flatnonzero(ordered(teeth, "member", "member") == member)[0])
         for name in ("shell_height", "shell_arc", "depth"):
-            fields[f"{name}_{member}"] = one[name].transpose("lengthwise", "profile").values
-        direction = one["shell_direction"].transpose("lengthwise", "profile", "shell_axis")
-        fields[f"shell_direction_{member}"] = direction.values
+            fields[f"{name}_{member}"] = ordered(teeth, name, "member", "lengthwise", "profile")[one]
+        direction = ordered(teeth, "shell_direction", "member", "lengthwise", "profile", "shell_axis")
+        fields[f"shell_direction_{member}"] = direction[one]
     return fields
 
 
