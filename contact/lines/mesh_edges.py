@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
-from typing import Any
+from itertools import product
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from .mesh_lines import MeshLines
 from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
 Array = NDArray[Any]
+Around = TypeVar("Around", bound="EdgeElements | AcrossLine | OppositePoints")
 
 ELEMENTS_PER_EDGE = 160
 EDGES = ((0, 0.0), (0, 1.0), (1, 1.0))  # which fraction is held, and where: toe, heel, tip
@@ -59,10 +61,6 @@ class EdgeElements:
     curvature: Array
     overhang: Array
     estimate: Array
-
-    def at(self, chosen: NDArray[Any]) -> EdgeElements:
-        """Some of the pieces."""
-        return EdgeElements(*(getattr(self, field.name)[..., chosen] for field in dataclass_fields(EdgeElements)))
 
 
 @dataclass(frozen=True)
@@ -106,8 +104,27 @@ def edges_in_mesh(
 
 
 def flank_edges(splines: FlankSplines) -> tuple[FlankEdge, ...]:
-    """Toe, heel and tip of both members, at no rotation in particular."""
-    return tuple(FlankEdge.of(splines, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True))
+    """Toe, heel and tip of gear and pinion, at no rotation in particular."""
+    along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
+    nodes = np.stack(
+        [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES], axis=1
+    )
+    of_gear = nodes.reshape(2, -1)
+    points = np.concatenate([of_gear, conjugate_points(splines, of_gear)], axis=1)
+    here, opposite = across_line(splines, points), OppositePoints.of(splines, points)
+    blade_distance = splines("blade_distance", np.clip(points, 0.0, 1.0))
+    edges = []
+    for (number, (fraction, value)), of_pinion in product(enumerate(EDGES), (False, True)):
+        first = (number + of_pinion * len(EDGES)) * along.size
+        own = slice(first, first + along.size)
+        around = points[:, own], _at(here, own), _at(opposite, own), blade_distance[own]
+        edges.append(FlankEdge.of(of_pinion, fraction, value, nodes[:, number], *around))
+    return tuple(edges)
+
+
+def _at(values: Around, chosen: NDArray[Any] | slice) -> Around:
+    """The same at some of the points alone."""
+    return type(values)(*(getattr(values, field.name)[..., chosen] for field in dataclass_fields(values)))
 
 
 def edge_elements(
@@ -126,10 +143,22 @@ def edge_elements(
     edges
         The edges from ``flank_edges``, if they are known.
     """
-    parts = [_touching(splines, edge, rotations, widest) for edge in edges or flank_edges(splines)]
-    return EdgeElements(
-        *(np.concatenate([getattr(p, field.name) for p in parts], axis=-1) for field in dataclass_fields(EdgeElements))
-    )
+    candidates = [_candidates(edge, rotations, widest) for edge in edges or flank_edges(splines)]
+    rows, *between = (np.concatenate(values, axis=-1) for values in zip(*candidates, strict=True))
+    of_pinion, wanted, first, last, middle, share, estimate = between
+    points = first + middle * (last - first)
+    moving = np.flatnonzero(of_pinion)
+    points[:, moving] = points_below(splines, wanted[:, moving], points[:, moving], rotations[rows[moving]])
+    points = np.clip(points, 0.0, 1.0)
+    here = across_line(splines, points)
+    left = rotations[rows] - here.roll_angle
+    gap, curvature = here.gap(left), here.curvature
+    with np.errstate(divide="ignore", invalid="ignore"):
+        overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
+    length = share * here.length_along(last - first)
+    kept = may_touch(gap, estimate, widest[rows]) & (curvature > 0.0) & (length > 0.0)
+    kept &= here.still_opens(left) & ~splines.in_hole(points)
+    return _at(EdgeElements(rows, points, gap, here.lever_arm, length, curvature, overhang, estimate), kept)
 
 
 def may_touch(gap: Array, estimate: Array, widest: Array) -> NDArray[np.bool_]:
@@ -176,62 +205,39 @@ class FlankEdge:
     blade_distance: Array
 
     @classmethod
-    def of(cls, splines: FlankSplines, fraction: int, value: float, *, of_pinion: bool) -> FlankEdge:
-        """Nodes of the edge on which one fraction has the given value."""
-        along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
-        nodes = np.full((2, along.size), value)
-        nodes[1 - fraction] = along
-        points = conjugate_points(splines, nodes) if of_pinion else nodes
-        here = across_line(splines, points)
-        opposite = OppositePoints.of(splines, points)
+    def of(
+        cls,
+        of_pinion: bool,
+        fraction: int,
+        value: float,
+        nodes: Array,
+        points: Array,
+        here: AcrossLine,
+        opposite: OppositePoints,
+        blade_distance: Array,
+    ) -> FlankEdge:
+        """The edge on which one fraction has the given value, from its nodes and what is around their points."""
         passing = opposite.slopes - opposite.rate[:, None] * here.gradient[None]
         moving = -solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
         leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
+        nearing = 1.0 - np.sum(moving * here.gradient, axis=0)
+        outward = 1.0 if value == 1.0 else -1.0
         return cls(
-            of_pinion,
-            fraction,
-            1.0 if value == 1.0 else -1.0,
-            nodes,
-            points,
-            here,
-            opposite,
-            moving,
-            1.0 - np.sum(moving * here.gradient, axis=0),
-            leaving,
-            splines("blade_distance", np.clip(points, 0.0, 1.0)),
+            of_pinion, fraction, outward, nodes, points, here, opposite, moving, nearing, leaving, blade_distance
         )
 
 
-def _touching(splines: FlankSplines, edge: FlankEdge, rotations: Array, widest: Array) -> EdgeElements:
-    """Elements of one edge at all rotations."""
-    row, element, low, high, estimate = _candidates(edge, rotations, widest)
-    middle = 0.5 * (low + high)
+def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array, ...]:
+    """Elements (n) of an edge at all rotations that may touch, as far as they do.
 
-    def between(nodes: Array) -> Array:
-        return np.asarray(nodes[:, element] + middle * (nodes[:, element + 1] - nodes[:, element]))
+    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
 
-    away = rotations[row] - edge.here.roll_angle[[element, element + 1]]
-    first, last = (edge.points[:, element + i] + edge.moving[:, element + i] * away[i] for i in (0, 1))
-    points = first + middle * (last - first)
-    if edge.of_pinion:
-        points = points_below(splines, between(edge.nodes), points, rotations[row])
-    points = np.clip(points, 0.0, 1.0)
-    here = across_line(splines, points)
-    left = rotations[row] - here.roll_angle
-    gap, curvature = here.gap(left), here.curvature
-    with np.errstate(divide="ignore", invalid="ignore"):
-        overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
-    length = (high - low) * here.length_along(last - first)
-    kept = may_touch(gap, estimate, widest[row]) & (curvature > 0.0) & (length > 0.0)
-    kept &= here.still_opens(left) & ~splines.in_hole(points)
-    return EdgeElements(row, points, gap, here.lever_arm, length, curvature, overhang, estimate).at(kept)
-
-
-def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Rotations and elements (n) of an edge that may touch, the part of each between two fractions (n), and its gap.
-
-    That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds. The
-    gap (n) is an estimate.
+    Returns
+    -------
+    tuple
+        Indices of the rotations, whether the edge is that of the pinion, the middle on the member (2, n), both ends of
+        the element on the gear (2, n each), where the middle of the part lies between them, its share of the element,
+        and an estimate of the gap.
     """
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
@@ -251,5 +257,11 @@ def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array
         low = np.maximum(low, np.where(first > 0.0, 0.0, np.where(last > 0.0, zero, 1.0)))
         high = np.minimum(high, np.where(last > 0.0, 1.0, np.where(first > 0.0, zero, 0.0)))
     kept = high > low
-    row, element = row[kept], element[kept]
-    return row, element, low[kept], high[kept], estimate[row, element]
+    row, element, low, high = row[kept], element[kept], low[kept], high[kept]
+    middle, following = 0.5 * (low + high), element + 1
+    wanted = edge.nodes[:, element] + middle * (edge.nodes[:, following] - edge.nodes[:, element])
+    ends = [
+        edge.points[:, at] + edge.moving[:, at] * (rotations[row] - edge.here.roll_angle[at])
+        for at in (element, following)
+    ]
+    return row, np.full(row.size, edge.of_pinion), wanted, *ends, middle, high - low, estimate[row, element]
