@@ -212,18 +212,19 @@ class WeberLineContact:
     @classmethod
     def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
         """Join line contacts of the same materials and options: their arrays (n) are concatenated."""
-        first = contacts[0]
-        return cls(
-            np.concatenate([contact.length for contact in contacts]),
-            np.concatenate([contact.equivalent_radius for contact in contacts]),
-            np.concatenate([contact.depth_pinion for contact in contacts]),
-            np.concatenate([contact.depth_gear for contact in contacts]),
-            first.material_pinion,
-            first.material_gear,
-            first.foot_correction,
-            first.floor_ratio,
-            np.concatenate([contact.overhang for contact in contacts]),
+        first, bodies = contacts[0], [contact._bodies for contact in contacts]
+        own = object.__new__(cls)
+        own.__dict__.update(  # frozen
+            (name, np.concatenate([contact.__dict__[name] for contact in contacts]) if np.ndim(value) else value)
+            for name, value in first.__dict__.items()
+            if name != "parameters"
         )
+        arrays = {
+            name: np.concatenate([getattr(one, name) for one in bodies], axis=-1)
+            for name in ("depth", "width_squared", "overhang")
+        }
+        own.__dict__["_bodies"] = replace(bodies[0], **arrays)
+        return own
 
     def part(self, chosen: slice) -> WeberLineContact:
         """Some of the segments alone, of arrays (n)."""
