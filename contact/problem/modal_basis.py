@@ -118,7 +118,9 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Seq
         index[number, : own.size] = own
         modes[number, : own.size, : block.shape[1]] = block
     basis = ModalBasis(size, index, modes)
-    basis.__dict__["blocks"] = list(zip(rows, compressed, strict=True))  # known already
+    shapes = [block.shape for block in compressed]
+    known = [(own, modes[number, :m, :k]) for number, (own, (m, k)) in enumerate(zip(rows, shapes, strict=True))]
+    basis.__dict__["blocks"] = known
     return basis
 
 
