@@ -44,7 +44,11 @@ def cos_sin(angle: Array) -> tuple[Array, Array]:
 
 def rotate_z(angle: Array, vector: Array | tuple[Array, Array, Array]) -> Array:
     """Rotate vectors (3, ...) about the z axis by angles (...) [rad]."""
-    cosine, sine = cos_sin(angle)
+    return turn_z(*cos_sin(angle), vector)
+
+
+def turn_z(cosine: Array, sine: Array, vector: Array | tuple[Array, Array, Array]) -> Array:
+    """Rotate vectors (3, ...) about the z axis by angles of given cosine and sine (...)."""
     x, y, z = vector
     first = np.asarray(cosine * x - sine * y)
     result = np.empty((3, *first.shape), dtype=np.result_type(first, z))

@@ -219,22 +219,27 @@ class WeberLineContact:
             for name, value in first.__dict__.items()
             if name != "parameters"
         )
-        arrays = {
-            name: np.concatenate([getattr(one, name) for one in bodies], axis=-1)
-            for name in ("depth", "width_squared", "overhang")
-        }
-        own.__dict__["_bodies"] = replace(bodies[0], **arrays)
+        own.__dict__["_bodies"] = replace(
+            bodies[0],
+            depth=np.concatenate([one.depth for one in bodies], axis=1),
+            width_squared=np.concatenate([one.width_squared for one in bodies]),
+            overhang=own.overhang,
+        )
         return own
 
     def part(self, chosen: slice) -> WeberLineContact:
         """Some of the segments alone, of arrays (n)."""
         own, bodies = object.__new__(WeberLineContact), self._bodies
-        known = {name: value[chosen] if np.ndim(value) else value for name, value in self.__dict__.items()}
-        cut = {"depth": bodies.depth[:, chosen]}
-        cut |= {"width_squared": bodies.width_squared[chosen], "overhang": bodies.overhang[chosen]}
-        own.__dict__.update(
-            known | {"_bodies": replace(bodies, **cut), "parameters": self.parameters[chosen]}
-        )  # frozen
+        own.__dict__.update(  # frozen
+            (name, value[chosen] if np.ndim(value) else value) for name, value in self.__dict__.items()
+        )
+        own.__dict__["parameters"] = self.parameters[chosen]
+        own.__dict__["_bodies"] = replace(
+            bodies,
+            depth=bodies.depth[:, chosen],
+            width_squared=bodies.width_squared[chosen],
+            overhang=own.overhang,
+        )
         return own
 
     @property

@@ -220,8 +220,8 @@ def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
     target = np.concatenate([line.points for line in unloaded], axis=1)
     target = target[:, np.argmin(np.linalg.norm(target - point[:, None], axis=0))]
     near = _nearest(part, before)
-    further = float(np.max(before[near].pressure)) if near is not None else np.inf
-    share = falls_to_zero(part.pressure[greatest], np.float64(further))
+    further = np.asarray(np.max(before[near].pressure) if near is not None else np.inf)
+    share = falls_to_zero(part.pressure[greatest], further)
     return Line((point + share * (target - point))[:, None], np.zeros(1))
 
 

@@ -163,8 +163,7 @@ class GeneratingSurface:
         normal = normal / np.sqrt(dot(normal, normal))
 
         turned = -self.settings.indexing_ratio * cutter_angle
-        position = pose.to_member(point, turned, point=True)
-        normal = pose.to_member(normal, turned, point=False)
+        position, normal = pose.both_to_member(point, normal, turned)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
         return position, normal

@@ -71,9 +71,11 @@ def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
     >>> round(float(numbers["unloaded_pattern_length"]), 2)
     0.61
     """
-    groups = result
+    groups: Mapping[str, xr.Dataset]
     if isinstance(result, xr.DataTree):
         groups = {name: child.to_dataset() for name, child in result.children.items()}
+    else:
+        groups = result
     loaded, unloaded = groups["loaded"], groups["unloaded"]
     numbers = _unloaded(groups["ease_off"], unloaded) | _loaded(loaded)
     sources = [unloaded, loaded]
