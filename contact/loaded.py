@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.checks import array
+from ..core.ordered_values import ordered
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
 from .lines.contact_lines import contact_splines
@@ -43,7 +44,7 @@ def loaded_splines(flanks: xr.Dataset, ease_off: xr.Dataset, teeth: xr.Dataset) 
     >>> fields("position", np.array([0.5, 0.5])).shape
     (3,)
     """
-    passing = {name: ease_off[name].transpose("lengthwise", "profile").values for name in PASSING_FIELDS}
+    passing = {name: ordered(ease_off, name, "lengthwise", "profile") for name in PASSING_FIELDS}
     return contact_splines(flanks, ease_off, tooth_fields(teeth) | passing)
 
 

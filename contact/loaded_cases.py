@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..core.attributes import labelled
+from .compliance import WeberLineContact
 from .mesh_harmonics import harmonics, peak_to_peak, rms
 from .problem.certificate import CERTIFICATE_FIELDS
 from .problem.contact_problem import ContactProblem
@@ -105,36 +106,26 @@ def loaded_dataset(
             "overhang",
         )
     }
-    share = np.full((*cycle, pairs.size), np.nan)
     for case in cases:
-        here, solution, at = case.segments, case.solution, (case.torque, case.mesh_position)
+        solution, at = case.solution, (case.torque, case.mesh_position)
         status[at] = solution.status
         scalars["transmission_error"][at] = 1e6 * solution.rotation
         scalars["iterations"][at] = solution.iterations
         for name in CERTIFICATE_FIELDS:
             scalars[name][at] = getattr(solution.certificate, name)
-        certified = solution.status == Status.CERTIFIED
-        nothing = np.full(here.pair.size, np.nan)
-        values = {
-            "force": solution.force,
-            "pressure": here.line_contact.pressure(solution.force) if certified else nothing,
-            "half_width": here.line_contact.half_width(solution.force) if certified else nothing,
-            "gap": 1e3 * solution.gap,
-            "separation": here.separation,
-            "length": here.length,
-            "equivalent_radius": here.equivalent_radius,
-            "lever_arm": here.lever_arm,
-            "tooth": here.pair,
-            "lengthwise": here.point[0],
-            "profile": here.point[1],
-            "overhang": here.overhang,
-        }
-        for name, value in values.items():
-            per_segment[name][at][: here.pair.size] = value
-        if certified:
-            moment = solution.force * here.lever_arm
-            share[at] = [np.sum(moment[here.pair == p]) / np.sum(moment) for p in pairs]
-            scalars["edge_share"][at] = np.sum(moment[np.isfinite(here.overhang)]) / np.sum(moment)
+    if cases:
+        sizes = [case.segments.pair.size for case in cases]
+        at_cases = np.array([(case.torque, case.mesh_position) for case in cases])
+        places = *np.repeat(at_cases, sizes, axis=0).T, np.concatenate([np.arange(size) for size in sizes])
+        for name, values in _of_segments(cases).items():
+            per_segment[name][places] = values
+    certified = status == Status.CERTIFIED
+    moment = np.nan_to_num(per_segment["force"]) * np.nan_to_num(per_segment["lever_arm"])
+    of_pair = [np.sum(np.where(per_segment["tooth"] == pair, moment, 0.0), axis=2) for pair in pairs]
+    on_edges = np.sum(np.where(np.isfinite(per_segment["overhang"]), moment, 0.0), axis=2)
+    whole = np.where(certified, np.sum(moment, axis=2), np.nan)
+    share = np.stack(of_pair, axis=2) / whole[:, :, None]
+    scalars["edge_share"] = on_edges / whole
     error = scalars["transmission_error"]
     amplitudes = np.array([harmonics(row, HARMONIC_ORDER_COUNT) for row in error])
     data: dict[str, Any] = {name: (("torque", "mesh_position"), value) for name, value in scalars.items()}
@@ -162,3 +153,25 @@ def loaded_dataset(
         "searched_segments": sum(int(np.count_nonzero(s.searched)) for s in segments if s is not None),
     }
     return labelled(xr.Dataset(data, coords=coords, attrs=attributes))
+
+
+def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:
+    """Values of the segments of all cases, one after the other."""
+    segments, solutions = [case.segments for case in cases], [case.solution for case in cases]
+    force = np.concatenate([solution.force for solution in solutions])
+    contact, known = WeberLineContact.joined([here.line_contact for here in segments]), np.isfinite(force)
+    point = np.concatenate([here.point for here in segments], axis=1)
+    return {
+        "force": force,
+        "pressure": np.where(known, contact.pressure(force), np.nan),
+        "half_width": np.where(known, contact.half_width(force), np.nan),
+        "gap": 1e3 * np.concatenate([solution.gap for solution in solutions]),
+        "separation": np.concatenate([here.separation for here in segments]),
+        "length": contact.length,
+        "equivalent_radius": contact.equivalent_radius,
+        "lever_arm": np.concatenate([here.lever_arm for here in segments]),
+        "tooth": np.concatenate([here.pair for here in segments]),
+        "lengthwise": point[0],
+        "profile": point[1],
+        "overhang": np.where(contact.overhang >= 0.0, contact.overhang, np.nan),
+    }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,13 +13,14 @@ from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
 from .compliance.elastic_model import ElasticTeeth, whitened_loads
 from .compliance.spread_deflection import SpreadDeflection
+from .compliance.unit_loads import UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from .lines.mesh_edges import edges_in_mesh
+from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges, may_touch
 from .lines.mesh_lines import MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
-from .problem.modal_basis import ModalBasis, basis_of_blocks
+from .problem.modal_basis import ModalBasis
 
 Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
@@ -141,25 +142,29 @@ class LineSegments:
 
     @cached_property
     def table(self) -> dict[str, Array]:
-        """Values of the segments by name, their number last; ``load`` has both teeth's unit loads."""
+        """Values of the segments by name, their number last."""
         return self.names | self.loaded_at(self.quadrature[0])
+
+    @cached_property
+    def unit_loads(self) -> UnitLoads:
+        """Unit loads at the quadrature points."""
+        return self.loads(self.quadrature[0])
 
     @property
     def names(self) -> dict[str, Array]:
-        """Mesh position, tooth pair and length of the segments."""
+        """Mesh position, tooth pair, length and number of the segments."""
         mesh, lines = self.lines, self.lines.lines
         return {
             "position": np.repeat(mesh.position, self.count),
             "pair": np.repeat(mesh.pair, self.count),
             "length": np.repeat(lines.length / self.count, self.count),
+            "row": np.arange(mesh.pair.size * self.count),
         }
 
     def loaded_at(self, points: Array) -> dict[str, Array]:
-        """Place, depths and unit loads of the segments where they are loaded at points (2, m, count * g)."""
-        weights = self.quadrature[1]
+        """Place and depths of the segments where they are loaded at points (2, m, count * g)."""
         depths = {name: self.mean(values) for name, values in self.fields.evaluate(DEPTHS, points).items()}
-        load = self.loads(np.reshape(points, (2, -1, weights.size)), weights)
-        return depths | {"point": self.mean(points), "load": load}
+        return depths | {"point": self.mean(points)}
 
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
@@ -170,15 +175,22 @@ class LineSegments:
         materials = model.pinion, model.gear
         return [SpreadDeflection.of(self.fields, *one) for one in zip(MEMBERS, materials, strict=True)]
 
-    def loads(self, points: Array, weights: Array) -> Array:
-        """Both teeth's unit loads (k, n) on segments with quadrature points (2, n, g), see ``whitened_loads``."""
+    def loads(self, points: Array) -> UnitLoads:
+        """Unit loads on the segments where they are loaded at points (2, m, count * g)."""
+        weights = self.quadrature[1]
+        return UnitLoads(self.loads_on(np.reshape(points, (2, -1, weights.size)), weights))
+
+    def loads_on(self, points: Array, weights: Array) -> Array:
+        """Both teeth's unit loads (n, k) on segments with quadrature points (2, n, g), see ``whitened_loads``."""
         bending = whitened_loads(self.teeth.both, self.fields, points, weights)
-        return np.concatenate([bending, *(one.loads(self.fields, points, weights) for one in self.spread)])
+        spread = (one.loads(self.fields, points, weights) for one in self.spread)
+        return np.concatenate([loads.T for loads in (*bending, *spread)], axis=1)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:
         """Bending compliance at every mesh position that has contact lines."""
-        return [_bending(here["pair"], here["load"]) for here in _parted(self.table).values()]
+        table, parts = _sorted(self.table)
+        return [self.unit_loads.bending(table["pair"][own], table["row"][own]) for own in parts.values()]
 
 
 @dataclass(frozen=True)
@@ -208,6 +220,9 @@ class CycleSegments:
     fields: FlankSplines
     on_lines: LineSegments
     cut: bool = False
+    _searched: list[tuple[Array, dict[str, Array], Array]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )
 
     @cached_property
     def to_edges(self) -> CycleSegments:
@@ -223,24 +238,40 @@ class CycleSegments:
     @cached_property
     def by_position(self) -> list[Segments | None]:
         """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
-        return self._split(self._on_lines, None if self.cut else self.on_lines.bending)
+        return self._split(self._on_lines, self._unit_loads, None if self.cut else self.on_lines.bending)
 
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
-        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest)
-        found = edges.elements
-        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
-        on_edges = {name: getattr(found, name) for name in names} | {
+        on_lines, (on_edges, loads) = self.to_edges._on_lines, self._on_edges(widest)
+        both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
+        return self._split(both, self.to_edges._unit_loads.with_edges(loads))
+
+    @cached_property
+    def _edges(self) -> tuple[FlankEdge, ...]:
+        return flank_edges(self.fields)
+
+    def _on_edges(self, widest: Array) -> tuple[dict[str, Array], Array]:
+        """The table of the pieces of edges, and the unit loads on all that were searched."""
+        if not self._searched or np.any(widest > self._searched[0][0]):  # a search for a wider gap finds these as well
+            edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self._edges)
+            loads = self.on_lines.loads_on(edges.elements.points[..., None], np.ones(1))
+            self._searched[:] = [(widest, self._edge_table(edges), loads)]
+        _, table, loads = self._searched[0]
+        near = may_touch(table["separation_angle"], table["estimate"], widest[table["position"]])
+        return {name: values[..., near] for name, values in table.items()}, loads
+
+    def _edge_table(self, edges: MeshEdges) -> dict[str, Array]:
+        """The table of pieces of edges."""
+        found, count = edges.elements, edges.pair.size
+        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang", "estimate")
+        return {name: getattr(found, name) for name in names} | {
             **self.fields.evaluate(DEPTHS, found.points),
             "position": edges.position,
             "pair": edges.pair,
             "point": found.points,
-            "searched": np.zeros(edges.pair.size, dtype=bool),
-            "load": self.on_lines.loads(found.points[..., None], np.ones(1)),
+            "searched": np.zeros(count, dtype=bool),
+            "row": self.to_edges._on_lines["row"].size + np.arange(count),
         }
-        on_lines = self.to_edges._on_lines
-        both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
-        return self._split(both)
 
     @cached_property
     def _on_lines(self) -> dict[str, Array]:
@@ -256,41 +287,47 @@ class CycleSegments:
         middle = points[:, :, weights.size // 2 :: weights.size].reshape(2, -1)
         rotation = np.repeat(line_rotations(on_lines.lines), on_lines.count)
         gap["overhang"] = -edge_distance(self.fields, middle, rotation)
-        # The teeth are loaded where they come closest, next to an edge a steep place for their bending.
-        loaded = np.clip(points + closest.shift, 0.0, 1.0)
-        return on_lines.names | on_lines.loaded_at(loaded) | gap
+        return on_lines.names | on_lines.loaded_at(self._loaded) | gap
 
-    def _split(self, table: dict[str, Array], bending: list[ModalBasis] | None = None) -> list[Segments | None]:
+    @cached_property
+    def _loaded(self) -> Array:
+        """Points (2, m, count * g) where the teeth are loaded; next to an edge a steep place for their bending."""
+        points = self.on_lines.quadrature[0]
+        return np.clip(points + self.closest.shift, 0.0, 1.0) if self.cut else points
+
+    @cached_property
+    def _unit_loads(self) -> UnitLoads:
+        return self.on_lines.loads(self._loaded) if self.cut else self.on_lines.unit_loads
+
+    def _split(
+        self, table: dict[str, Array], loads: UnitLoads, bending: list[ModalBasis] | None = None
+    ) -> list[Segments | None]:
         """Segments of a table by mesh position, with their bending where it is known."""
         model = self.on_lines.teeth.model
         result: list[Segments | None] = [None] * self.on_lines.lines.rotations.size
-        for i, (k, here) in enumerate(_parted(table).items()):
-            depths = [np.maximum(here[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
-            contact = WeberLineContact(
-                here["length"],
-                1.0 / np.maximum(here["curvature"], RELATIVE_CURVATURE_MINIMUM),
-                depths[0],
-                depths[1],
-                model.pinion,
-                model.gear,
-                model.foot_correction,
-                overhang=here["overhang"],
-            )
-            basis = bending[i] if bending is not None else _bending(here["pair"], here["load"])
+        table, parts = _sorted(table)
+        depths = [np.maximum(table[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
+        contact = WeberLineContact(
+            table["length"],
+            1.0 / np.maximum(table["curvature"], RELATIVE_CURVATURE_MINIMUM),
+            depths[0],
+            depths[1],
+            model.pinion,
+            model.gear,
+            model.foot_correction,
+            overhang=table["overhang"],
+        )
+        for i, (k, own) in enumerate(parts.items()):
+            here = {name: values[..., own] for name, values in table.items()}
+            basis = bending[i] if bending is not None else loads.bending(here["pair"], here["row"])
             gap = here["separation_angle"], here["lever_arm"]
-            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact, here["searched"])
+            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), here["searched"])
         return result
 
 
-def _parted(table: dict[str, Array]) -> dict[int, dict[str, Array]]:
-    """Parts of a table by mesh position, those without segments left out."""
-    position = table["position"]
-    rows = {int(k): np.flatnonzero(position == k) for k in np.unique(position)}
-    return {k: {name: values[..., chosen] for name, values in table.items()} for k, chosen in rows.items()}
-
-
-def _bending(pairs: NDArray[np.int64], load: Array) -> ModalBasis:
-    """Bending compliance of segments from their tooth pairs (n) and whitened unit loads (k, n)."""
-    # Segments on different teeth are coupled through the blanks alone, which are taken as rigid.
-    blocks = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
-    return basis_of_blocks(pairs.size, blocks, [load[:, own].T for own in blocks])
+def _sorted(table: dict[str, Array]) -> tuple[dict[str, Array], dict[int, slice]]:
+    """A table in the order of the mesh positions, and the part of each that has segments."""
+    order = np.argsort(table["position"], kind="stable")
+    table = {name: values[..., order] for name, values in table.items()}
+    known, first = np.unique(table["position"], return_index=True)
+    return table, {int(k): slice(*ends) for k, *ends in zip(known, first, [*first[1:], order.size], strict=True)}

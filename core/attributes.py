@@ -366,12 +366,12 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     'N'
     """
     result = dataset.copy()
-    for name in result.variables:
+    for name, variable in result.variables.items():
         units, long_name = described(str(name))
         attributes: dict[str, Any] = {"long_name": long_name}
         if units:
             attributes["units"] = units
-        result[name].attrs = {**attributes, **result[name].attrs}
+        variable.attrs = {**attributes, **variable.attrs}
     return result
 
 

@@ -234,7 +234,7 @@ def array(
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}")
     valid = _within(found, above, least, below, most, infinite)
-    if not np.all(valid):
+    if not valid.all():
         one = _range("number", unit, above, least, below, most, infinite)
         raise InputError(f"{name} = {shown(found[~valid].flat[0])}: must be a {one}")
     return read_only(found) if frozen else found

@@ -19,7 +19,9 @@ COMPLEX_STEP = 1e-30
 COLUMNS_PER_BLOCK = 2000  # so many that their intermediate results stay in the processor's cache
 
 
-def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tuple[Array, Array]:
+def complex_steps(
+    function: Callable[[Array], Array], parameters: Array, count: int | None = None
+) -> tuple[Array, Array]:
     """Value and derivatives of ``function`` by each of its m parameters, in one call.
 
     Parameters
@@ -28,16 +30,18 @@ def complex_steps(function: Callable[[Array], Array], parameters: Array) -> tupl
         Analytic function of an array (m, n); the n columns are independent of one another.
     parameters
         Where to differentiate (m, n).
+    count
+        By how many of the parameters, the first ones; by all if left out.
 
     Returns
     -------
     tuple
-        Value (..., n) and derivatives (m, ..., n).
+        Value (..., n) and derivatives (count, ..., n).
     """
-    count, n = parameters.shape
+    count, n = parameters.shape[0] if count is None else count, parameters.shape[1]
     if n > COLUMNS_PER_BLOCK:
         starts = range(0, n, COLUMNS_PER_BLOCK)
-        blocks = [complex_steps(function, parameters[:, i : i + COLUMNS_PER_BLOCK]) for i in starts]
+        blocks = [complex_steps(function, parameters[:, i : i + COLUMNS_PER_BLOCK], count) for i in starts]
         values, slopes = zip(*blocks, strict=True)
         return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-1)
     stepped = np.tile(parameters.astype(complex), count)

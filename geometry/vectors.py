@@ -17,7 +17,10 @@ def dot(a: Array, b: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """Vector product of (3, ...) and (3, ...)."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    first = np.asarray(a[1] * b[2] - a[2] * b[1])
+    result = np.empty((3, *first.shape), dtype=first.dtype)
+    result[0], result[1], result[2] = first, a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return result
 
 
 def column(vector: Array, like: Array) -> Array:
@@ -33,14 +36,24 @@ def cos_sin(angle: Array) -> tuple[Array, Array]:
     if not np.iscomplexobj(angle):
         return np.cos(angle), np.sin(angle)
     cosine, sine = np.cos(angle.real), np.sin(angle.real)
-    return cosine - 1j * (sine * angle.imag), sine + 1j * (cosine * angle.imag)
+    results = np.empty((2, *np.shape(angle)), dtype=complex)
+    results.real[0], results.real[1] = cosine, sine
+    results.imag[0], results.imag[1] = -sine * angle.imag, cosine * angle.imag
+    return results[0], results[1]
 
 
 def rotate_z(angle: Array, vector: Array | tuple[Array, Array, Array]) -> Array:
     """Rotate vectors (3, ...) about the z axis by angles (...) [rad]."""
-    cosine, sine = cos_sin(angle)
+    return turn_z(*cos_sin(angle), vector)
+
+
+def turn_z(cosine: Array, sine: Array, vector: Array | tuple[Array, Array, Array]) -> Array:
+    """Rotate vectors (3, ...) about the z axis by angles of given cosine and sine (...)."""
     x, y, z = vector
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y, z + np.zeros_like(cosine)])
+    first = np.asarray(cosine * x - sine * y)
+    result = np.empty((3, *first.shape), dtype=np.result_type(first, z))
+    result[0], result[1], result[2] = first, sine * x + cosine * y, z
+    return result
 
 
 def rotate(axis: Array, angle: Array, vector: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,19 +43,24 @@ class Analysis:
 
     Parameters
     ----------
-    tree
-        The labelled results.
+    groups
+        The labelled results by the name of their group; ``/`` is that of the whole.
     cases
         Every solved case with its contact problem.
 
     Examples
     --------
-    >>> Analysis(xr.DataTree(), cases=[]).cases
-    []
+    >>> list(Analysis({"unloaded": xr.Dataset()}, cases=[]).tree.children)
+    ['unloaded']
     """
 
-    tree: xr.DataTree
+    groups: Mapping[str, xr.Dataset]
     cases: list[LoadedCase]
+
+    @cached_property
+    def tree(self) -> xr.DataTree:
+        """The labelled results as one tree."""
+        return xr.DataTree.from_dict(self.groups)
 
 
 def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> Array:
@@ -123,20 +129,20 @@ def contact_analysis(
     light, light_cases = cycle.loaded([LIGHT_LOAD_SHARE * load.max()], edge_contact=edges)
     groups = {
         "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
-        "/flanks": geometry.flanks,
-        "/ease_off": geometry.ease_off,
-        "/teeth": geometry.teeth,
-        "/unloaded": with_unloaded_numbers(cycle, unloaded),
-        "/light_load": with_loaded_numbers(cycle, light, light_cases),
-        "/loaded": with_loaded_numbers(cycle, loaded, cases),
+        "flanks": geometry.flanks,
+        "ease_off": geometry.ease_off,
+        "teeth": geometry.teeth,
+        "unloaded": with_unloaded_numbers(cycle, unloaded),
+        "light_load": with_loaded_numbers(cycle, light, light_cases),
+        "loaded": with_loaded_numbers(cycle, loaded, cases),
     }
     if state.teeth is not None and case.compliance.model == "fe":
         sharp = [tooth.no_root for tooth in state.teeth if tooth.root is None]
         if sharp:
             groups["/"].attrs["root_stress_left_out"] = "; ".join(sharp)
         else:
-            groups["/root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
-    return Analysis(xr.DataTree.from_dict(groups), cases)
+            groups["root_stress"] = root_stress(cycle.fields, state.teeth, cases, loaded)
+    return Analysis(groups, cases)
 
 
 def analyze(
@@ -263,7 +269,7 @@ def analyze(
         return found.tree
     return with_friction(
         found, operation, friction_model, feedback=feedback, solver=solver, progress=progress, stage=stage
-    )
+    ).tree
 
 
 def with_friction(
@@ -275,8 +281,8 @@ def with_friction(
     solver: str = "auto",
     progress: Callable[[], None] | None = None,
     stage: Callable[[str], None] | None = None,
-) -> xr.DataTree:
-    """The tree of an analysis with the group ``friction`` added to it.
+) -> Analysis:
+    """An analysis with the group ``friction`` added to it.
 
     Parameters
     ----------
@@ -299,8 +305,7 @@ def with_friction(
         if feedback
         else friction(found.tree, operation, model, progress=progress)
     )
-    found.tree["friction"] = xr.DataTree(losses)
-    return found.tree
+    return Analysis({**found.groups, "friction": losses}, found.cases)
 
 
 def friction_settings(

@@ -20,7 +20,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import InputError, analyze, read_case
 from easeoff.contact import Status
-from easeoff.contact.evaluation.pressure_map import Line, loaded_part, pressure_map, surface
+from easeoff.contact.evaluation.pressure_map import Line, loaded_parts, pressure_map, surface
 from easeoff.contact.evaluation.tooth_passage import envelope, pairs_in_view, tooth_passage
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.friction import Operation, friction
@@ -444,13 +444,13 @@ def test_load_ends_where_the_squared_pressure_leads_to_zero() -> None:
     x = np.linspace(-1.0, 1.0, 41)
     for half in (0.52, 0.63, 0.71):
         load = np.maximum(1.0 - (x / half) ** 2, 0.0)
-        part = loaded_part(Line(np.stack([x, np.zeros_like(x)]), np.sqrt(load)))
+        (part,) = loaded_parts([Line(np.stack([x, np.zeros_like(x)]), np.sqrt(load))])
         assert part is not None
         assert part.pressure[0] == part.pressure[-1] == 0.0
         np.testing.assert_allclose([part.points[0, 0], part.points[0, -1]], [-half, half], atol=0.02)
-    assert loaded_part(straight([0.0, 0.0, 0.0], 0.5)) is None
-    whole = loaded_part(straight([1.0, 2.0, 3.0], 0.5))  # loaded to both ends of the line
-    assert whole is not None
+    nothing, whole = loaded_parts([straight([0.0, 0.0, 0.0], 0.5), straight([1.0, 2.0, 3.0], 0.5)])
+    assert nothing is None
+    assert whole is not None  # loaded to both ends of the line
     assert whole.points.shape == (2, 3)
 
 

@@ -12,6 +12,7 @@ from scipy.interpolate import NdBSpline, PchipInterpolator, make_interp_spline
 from easeoff.contact.evaluation.monotone_cubic import MonotoneCubic
 from easeoff.contact.lines import tensor_spline
 from easeoff.contact.lines.tensor_spline import TensorSpline
+from easeoff.contact.solvers.compiled.compiled_use import without_compiled_code
 
 Array = NDArray[Any]
 ORDERS = [(a, b) for a in range(4) for b in range(4 - a)]
@@ -78,3 +79,23 @@ def test_polynomials_of_fifth_degree_are_exact() -> None:
     value, mixed = spline.evaluate(points, [(0, 0), (1, 2)])
     np.testing.assert_allclose(value[0], (t - 0.3) ** 5 * (h - 0.6) ** 4, rtol=0, atol=1e-14)
     np.testing.assert_allclose(mixed[0], 60.0 * (t - 0.3) ** 4 * (h - 0.6) ** 2, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7])
+def test_compiled_evaluation_is_the_plain_one_at_every_point_alone(count: int) -> None:
+    """At nodes, beside them, beyond the grid and where a point is not finite; whatever stands beside the point."""
+    orders = [order for order in ORDERS if max(order) < 3]
+    nodes = np.linspace(0.0, 1.0, 31) ** 1.1, np.linspace(0.0, 2.0, 9)
+    spline = TensorSpline.through(nodes, np.tile(surface(nodes), 3)[..., :count], (5, 5))
+    points = np.random.default_rng(1).uniform(-0.01, 1.01, (2, 300)) * [[1.0], [2.0]]
+    points[0, :31], points[1, 40:49] = nodes[0], nodes[1]
+    points[:, 60], points[0, 61], points[1, 62] = np.nan, np.nan, np.nan
+    found = spline.evaluate(points, orders)
+    with without_compiled_code():
+        wanted = spline.evaluate(points, orders)
+    for mine, other in zip(found, wanted, strict=True):
+        scale = float(np.nanmax(np.abs(other)))
+        np.testing.assert_allclose(mine / scale, other / scale, rtol=0, atol=1e-12)
+    for i in (0, 60, 299):
+        for mine, alone in zip(found, spline.evaluate(points[:, [i]], orders), strict=True):
+            np.testing.assert_array_equal(mine[:, i], alone[:, 0])

@@ -55,7 +55,7 @@ def clearance_to_cutter(surface: GeneratingSurface, points: np.ndarray) -> np.nd
     def gap(cradle: np.ndarray) -> np.ndarray:
         pose = machine_pose(surface.settings, cradle, surface.sense)
         x, y, z = rotate_z(pose.work, points)
-        sine, cosine = np.sin(pose.root_angle), np.cos(pose.root_angle)
+        cosine, sine = pose.root_turn
         machine = np.stack([sine * x + cosine * z, y, -cosine * x + sine * z])
         in_cradle = rotate_z(-pose.cradle, machine) + pose.origin - pose.center
         axial = dot(in_cradle, pose.frame[2])

@@ -234,11 +234,11 @@ def test_a_gap_error_moves_the_rotation_as_its_row_says(pair: VerifiedPair) -> N
 
 def test_uncertified_solutions_are_counted(pair: VerifiedPair) -> None:
     found = VerifiedPair.of(case(), torques=TORQUE)
-    tree = pair.analysis.tree.copy(deep=True)
-    status = tree["loaded"].to_dataset()["status"].copy()
+    groups = pair.analysis.groups
+    status = groups["loaded"]["status"].copy()
     status[0, 1] = 8
-    tree["loaded"]["status"] = status
-    found.__dict__["analysis"] = replace(pair.analysis, tree=tree)
+    groups = {**groups, "loaded": groups["loaded"].assign(status=status)}
+    found.__dict__["analysis"] = replace(pair.analysis, groups=groups)
     assert loaded_rows.certificate_row(found).difference == 1.0
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
 from .elastic_foundation import ElasticFoundation
@@ -179,11 +180,11 @@ def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
     """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``whitened_loads`` needs, by name."""
     fields = {}
     for member in MEMBERS:
-        one = teeth.sel(member=member)
+        one = int(np.flatnonzero(ordered(teeth, "member", "member") == member)[0])
         for name in ("shell_height", "shell_arc", "depth"):
-            fields[f"{name}_{member}"] = one[name].transpose("lengthwise", "profile").values
-        direction = one["shell_direction"].transpose("lengthwise", "profile", "shell_axis")
-        fields[f"shell_direction_{member}"] = direction.values
+            fields[f"{name}_{member}"] = ordered(teeth, name, "member", "lengthwise", "profile")[one]
+        direction = ordered(teeth, "shell_direction", "member", "lengthwise", "profile", "shell_axis")
+        fields[f"shell_direction_{member}"] = direction[one]
     return fields
 
 
@@ -199,8 +200,8 @@ def whitened_loads(
     splines: FlankSplines,
     points: Array,
     weights: Array,
-) -> NDArray[np.float64]:
-    """Both members' whitened unit loads on segments; their inner products are bending compliances.
+) -> list[Array]:
+    """Whitened unit loads of each member on segments; their inner products are bending compliances.
 
     Parameters
     ----------
@@ -215,8 +216,9 @@ def whitened_loads(
 
     Returns
     -------
-    Array
-        Y (k, n) such that the compliance of segments on one tooth pair is Y^T Y [mm/N] (Kolivand 2009, Eq. 3.11).
+    list
+        Y (k, n) of pinion and gear, such that the compliance of segments on one tooth pair is the sum of Y^T Y [mm/N]
+        (Kolivand 2009, Eq. 3.11).
     """
     stacked = []
     for member, tooth in zip(MEMBERS, elastic, strict=True):
@@ -229,4 +231,4 @@ def whitened_loads(
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
         stacked.append(tooth.whiten(vectors)[tooth.idle_size :])
-    return np.concatenate(stacked, axis=0)
+    return stacked

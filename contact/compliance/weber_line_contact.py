@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -212,18 +212,35 @@ class WeberLineContact:
     @classmethod
     def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
         """Join line contacts of the same materials and options: their arrays (n) are concatenated."""
-        first = contacts[0]
-        return cls(
-            np.concatenate([contact.length for contact in contacts]),
-            np.concatenate([contact.equivalent_radius for contact in contacts]),
-            np.concatenate([contact.depth_pinion for contact in contacts]),
-            np.concatenate([contact.depth_gear for contact in contacts]),
-            first.material_pinion,
-            first.material_gear,
-            first.foot_correction,
-            first.floor_ratio,
-            np.concatenate([contact.overhang for contact in contacts]),
+        first, bodies = contacts[0], [contact._bodies for contact in contacts]
+        own = object.__new__(cls)
+        own.__dict__.update(  # frozen
+            (name, np.concatenate([contact.__dict__[name] for contact in contacts]) if np.ndim(value) else value)
+            for name, value in first.__dict__.items()
+            if name != "parameters"
         )
+        own.__dict__["_bodies"] = replace(
+            bodies[0],
+            depth=np.concatenate([one.depth for one in bodies], axis=1),
+            width_squared=np.concatenate([one.width_squared for one in bodies]),
+            overhang=own.overhang,
+        )
+        return own
+
+    def part(self, chosen: slice) -> WeberLineContact:
+        """Some of the segments alone, of arrays (n)."""
+        own, bodies = object.__new__(WeberLineContact), self._bodies
+        own.__dict__.update(  # frozen
+            (name, value[chosen] if np.ndim(value) else value) for name, value in self.__dict__.items()
+        )
+        own.__dict__["parameters"] = self.parameters[chosen]
+        own.__dict__["_bodies"] = replace(
+            bodies,
+            depth=bodies.depth[:, chosen],
+            width_squared=bodies.width_squared[chosen],
+            overhang=own.overhang,
+        )
+        return own
 
     @property
     def flexibility(self) -> float:

@@ -75,6 +75,11 @@ class CarryingError:
         return np.asarray(np.interp(self.step(rotation) % self.passage.per_cycle, time, values))
 
     @property
+    def over_cycle(self) -> Array:
+        """Transmission error [rad] of the pair that carries over one mesh cycle, ``FINE_STEP_COUNT`` to a position."""
+        return self._cycle[1]
+
+    @property
     def steepest(self) -> float:
         """Greatest size of the slope of ``least`` by the pinion rotation [1]."""
         time, values = self._cycle

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ..lines.flank_splines import FlankSplines
 from ..solvers import Status
 from .carrying_error import CarryingError
@@ -57,7 +58,7 @@ def unloaded_contact_ratio(
     """
     if not error.is_known:
         return float("nan")
-    places = np.stack([unloaded[n].transpose("pair", "mesh_position").values for n in PATH], axis=-1)
+    places = np.stack([ordered(unloaded, n, "pair", "mesh_position") for n in PATH], axis=-1)
     passage = tooth_passage(unloaded["pair"].values, places)
     known = np.all(np.isfinite(passage.values), axis=1)
     arms = splines("lever_arm", np.clip(passage.values[known].T, 0.0, 1.0))
@@ -88,9 +89,10 @@ def loaded_contact_ratio(at_torque: xr.Dataset, limits: Array) -> float:
     """
     order = ("mesh_position", "segment")
     names = ("tooth", "separation", "lever_arm")
-    tooth, separation, arm = (at_torque[name].transpose(*order).values for name in names)
-    turned, pairs = 1e-6 * at_torque["transmission_error"].values, at_torque["pair"].values
-    if not np.all(at_torque["status"].values == Status.CERTIFIED):
+    tooth, separation, arm = (ordered(at_torque, name, *order) for name in names)
+    turned = 1e-6 * ordered(at_torque, "transmission_error", "mesh_position")
+    pairs = ordered(at_torque, "pair", "pair")
+    if not np.all(ordered(at_torque, "status", "mesh_position") == Status.CERTIFIED):
         return float("nan")
     with np.errstate(divide="ignore", invalid="ignore"):
         met = separation / arm

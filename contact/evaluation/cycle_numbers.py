@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core.attributes import labelled
+from ...core.ordered_values import ordered
 from ..lines.contact_lines import boundary_distance
 from ..loaded_cases import LoadedCase
 from ..mesh_cycle import MeshCycle
@@ -16,7 +17,7 @@ from .carrying_error import CarryingError
 from .contact_ratio import loaded_contact_ratio, unloaded_contact_ratio
 from .flank_region import FlankRegion, region_below
 from .marking_print import MarkingPrint, least_gap
-from .mesh_stiffness import mesh_stiffness
+from .mesh_stiffness import mesh_stiffnesses
 from .pressure_map import PRESSURE_TOLERANCE, pressure_map
 from .pressure_place import LineEnd, PressurePlace
 from .projection_plane import ProjectionPlane
@@ -85,17 +86,19 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
     start = float(loaded["pinion_rotation"].values[0])
     limits = (np.array(cycle.roll_limits) - start) / cycle.pinion_pitch * positions
     stiffness = np.full((len(by_torque), positions), np.nan)
-    for case in cases:
-        stiffness[case.torque, case.mesh_position] = mesh_stiffness(case)
+    places_of_cases = np.array([(case.torque, case.mesh_position) for case in cases]).reshape(-1, 2).T
+    stiffness[*places_of_cases] = mesh_stiffnesses(cases)
     places = [PressurePlace.of(here, cycle.fields) for here in by_torque]
     plane = ProjectionPlane.of(cycle.geometry.flanks)
     regions = [_loaded_region(here, plane) for here in by_torque]
     ends = np.array([place.line_end for place in places], dtype=np.int8)
+    shares = ordered(loaded, "load_share", "torque", "mesh_position", "pair")
+    shares = np.where(np.isnan(shares), -np.inf, shares).max(axis=(1, 2))
     numbers = {
         "contact_ratio": ("torque", [loaded_contact_ratio(here, limits) for here in by_torque]),
-        "max_load_share": loaded["load_share"].max(("mesh_position", "pair")),
-        "pinion_mean_level": cycle.ratio * loaded["mean_level"],
-        "pinion_peak_to_peak": cycle.ratio * loaded["peak_to_peak"],
+        "max_load_share": ("torque", np.where(np.isfinite(shares), shares, np.nan)),
+        "pinion_mean_level": ("torque", cycle.ratio * ordered(loaded, "mean_level", "torque")),
+        "pinion_peak_to_peak": ("torque", cycle.ratio * ordered(loaded, "peak_to_peak", "torque")),
         "mesh_stiffness": (("torque", "mesh_position"), stiffness),
         "mean_mesh_stiffness": ("torque", stiffness.mean(axis=1)),
         "max_pressure_position": ("torque", [place.mesh_position for place in places]),
@@ -105,12 +108,7 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
         "max_pressure_line_end": ("torque", ends, LineEnd.flag_attributes()),
         **{name: ("torque", values) for name, values in _pattern(regions).items()},
     }
-    return labelled(loaded.assign({name: _plain(value) for name, value in numbers.items()}))
-
-
-def _plain(value: Any) -> Any:
-    """A variable without the attributes that arithmetic may have kept."""
-    return value.drop_attrs() if isinstance(value, xr.DataArray) else value
+    return labelled(loaded.assign(numbers))
 
 
 def _loaded_region(at_torque: xr.Dataset, plane: ProjectionPlane) -> FlankRegion:

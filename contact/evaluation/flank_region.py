@@ -81,7 +81,8 @@ def region_below(
     >>> round(found.area, 9), found.centre.round(9).tolist(), found.size.round(9).tolist()
     (50.0, [0.125, 0.5], [0.25, 1.0])
     """
-    corners, height = points[:, triangles], values[triangles] - level  # (2, m, 3), (m, 3)
+    reached_ones = (values < level)[triangles].any(axis=1)  # few of a fine grid
+    corners, height = points[:, triangles[reached_ones]], values[triangles[reached_ones]] - level  # (2, m, 3), (m, 3)
     below = height < 0.0
     count = np.sum(below, axis=1)
     # Of a triangle that the level cuts, one corner stands alone; the level crosses the two sides from it.

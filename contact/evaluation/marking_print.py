@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,9 +10,10 @@ from numpy.typing import NDArray
 
 from ...core.checks import number
 from ...core.errors import InputError
-from ..lines.closest_approach import SEPARATION_FIELDS, gap_beside, still_opens
+from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS, gap_beside, still_opens
 from ..lines.contact_lines import boundary_distance, curvature_and_skew
 from ..lines.flank_splines import FlankSplines
+from ..solvers.compiled.compiled_use import compiled_code_of
 from .carrying_error import CarryingError
 from .flank_region import FlankRegion, grid_triangles, region_below
 from .projection_plane import ProjectionPlane
@@ -88,26 +88,38 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below:
     gain = 1e3 * arm * error.steepest * reach
     searched = np.flatnonzero((gain > GAIN_MINIMUM) & (1e3 * arm * gap - gain < below))
 
-    def beside(beyond: Array) -> Array:
-        opens = still_opens(curvature[searched], skew[searched], beyond) | (beyond == 0.0)
-        opening = gap_beside(ease_off[searched], curvature[searched], skew[searched], beyond)
-        return np.where(opens, opening - error.least(roll[searched] + beyond), np.inf)
-
-    gap[searched] = _least(beside, reach[searched])
+    gap[searched] = _least_beside(error, *(v[searched] for v in (ease_off, curvature, skew, roll, reach)))
     return np.asarray((1e3 * arm * gap).reshape(np.shape(points)[1:]))
 
 
-def _least(function: Callable[[Array], Array], reach: Array) -> Array:
-    """Least values (n) of a function of arguments (k, n) no further from zero than the reach (n)."""
-    sample = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT)[:, None]
+def _least_beside(
+    error: CarryingError, ease_off: Array, curvature: Array, skew: Array, roll: Array, reach: Array
+) -> Array:
+    """Least gaps (n) [rad] no further from roll angles (n) than the reach (n) [rad]."""
+    sample = np.linspace(-1.0, 1.0, SHIFT_SAMPLE_COUNT)
     best, least = np.zeros_like(reach), np.full(reach.shape, np.inf)
+    kernel, per_cycle = compiled_code_of(_kernel), float(error.passage.per_cycle)
+    if kernel is not None:
+        steps = per_cycle / error.pinion_pitch, per_cycle
+        kernel.least_beside(
+            ease_off, curvature, skew, error.step(roll), reach, sample,
+            *steps, CURVATURE_SHARE_LIMIT, error.over_cycle, SHIFT_ROUND_COUNT, least,
+        )  # fmt: skip
+        return least
     for _ in range(SHIFT_ROUND_COUNT):
-        tried = best + sample * reach
-        found = function(tried)
+        tried = best + sample[:, None] * reach
+        opens = still_opens(curvature, skew, tried) | (tried == 0.0)
+        found = np.where(opens, gap_beside(ease_off, curvature, skew, tried) - error.least(roll + tried), np.inf)
         chosen = np.argmin(found, axis=0)[None]
         best, least = (np.take_along_axis(values, chosen, axis=0)[0] for values in (tried, found))
         reach = 2.0 * reach / (SHIFT_SAMPLE_COUNT - 1)
     return least
+
+
+def _kernel() -> Any:
+    from . import least_gap_kernel
+
+    return least_gap_kernel
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,22 @@ surface through the pressures on the lines is therefore the envelope of the pres
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
+
 Array = NDArray[Any]
 
 PRESSURE_TOLERANCE = 1e-4  # over the greatest pressure of a line; less is rounding of a solver
+TIE_TOLERANCE = 1e-9  # over the length of a line
 END_DISTANCE_MINIMUM = 0.05  # over the distance to the next segment or line; less would degenerate triangles
 
 
@@ -65,13 +70,15 @@ class Line:
     points: Array
     pressure: Array
 
-    @property
+    @cached_property
     def along(self) -> Array:
         """Distance of the points (k) from the first one, as a part of the length."""
-        steps = np.linalg.norm(np.diff(self.points, axis=1), axis=0)
-        return np.concatenate([[0.0], np.cumsum(steps)]) / max(float(np.sum(steps)), 1e-12)
+        x, y = self.points[:, 1:] - self.points[:, :-1]
+        along = np.zeros(x.size + 1)
+        np.cumsum(np.sqrt(x * x + y * y), out=along[1:])
+        return along / max(float(along[-1]), 1e-12)
 
-    @property
+    @cached_property
     def middle(self) -> Array:
         """Mean of the points (2)."""
         return np.asarray(self.points.mean(axis=1))
@@ -92,7 +99,7 @@ def pressure_map(at_torque: xr.Dataset) -> PressureMap:
     """
     positions = at_torque.sizes["mesh_position"]
     names = ("tooth", "lengthwise", "profile", "pressure", "length")
-    table = np.stack([at_torque[name].transpose("mesh_position", "segment").values for name in names])
+    table = np.stack([ordered(at_torque, name, "mesh_position", "segment") for name in names])
     steps: dict[int, list[Line]] = {}
     for k in range(positions):
         for tooth, line in _lines(table[:, k]):
@@ -106,8 +113,10 @@ def _lines(segments: Array) -> Iterator[tuple[int, Line]]:
     segments = segments[:, np.all(np.isfinite(segments), axis=0)]
     tooth, length = segments[0], segments[4]
     # The segments of a line are equally long: another length is another line, even on the same tooth.
-    new = (np.diff(tooth) != 0) | (np.abs(np.diff(length)) > 1e-9 * length[1:])
-    for part in np.split(segments, np.flatnonzero(new) + 1, axis=1):
+    new = (tooth[1:] != tooth[:-1]) | (np.abs(length[1:] - length[:-1]) > 1e-9 * length[1:])
+    cuts = (np.flatnonzero(new) + 1).tolist()
+    for first, beyond in zip([0, *cuts], [*cuts, tooth.size], strict=True):
+        part = segments[:, first:beyond]
         points, pressure = part[1:3], part[3]
         if pressure.size < 2:
             continue
@@ -118,33 +127,41 @@ def _lines(segments: Array) -> Iterator[tuple[int, Line]]:
         yield int(part[0, 0]), Line(points, np.concatenate([pressure[:1], pressure, pressure[-1:]]))
 
 
-def loaded_part(line: Line) -> Line | None:
-    """Loaded part of a contact line; ``None`` if there is no load.
+def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
+    """Loaded part of each contact line; ``None`` if there is no load.
 
     Towards its end a load falls off in proportion to the distance, and with it the square of the pressure; the last two
     loaded segments say where that leads to zero.
     """
-    loaded = line.pressure > PRESSURE_TOLERANCE * max(float(np.max(line.pressure)), 1e-9)
-    if not np.any(loaded):
-        return None
-    points = line.points.copy()
-    pressure = np.where(loaded, line.pressure, 0.0)
-    first, last = (int(i) for i in np.flatnonzero(loaded)[[0, -1]])
-    for edge, side in ((first, -1), (last, 1)):
-        beyond, before = edge + side, edge - side
-        if not 0 <= beyond < loaded.size:
-            continue
-        further = pressure[before] if first <= before <= last else np.inf
-        points[:, beyond] += (falls_to_zero(pressure[edge], further) - 1.0) * (points[:, beyond] - points[:, edge])
-    kept = slice(max(first - 1, 0), last + 2)
-    return Line(points[:, kept], pressure[kept])
+    found: list[Line | None] = [None] * len(lines)
+    sizes = [line.pressure.size for line in lines]
+    for size in sorted(set(sizes)):
+        alike = [number for number, own in enumerate(sizes) if own == size]
+        points = np.stack([lines[number].points for number in alike])
+        pressure = np.stack([lines[number].pressure for number in alike])
+        loaded = pressure > PRESSURE_TOLERANCE * np.maximum(pressure.max(axis=1, keepdims=True), 1e-9)
+        pressure = np.where(loaded, pressure, 0.0)
+        first, last = np.argmax(loaded, axis=1), size - 1 - np.argmax(loaded[:, ::-1], axis=1)
+        for edge, side in ((first, -1), (last, 1)):
+            rows = np.flatnonzero((edge + side >= 0) & (edge + side < size))
+            at, before = edge[rows], edge[rows] - side
+            within = (first[rows] <= before) & (before <= last[rows])
+            further = np.where(within, pressure[rows, np.clip(before, 0, size - 1)], np.inf)
+            way = points[rows, :, at + side] - points[rows, :, at]
+            points[rows, :, at + side] += (falls_to_zero(pressure[rows, at], further) - 1.0)[:, None] * way
+        for row in np.flatnonzero(loaded.any(axis=1)):
+            kept = slice(max(first[row] - 1, 0), last[row] + 2)
+            found[alike[row]] = Line(points[row, :, kept], pressure[row, kept])
+    return found
 
 
-def falls_to_zero(last: float, before: float) -> float:
-    """Distance from the last value to the end of a pressure, in steps, at most one."""
-    if before <= last:
-        return 1.0
-    return float(np.clip(last**2 / (before**2 - last**2), END_DISTANCE_MINIMUM, 1.0)) if np.isfinite(before) else 0.5
+def falls_to_zero(last: Array, before: Array) -> Array:
+    """Distance (...) from the last value to the end of a pressure, in steps, at most one; from the two last values."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        falling = np.where(
+            np.isfinite(before), np.clip(last**2 / (before**2 - last**2), END_DISTANCE_MINIMUM, 1.0), 0.5
+        )
+    return np.where(before <= last, 1.0, falling)
 
 
 def surface(steps: dict[int, list[Line]]) -> PressureMap:
@@ -161,8 +178,9 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
         count += line.pressure.size
         return count - line.pressure.size
 
+    together = iter(loaded_parts([line for lines in steps.values() for line in lines]))
     parts = {
-        step: [(part, add(part)) for part in (loaded_part(line) for line in lines) if part is not None]
+        step: [(part, add(part)) for part in islice(together, len(lines)) if part is not None]
         for step, lines in steps.items()
     }
     for step, here in parts.items():
@@ -190,8 +208,9 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
 
 def _nearest(line: Line, others: list[Line]) -> int | None:
     """Index of the line whose middle is nearest; ``None`` if there are no others."""
-    distances = [float(np.linalg.norm(other.middle - line.middle)) for other in others]
-    return int(np.argmin(distances)) if distances else None
+    if len(others) < 2:
+        return 0 if others else None
+    return int(np.argmin([float(np.linalg.norm(other.middle - line.middle)) for other in others]))
 
 
 def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
@@ -201,8 +220,8 @@ def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
     target = np.concatenate([line.points for line in unloaded], axis=1)
     target = target[:, np.argmin(np.linalg.norm(target - point[:, None], axis=0))]
     near = _nearest(part, before)
-    further = float(np.max(before[near].pressure)) if near is not None else np.inf
-    share = falls_to_zero(float(part.pressure[greatest]), further)
+    further = np.asarray(np.max(before[near].pressure) if near is not None else np.inf)
+    share = falls_to_zero(part.pressure[greatest], further)
     return Line((point + share * (target - point))[:, None], np.zeros(1))
 
 
@@ -214,6 +233,7 @@ def _strip(first: Line, start: int, second: Line, other: int) -> NDArray[np.int6
     """
     turned = second.runs_against(first)
     u, v = first.along, 1.0 - second.along[::-1] if turned else second.along
+    v = v + TIE_TOLERANCE  # which of two places that are equal but for rounding comes first must not depend on that
     at = other + (np.arange(v.size)[::-1] if turned else np.arange(v.size))
     i = start + np.arange(u.size)
     of_first = np.stack([i[:-1], i[1:], at[np.maximum(np.searchsorted(v, u[1:], side="left") - 1, 0)]], axis=1)

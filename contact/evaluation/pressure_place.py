@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ...core.stored_status import StoredStatus
 from ..lines.flank_splines import FlankSplines
 
@@ -77,15 +78,15 @@ class PressurePlace:
     def of(cls, at_torque: xr.Dataset, splines: FlankSplines) -> PressurePlace:
         """From the group ``/loaded`` at one torque, and splines from ``contact_lines.contact_splines``."""
         order = ("mesh_position", "segment")
-        pressure = at_torque["pressure"].transpose(*order).values
+        pressure = ordered(at_torque, "pressure", *order)
         if not np.any(pressure > 0.0):
             return cls(np.nan, np.nan, np.full(2, np.nan), LineEnd.UNKNOWN)
         position, segment = np.unravel_index(int(np.nanargmax(pressure)), pressure.shape)
         names = ("tooth", "length", "lengthwise", "profile")
-        here = np.stack([at_torque[name].transpose(*order).values[position] for name in names])
+        here = np.stack([ordered(at_torque, name, *order)[position] for name in names])
         on_line = np.isfinite(pressure[position])
         return cls(
-            float(at_torque["mesh_position"].values[position]),
+            float(ordered(at_torque, "mesh_position", "mesh_position")[position]),
             float(here[0, segment]),
             here[2:, segment],
             _line_end(here, on_line, int(segment), splines),

@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
 Array = NDArray[Any]
@@ -46,17 +47,17 @@ def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str
         "blade_distance",
     ]
     order = ("lengthwise", "profile")
-    fields = {name: ease_off[name].transpose(*order).values for name in names}
+    fields = {name: ordered(ease_off, name, *order) for name in names}
     # Towards undercut the curvature grows without limit, and a spline through it would swing far into the flank. Its
     # arc tangent, and the derivative of that by the rotation, stay finite; ``curvature_and_skew`` takes them back.
-    curvature, skew = (ease_off[n].transpose(*order).values for n in ("separation_curvature", "separation_skew"))
+    curvature, skew = (ordered(ease_off, n, *order) for n in ("separation_curvature", "separation_skew"))
     share = curvature / SEPARATION_CURVATURE_SCALE
     fields |= {
         "separation_bend": np.arctan(share),
         "separation_bend_slope": skew / (1.0 + share**2) / SEPARATION_CURVATURE_SCALE,
     }
-    gear = flanks["position"].sel(member="gear").transpose(*order, "xyz")
-    fields["position"] = gear.values
+    gear = int(np.flatnonzero(ordered(flanks, "member", "member") == "gear")[0])
+    fields["position"] = ordered(flanks, "position", "member", *order, "xyz")[gear]
     fields |= extra or {}
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, fields)
 
@@ -112,6 +113,21 @@ def resampled(points: Array, measure: Array, count: int) -> Array:
     """Points (2, count) evenly spaced in ``measure`` (k) along a polyline (2, k)."""
     target = np.linspace(measure[0], measure[-1], count)
     return np.stack([np.interp(target, measure, points[0]), np.interp(target, measure, points[1])])
+
+
+def evenly_spaced(points: Array, measure: Array, count: int) -> Array:
+    """Points (2, m, count) evenly spaced in ``measure`` (m, k) along each of the polylines (2, m, k)."""
+    rows, last = np.arange(measure.shape[0])[:, None], measure.shape[1] - 2
+    start, length = measure[:, :1], measure[:, -1:] - measure[:, :1]
+    target = start + length * np.linspace(0.0, 1.0, count)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.nan_to_num((measure - start) / length)
+    # All rows in one ascending sequence: the shares of a row lie between twice its number and one more.
+    place = np.searchsorted((shares + 2.0 * rows).ravel(), np.linspace(0.0, 1.0, count) + 2.0 * rows, side="right")
+    low = np.clip(place - 1 - rows * measure.shape[1], 0, last)
+    step = measure[rows, low + 1] - measure[rows, low]
+    weight = np.where(step > 0.0, target - measure[rows, low], 0.0) / np.where(step > 0.0, step, 1.0)
+    return np.asarray(points[:, rows, low] + weight * (points[:, rows, low + 1] - points[:, rows, low]))
 
 
 def arc_length(splines: FlankSplines, points: Array) -> Array:
@@ -183,8 +199,7 @@ def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
     pieces = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
     length = arc_length(splines, pieces)
-    even = np.stack([resampled(pieces[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)], axis=1)
-    even = onto_level(splines, even, levels[index[rows]][:, None], steps=2)
+    even = onto_level(splines, evenly_spaced(pieces, length, POINTS_PER_LINE), levels[index[rows]][:, None], steps=2)
     long_enough = length[:, -1] > LENGTH_RATIO_LIMIT * float(np.max(length))
     return ContactLines(index[rows][long_enough], even[:, long_enough], length[long_enough, -1])
 

@@ -21,8 +21,8 @@ from .contact_lines import (
     ContactLines,
     arc_length,
     boundary_distance,
+    evenly_spaced,
     onto_level,
-    resampled,
 )
 from .flank_splines import FlankSplines
 from .mesh_edges import EDGES
@@ -56,9 +56,9 @@ def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
     curves = points[:, rows[:, None], low] * (1.0 - weight) + points[:, rows[:, None], low + 1] * weight
     curves = onto_level(splines, curves, rotation[rows], beyond=EXTRAPOLATION_LIMIT)
     length = arc_length(splines, curves)
-    even = [resampled(curves[:, m], length[m], POINTS_PER_LINE) for m in range(rows.size)]
-    curves = np.stack(even, axis=1) if even else curves
-    curves = onto_level(splines, curves, rotation[rows], steps=2, beyond=EXTRAPOLATION_LIMIT)
+    curves = onto_level(
+        splines, evenly_spaced(curves, length, POINTS_PER_LINE), rotation[rows], steps=2, beyond=EXTRAPOLATION_LIMIT
+    )
     kept = length[:, -1] > LENGTH_RATIO_LIMIT * lines.length.max()
     chosen = rows[kept]
     ended = ContactLines(lines.level[chosen], curves[:, kept], length[kept, -1])

@@ -7,9 +7,11 @@ the gear is fixed on the gear flank; an edge of the pinion moves over it as the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
-from typing import Any
+from itertools import product
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,7 @@ from .mesh_lines import MeshLines
 from .opposite_points import OppositePoints, conjugate_points, points_below, solved
 
 Array = NDArray[Any]
+Around = TypeVar("Around", bound="EdgeElements | AcrossLine | OppositePoints")
 
 ELEMENTS_PER_EDGE = 160
 EDGES = ((0, 0.0), (0, 1.0), (1, 1.0))  # which fraction is held, and where: toe, heel, tip
@@ -46,6 +49,8 @@ class EdgeElements:
         Relative curvature of the gap across the contact line [1/mm].
     overhang
         Distance beyond the edge at which the flanks would come closest, across the contact line [mm].
+    estimate
+        Estimate of the gap [rad], by which the pieces were looked for.
     """
 
     level: NDArray[np.int64]
@@ -55,6 +60,7 @@ class EdgeElements:
     length: Array
     curvature: Array
     overhang: Array
+    estimate: Array
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,9 @@ class MeshEdges:
     pair: NDArray[np.int64]
 
 
-def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array) -> MeshEdges:
+def edges_in_mesh(
+    splines: FlankSplines, mesh: MeshLines, widest: Array, edges: Sequence[FlankEdge] | None = None
+) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
     Parameters
@@ -86,14 +94,42 @@ def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array) -> Mesh
         as well.
     widest
         For every mesh position the gap above which nothing touches, as a gear rotation [rad].
+    edges
+        The edges from ``flank_edges``, if they are known.
     """
     pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
     levels = mesh.rotations[:, None] - pairs * mesh.pinion_pitch
-    elements = edge_elements(splines, levels.ravel(), np.repeat(widest, pairs.size))
+    elements = edge_elements(splines, levels.ravel(), np.repeat(widest, pairs.size), edges)
     return MeshEdges(elements, elements.level // pairs.size, pairs[elements.level % pairs.size])
 
 
-def edge_elements(splines: FlankSplines, rotations: Array, widest: Array) -> EdgeElements:
+def flank_edges(splines: FlankSplines) -> tuple[FlankEdge, ...]:
+    """Toe, heel and tip of gear and pinion, at no rotation in particular."""
+    along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
+    nodes = np.stack(
+        [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES], axis=1
+    )
+    of_gear = nodes.reshape(2, -1)
+    points = np.concatenate([of_gear, conjugate_points(splines, of_gear)], axis=1)
+    here, opposite = across_line(splines, points), OppositePoints.of(splines, points)
+    blade_distance = splines("blade_distance", np.clip(points, 0.0, 1.0))
+    edges = []
+    for (number, (fraction, value)), of_pinion in product(enumerate(EDGES), (False, True)):
+        first = (number + of_pinion * len(EDGES)) * along.size
+        own = slice(first, first + along.size)
+        around = points[:, own], _at(here, own), _at(opposite, own), blade_distance[own]
+        edges.append(FlankEdge.of(of_pinion, fraction, value, nodes[:, number], *around))
+    return tuple(edges)
+
+
+def _at(values: Around, chosen: NDArray[Any] | slice) -> Around:
+    """The same at some of the points alone."""
+    return type(values)(*(getattr(values, field.name)[..., chosen] for field in dataclass_fields(values)))
+
+
+def edge_elements(
+    splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge] | None = None
+) -> EdgeElements:
     """Pieces of the edges of one tooth pair that may touch.
 
     Parameters
@@ -104,16 +140,34 @@ def edge_elements(splines: FlankSplines, rotations: Array, widest: Array) -> Edg
         Pinion rotations (q) [rad], counted as the roll angle.
     widest
         Gap (q) above which nothing touches, as a gear rotation [rad].
+    edges
+        The edges from ``flank_edges``, if they are known.
     """
-    edges = [_Edge.of(splines, *edge, of_pinion=of_pinion) for edge in EDGES for of_pinion in (False, True)]
-    parts = [_touching(splines, edge, rotations, widest) for edge in edges]
-    return EdgeElements(
-        *(np.concatenate([getattr(p, field.name) for p in parts], axis=-1) for field in dataclass_fields(EdgeElements))
-    )
+    candidates = [_candidates(edge, rotations, widest) for edge in edges or flank_edges(splines)]
+    rows, *between = (np.concatenate(values, axis=-1) for values in zip(*candidates, strict=True))
+    of_pinion, wanted, first, last, middle, share, estimate = between
+    points = first + middle * (last - first)
+    moving = np.flatnonzero(of_pinion)
+    points[:, moving] = points_below(splines, wanted[:, moving], points[:, moving], rotations[rows[moving]])
+    points = np.clip(points, 0.0, 1.0)
+    here = across_line(splines, points)
+    left = rotations[rows] - here.roll_angle
+    gap, curvature = here.gap(left), here.curvature
+    with np.errstate(divide="ignore", invalid="ignore"):
+        overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
+    length = share * here.length_along(last - first)
+    kept = may_touch(gap, estimate, widest[rows]) & (curvature > 0.0) & (length > 0.0)
+    kept &= here.still_opens(left) & ~splines.in_hole(points)
+    return _at(EdgeElements(rows, points, gap, here.lever_arm, length, curvature, overhang, estimate), kept)
+
+
+def may_touch(gap: Array, estimate: Array, widest: Array) -> NDArray[np.bool_]:
+    """Whether pieces with a gap and its estimate (n) may touch, where nothing does above the gap ``widest`` (n)."""
+    return np.asarray((gap < widest) & (estimate < GAP_ESTIMATE_MARGIN * widest))
 
 
 @dataclass(frozen=True)
-class _Edge:
+class FlankEdge:
     """Nodes (k) of one edge, and where on the gear they are in conjugate contact.
 
     Parameters
@@ -151,61 +205,39 @@ class _Edge:
     blade_distance: Array
 
     @classmethod
-    def of(cls, splines: FlankSplines, fraction: int, value: float, *, of_pinion: bool) -> _Edge:
-        """Nodes of the edge on which one fraction has the given value."""
-        along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
-        nodes = np.full((2, along.size), value)
-        nodes[1 - fraction] = along
-        points = conjugate_points(splines, nodes) if of_pinion else nodes
-        here = across_line(splines, points)
-        opposite = OppositePoints.of(splines, points)
+    def of(
+        cls,
+        of_pinion: bool,
+        fraction: int,
+        value: float,
+        nodes: Array,
+        points: Array,
+        here: AcrossLine,
+        opposite: OppositePoints,
+        blade_distance: Array,
+    ) -> FlankEdge:
+        """The edge on which one fraction has the given value, from its nodes and what is around their points."""
         passing = opposite.slopes - opposite.rate[:, None] * here.gradient[None]
         moving = -solved(passing, opposite.rate) if of_pinion else np.zeros(nodes.shape)
         leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
+        nearing = 1.0 - np.sum(moving * here.gradient, axis=0)
+        outward = 1.0 if value == 1.0 else -1.0
         return cls(
-            of_pinion,
-            fraction,
-            1.0 if value == 1.0 else -1.0,
-            nodes,
-            points,
-            here,
-            opposite,
-            moving,
-            1.0 - np.sum(moving * here.gradient, axis=0),
-            leaving,
-            splines("blade_distance", np.clip(points, 0.0, 1.0)),
+            of_pinion, fraction, outward, nodes, points, here, opposite, moving, nearing, leaving, blade_distance
         )
 
 
-def _touching(splines: FlankSplines, edge: _Edge, rotations: Array, widest: Array) -> EdgeElements:
-    """Elements of one edge at all rotations."""
-    row, element, low, high = _candidates(edge, rotations, widest)
-    middle = 0.5 * (low + high)
-
-    def between(nodes: Array) -> Array:
-        return np.asarray(nodes[:, element] + middle * (nodes[:, element + 1] - nodes[:, element]))
-
-    away = rotations[row] - edge.here.roll_angle[[element, element + 1]]
-    first, last = (edge.points[:, element + i] + edge.moving[:, element + i] * away[i] for i in (0, 1))
-    points = first + middle * (last - first)
-    if edge.of_pinion:
-        points = points_below(splines, between(edge.nodes), points, rotations[row])
-    points = np.clip(points, 0.0, 1.0)
-    here = across_line(splines, points)
-    left = rotations[row] - here.roll_angle
-    gap, curvature = here.gap(left), here.curvature
-    with np.errstate(divide="ignore", invalid="ignore"):
-        overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
-    length = (high - low) * here.length_along(last - first)
-    kept = (gap < widest[row]) & (curvature > 0.0) & (length > 0.0) & here.still_opens(left) & ~splines.in_hole(points)
-    found = EdgeElements(row, points, gap, here.lever_arm, length, curvature, overhang)
-    return EdgeElements(*(getattr(found, field.name)[..., kept] for field in dataclass_fields(EdgeElements)))
-
-
-def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Array, Array, Array]:
-    """Rotations and elements (n) of an edge that may touch, and the part of each between two fractions (n) that does.
+def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array, ...]:
+    """Elements (n) of an edge at all rotations that may touch, as far as they do.
 
     That part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
+
+    Returns
+    -------
+    tuple
+        Indices of the rotations, whether the edge is that of the pinion, the middle on the member (2, n), both ends of
+        the element on the gear (2, n each), where the middle of the part lies between them, its share of the element,
+        and an estimate of the gap.
     """
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
@@ -215,8 +247,8 @@ def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Ar
         moved = edge.points[:, None] + edge.moving[:, None] * away
         other = moved if edge.of_pinion else edge.opposite.after(away)
         blade = np.broadcast_to(edge.blade_distance, gap.shape)
-        near = gap < GAP_ESTIMATE_MARGIN * widest[:, None]
-    row, element = np.nonzero(near[:, 1:] | near[:, :-1])
+        estimate = np.minimum(gap[:, 1:], gap[:, :-1])
+    row, element = np.nonzero(estimate < GAP_ESTIMATE_MARGIN * widest[:, None])
     low, high = np.zeros(row.size), np.ones(row.size)
     for margin in (falls, *other, *(1.0 - other), blade):
         first, last = margin[row, element], margin[row, element + 1]
@@ -225,4 +257,11 @@ def _candidates(edge: _Edge, rotations: Array, widest: Array) -> tuple[Array, Ar
         low = np.maximum(low, np.where(first > 0.0, 0.0, np.where(last > 0.0, zero, 1.0)))
         high = np.minimum(high, np.where(last > 0.0, 1.0, np.where(first > 0.0, zero, 0.0)))
     kept = high > low
-    return row[kept], element[kept], low[kept], high[kept]
+    row, element, low, high = row[kept], element[kept], low[kept], high[kept]
+    middle, following = 0.5 * (low + high), element + 1
+    wanted = edge.nodes[:, element] + middle * (edge.nodes[:, following] - edge.nodes[:, element])
+    ends = [
+        edge.points[:, at] + edge.moving[:, at] * (rotations[row] - edge.here.roll_angle[at])
+        for at in (element, following)
+    ]
+    return row, np.full(row.size, edge.of_pinion), wanted, *ends, middle, high - low, estimate[row, element]

@@ -19,7 +19,7 @@ Array = NDArray[Any]
 
 EXTRAPOLATION_LIMIT = 0.05  # fraction of the flank by which a search may leave it
 CORRECTION_ITERATIONS = 3  # of Newton's method from an estimate of second order
-SEARCH_ITERATIONS = 12
+SEARCH_ITERATIONS, SEARCH_TOLERANCE = 12, 1e-13  # [fraction of the flank]; seven are usual
 POSITION_TOLERANCE = 1e-6  # fraction of the flank
 PINION_FRACTIONS = ("pinion_lengthwise", "pinion_profile")
 #: Of the geometry's ``ease_off``, beside what ``contact_splines`` takes: how the pinion passes a point of the gear.
@@ -65,11 +65,13 @@ def conjugate_points(splines: FlankSplines, nodes: Array) -> Array:
     """Points (2, k) on the gear in conjugate contact with points (2, k) of the pinion; NaN where there is none."""
     lattice = np.stack(np.meshgrid(np.linspace(0, 1, 31), np.linspace(0, 1, 21), indexing="ij")).reshape(2, -1)
     there = OppositePoints.of(splines, lattice).fractions
-    near = np.argmin(np.sum((there[:, :, None] - nodes[:, None, :]) ** 2, axis=0), axis=0)
-    points = lattice[:, near]
+    away = [np.subtract.outer(side, node) ** 2 for side, node in zip(there, nodes, strict=True)]
+    points = lattice[:, np.argmin(away[0] + away[1], axis=0)]
     for _ in range(SEARCH_ITERATIONS):
-        opposite = OppositePoints.of(splines, points)
+        opposite, before = OppositePoints.of(splines, points), points
         points = _near_flank(points + solved(opposite.slopes, nodes - opposite.fractions))
+        if not np.any(np.abs(points - before) > SEARCH_TOLERANCE):
+            break
     found = np.max(np.abs(nodes - OppositePoints.of(splines, points).fractions), axis=0) < POSITION_TOLERANCE
     return np.where(found, points, np.nan)
 

@@ -17,6 +17,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ..solvers.compiled.compiled_use import compiled_code_of
+
 Array = NDArray[Any]
 TABLE_SIZE_LIMIT = 2_000_000  # numbers of a table of all cells; beyond it those of the cells that are asked for
 BLOCK_SIZE = 60_000  # numbers that are read from the table at a time
@@ -67,6 +69,11 @@ class KnotIntervals:
         index = np.searchsorted(self.ends[1:-1], points, side="right")
         middle, width = 0.5 * (self.ends[1:] + self.ends[:-1]), np.diff(self.ends)
         return index, (points - middle[index]) / width[index]
+
+    @cached_property
+    def compiled(self) -> tuple[Array, Array]:
+        """Ends, and pieces as (interval, power, B-spline), as the compiled evaluation reads them."""
+        return np.ascontiguousarray(self.ends), np.ascontiguousarray(self.pieces.swapaxes(1, 2))
 
     def collocation(self, nodes: Array) -> Array:
         """Values (n, n) of the B-splines at the nodes (n)."""
@@ -149,6 +156,9 @@ class TensorSpline:
 
         Beyond the grid the polynomials of its edge go on.
         """
+        kernel = compiled_code_of(_kernel)
+        if kernel is not None and self._suits(kernel, derivatives):
+            return self._compiled(kernel, points, derivatives)
         (i, u), (j, v) = (each.place(one) for each, one in zip(self.intervals, points, strict=True))
         cells = i * self.intervals[1].pieces.shape[0] + j
         components, orders = len(self.coefficients), [each.pieces.shape[1] for each in self.intervals]
@@ -172,6 +182,25 @@ class TensorSpline:
                 for _ in range(order):
                     result *= scale
         return results
+
+    def _suits(self, kernel: Any, derivatives: Sequence[tuple[int, int]]) -> bool:
+        """Whether the compiled evaluation is made for this spline and these derivatives."""
+        sizes = {each.pieces.shape[1] for each in self.intervals}
+        return sizes == {kernel.SIZE} and max(map(max, derivatives)) <= kernel.ORDER_LIMIT
+
+    def _compiled(self, kernel: Any, points: Array, derivatives: Sequence[tuple[int, int]]) -> list[Array]:
+        """As ``evaluate``."""
+        (t, h), (along, across) = np.ascontiguousarray(points, dtype=float), self.intervals
+        results = np.empty((len(derivatives), len(self.coefficients), t.size))
+        orders = np.array(derivatives, dtype=np.int64)
+        kernel.evaluate(*along.compiled, *across.compiled, self.coefficients, t, h, orders, results)
+        return list(results)
+
+
+def _kernel() -> Any:
+    from . import spline_kernel
+
+    return spline_kernel
 
 
 def _horner(coefficients: Array, at: Array, order: int) -> Array:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import PairGeometry
 from .closest_approach import gap_beside, still_opens
 from .opposite_points import PASSING_FIELDS, PINION_FRACTIONS
@@ -116,7 +117,7 @@ def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.i
     rotations
         Pinion rotations (n) [rad].
     """
-    field = {name: geometry.ease_off[name].transpose("lengthwise", "profile").values for name in _SEARCH_FIELDS}
+    field = {name: ordered(geometry.ease_off, name, "lengthwise", "profile") for name in _SEARCH_FIELDS}
     roll = field["roll_angle"]
     across = [np.nan_to_num(np.abs(np.gradient(roll, axis=axis))) for axis in (0, 1)]
     left = rotations[:, None, None] - roll

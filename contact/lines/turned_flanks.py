@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.flanks.flank import Flank, solve_parts
 from ...geometry.flanks.flank_parts import pick
@@ -103,7 +104,7 @@ class TurnedFlanks:
         geometry, exact = self.geometry, self.geometry.exact
         known, members = geometry.members.gear, geometry.members
         put_in, later = (
-            _change(geometry.ease_off[name].transpose("lengthwise", "profile").values.ravel(), values)
+            _change(ordered(geometry.ease_off, name, "lengthwise", "profile").ravel(), values)
             for name, values in (("ease_off_angle", exact.angle), ("roll_angle", exact.roll_angle))
         )
         middle = np.nanmedian(np.arctan2(known.position[1], known.position[0]))

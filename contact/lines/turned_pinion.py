@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.cutting.generating_surface import GeneratingSurface, area_ratio
 from ...geometry.flanks.seed_lattice import seed_lattice
 from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule
 from ...geometry.pair.conjugate_motion import ConjugateMotion
@@ -87,7 +87,8 @@ def circles_met(
         share = -motion.pinion_sense / (x * normal[1] - y * normal[0])
         by_radial = share * (x * normal[0] + y * normal[1]) / radial
         bounds = section.fractions(own[2], np.sqrt(own[0] ** 2 + own[1] ** 2))
-        return np.stack([z, radial, share * normal[2], by_radial, *bounds, coordinate, x, y, *normal])
+        rows = [z, radial, share * normal[2], by_radial, *bounds, coordinate, x, y, *normal, *own, *own_normal]
+        return np.stack(rows)
 
     with np.errstate(all="ignore"):
         value, (first, second) = complex_steps(seen, parameters)
@@ -98,7 +99,8 @@ def circles_met(
         slope, bounds = value[2:4] + _along(bend, away), value[4:7] + _along(bound_slopes, away)
         x, y, z = value[7], value[8], value[0]
         here = np.stack([x, y, z + motion.assembly.gear_origin[2]])
-        cut = surface.orientation(parameters) * seed_lattice(surface, section).orientation > 0.0
+        orientation = area_ratio(first[12:15], second[12:15], value[15:18])
+        cut = orientation * seed_lattice(surface, section).orientation > 0.0
         azimuth = motion.pinion_sense * np.arctan2(y, x) + turned / motion.assembly.ratio
         return CirclesMet(
             azimuth=azimuth + np.sum((value[2:4] + 0.5 * _along(bend, away)) * away, axis=0),

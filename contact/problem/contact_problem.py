@@ -208,6 +208,10 @@ class ContactProblem:
             own["_first_contact"] = self.__dict__["_first_contact"]
         return changed
 
+    def with_secant(self, secant: Array) -> ContactProblem:
+        """Return the problem with the local compliance (n) [mm/N] that a solution was found with, on the diagonal."""
+        return self._changed(self.torque, self.compliance_matrix.with_added(secant))
+
     def with_added_compliance(self, local: Array, separation: Array | None = None) -> ContactProblem:
         """Return the problem with a local compliance added to the diagonal.
 

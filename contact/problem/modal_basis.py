@@ -50,11 +50,16 @@ class ModalBasis:
         return factor[:-1]
 
     @cached_property
-    def columns(self) -> ModeColumns:
-        """The modes as the compiled contact solution reads them."""
+    def blocks(self) -> list[tuple[NDArray[np.intp], Array]]:
+        """Segments (m) and modes (m, k) of each block, without the padding."""
         rows = [index < self.size for index in self.index]
         blocks = zip(self.index, self.modes, rows, strict=True)
-        return mode_columns(self.size, [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks])
+        return [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks]
+
+    @cached_property
+    def columns(self) -> ModeColumns:
+        """The modes as the compiled contact solution reads them."""
+        return mode_columns(self.size, self.blocks)
 
     @property
     def basis(self) -> ModalBasis:
@@ -89,11 +94,12 @@ def modal_basis(factor: Array) -> ModalBasis:
         V (n, k) [(mm/N)^0.5].
     """
     blocks = factor_blocks(factor)
-    return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], [factor[np.ix_(*both)] for both in blocks])
+    compressed = [compressed_block(factor[np.ix_(*both)]) for both in blocks]
+    return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], compressed)
 
 
-def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], factors: Sequence[Array]) -> ModalBasis:
-    """Compress blocks that are known.
+def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array]) -> ModalBasis:
+    """The basis of compressed blocks.
 
     Parameters
     ----------
@@ -101,10 +107,9 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], factors: Sequen
         Number of segments n.
     rows
         Segments of each block (m); together each of the n segments once.
-    factors
-        V of each block (m, k) [(mm/N)^0.5].
+    compressed
+        U of each block (m, r) [(mm/N)^0.5], see ``compressed_block``.
     """
-    compressed = [_compressed(factor) for factor in factors]
     longest = max(own.size for own in rows)
     rank = max(block.shape[1] for block in compressed)
     index = np.full((len(compressed), longest), size, dtype=np.intp)
@@ -112,7 +117,11 @@ def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], factors: Sequen
     for number, (own, block) in enumerate(zip(rows, compressed, strict=True)):
         index[number, : own.size] = own
         modes[number, : own.size, : block.shape[1]] = block
-    return ModalBasis(size, index, modes)
+    basis = ModalBasis(size, index, modes)
+    shapes = [block.shape for block in compressed]
+    known = [(own, modes[number, :m, :k]) for number, (own, (m, k)) in enumerate(zip(rows, shapes, strict=True))]
+    basis.__dict__["blocks"] = known
+    return basis
 
 
 def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
@@ -151,8 +160,8 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
     return sorted(result, key=lambda block: int(block[0][0]))
 
 
-def _compressed(block: Array) -> Array:
-    """Return U with U U^T = V V^T up to rounding, of as few columns as that takes."""
+def compressed_block(block: Array) -> Array:
+    """Return U (m, r) with U U^T = V V^T up to rounding, of as few columns as that takes, for a block V (m, k)."""
     from scipy.linalg.lapack import dpstrf  # the contact problem itself needs no scipy
 
     rows, columns = block.shape
@@ -160,7 +169,7 @@ def _compressed(block: Array) -> Array:
         product = block @ block.T
         lower, pivot, rank, _info = dpstrf(product, tol=DROP_TOLERANCE * float(product.diagonal().max()), lower=1)
         compressed = np.zeros((rows, rank))
-        compressed[pivot - 1] = np.tril(lower)[:, :rank]
+        compressed[pivot - 1] = np.where(np.arange(rows)[:, None] >= np.arange(rank), lower[:, :rank], 0.0)
         return compressed
     # What the small eigenvalues of V^T V lose in relative accuracy is of the size of rounding in V V^T.
     eigenvalues, vectors = np.linalg.eigh(block.T @ block)

@@ -26,6 +26,11 @@ Array = NDArray[Any]
 Hand = Literal["left", "right"]
 
 
+def area_ratio(first: Array, second: Array, normal: Array) -> Array:
+    """Area per parameters (n), from the derivatives of points and outward normals (3, n): see ``orientation``."""
+    return np.asarray(dot(cross(first[:3], second[:3]), normal))
+
+
 @dataclass(frozen=True)
 class GeneratingSurface:
     """Generating surface of one flank: blade, machine settings and hand of the member.
@@ -158,8 +163,7 @@ class GeneratingSurface:
         normal = normal / np.sqrt(dot(normal, normal))
 
         turned = -self.settings.indexing_ratio * cutter_angle
-        position = pose.to_member(point, turned, point=True)
-        normal = pose.to_member(normal, turned, point=False)
+        position, normal = pose.both_to_member(point, normal, turned)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
         return position, normal
@@ -217,9 +221,8 @@ class GeneratingSurface:
     def orientation(self, parameters: Array) -> Array:
         """Signed area ratio of the parametrisation (n): it changes sign where the flank is undercut."""
 
-        def position(p: Array) -> Array:
-            return self.evaluate(p)[0]
+        def position_and_normal(p: Array) -> Array:
+            return np.concatenate(self.evaluate(p)[:2])
 
-        _, (first, second) = complex_steps(position, parameters)
-        _, normal, _ = self.evaluate(parameters)
-        return np.asarray(dot(cross(first, second), normal))
+        value, (first, second) = complex_steps(position_and_normal, parameters)
+        return area_ratio(first, second, value[3:])

@@ -9,13 +9,14 @@ member being cut is that of Kolivand 2009, Eq. 2.7.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..vectors import cos_sin, cross, rotate_z
-from .machine import IncrementSense, MachineSettings, work_rotation
+from ..vectors import cos_sin, cross, turn_z
+from .machine import MOVING_SETTINGS, IncrementSense, MachineSettings, work_rotation
 
 Array = NDArray[Any]
 
@@ -34,8 +35,10 @@ class MachinePose:
         Work axis and crossing point [mm].
     spin, shift
         Velocity of a blade point p relative to the work, by the cradle rotation: spin x p + shift.
-    cradle, root_angle, work
-        Angle of the cradle, machine root angle, and rotation of the work by the roll [rad].
+    cradle, work
+        Angle of the cradle, and rotation of the work by the roll [rad].
+    cradle_turn, root_turn
+        Cosine and sine of the angle of the cradle and of the machine root angle.
     """
 
     frame: tuple[Array, Array, Array]
@@ -45,8 +48,9 @@ class MachinePose:
     spin: Array
     shift: Array
     cradle: Array
-    root_angle: Array
     work: Array
+    cradle_turn: tuple[Array, Array]
+    root_turn: tuple[Array, Array]
 
     def to_member(self, vector: Array, indexing: Array, *, point: bool) -> Array:
         """Turn a position [mm] or direction (3, n) from the cradle's frame into the frame of the member being cut.
@@ -60,16 +64,25 @@ class MachinePose:
         point
             Whether the vector is a position.
         """
-        x, y, z = rotate_z(self.cradle, vector - self.origin if point else vector)
-        cosine, sine = cos_sin(self.root_angle)
-        return rotate_z(-self.work - indexing, (sine * x - cosine * z, y, cosine * x + sine * z))
+        return self._to_member(vector - self.origin if point else vector, cos_sin(-self.work - indexing))
+
+    def both_to_member(self, position: Array, direction: Array, indexing: Array) -> tuple[Array, Array]:
+        """``to_member`` of a position and a direction."""
+        turn = cos_sin(-self.work - indexing)
+        return self._to_member(position - self.origin, turn), self._to_member(direction, turn)
+
+    def _to_member(self, vector: Array, turn: tuple[Array, Array]) -> Array:
+        x, y, z = turn_z(*self.cradle_turn, vector)
+        cosine, sine = self.root_turn
+        return turn_z(*turn, (sine * x - cosine * z, y, cosine * x + sine * z))
 
 
 def _moving(settings: MachineSettings, name: str, increment: Array, sense: int) -> tuple[Array, Array]:
     """Value of a setting (n) and its derivative by the cradle rotation."""
-    value = np.full(increment.shape, getattr(settings, name)) + 0.0 * increment
+    coefficients = dict(settings.motions).get(name, ()) if settings.motions else ()
+    value = np.full(increment.shape, getattr(settings, name), dtype=increment.dtype)
     derivative = np.zeros_like(value)
-    for order, coefficient in enumerate(dict(settings.motions).get(name, ()), start=1):
+    for order, coefficient in enumerate(coefficients, start=1):
         value = value + coefficient * increment**order
         derivative = derivative + sense * order * coefficient * increment ** (order - 1)
     return value, derivative
@@ -96,17 +109,53 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
     >>> pose.origin.shape
     (3, 1)
     """
-    names = ("radial_distance", "work_offset", "sliding_base", "machine_center_to_crossing_point")
     # Without motions one column stands for all n rotations.
-    increment = sense * cradle_rotation if settings.motions else np.zeros(1)
-    value: dict[str, Array] = {}
-    rate: dict[str, Array] = {}
-    for name in (*names, "machine_root_angle", "cutter_tilt", "cutter_swivel"):
-        value[name], rate[name] = _moving(settings, name, increment, sense)
-    zero = np.zeros_like(increment)
+    if settings.motions:
+        still = _machine_at(settings, sense * cradle_rotation, sense)
+    else:
+        still = _still_machine(settings)
+    value, rate, frame, center, along, crossing_point, root_turn = still
+    zero = np.zeros_like(center[0])
     cradle = settings.cradle_angle + cradle_rotation
     work, ratio = work_rotation(settings, cradle_rotation, sense)
+    turn = cos_sin(cradle)
+    back = turn[0], -turn[1]
+    axis, origin = turn_z(*back, tuple(along)), turn_z(*back, tuple(crossing_point))
+    spin, shift = -ratio * axis, ratio * cross(axis, origin)
+    spin[2] = spin[2] + 1.0
+    if settings.motions:
+        cos_g, sin_g = root_turn
+        distance = value["machine_center_to_crossing_point"]
+        turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
+        tilting = rate["machine_root_angle"]
+        moving = rate["machine_center_to_crossing_point"] * along + distance * tilting * np.stack([-sin_g, zero, cos_g])
+        moving = moving + np.stack([zero, rate["work_offset"], rate["sliding_base"]])
+        pivot = turn_z(*back, (zero, tilting, zero))
+        spin = spin + turning + pivot
+        shift = shift - cross(turning, center) - cross(pivot, origin) - turn_z(*back, tuple(moving))
+        shift[0] = shift[0] + rate["radial_distance"]
+    return MachinePose(frame, center, axis, origin, spin, shift, cradle, work, turn, root_turn)
 
+
+_Machine = tuple[
+    dict[str, Array], dict[str, Array], tuple[Array, Array, Array], Array, Array, Array, tuple[Array, Array]
+]
+
+
+def _machine_at(settings: MachineSettings, increment: Array, sense: int) -> _Machine:
+    """The machine at cradle increments (n), not turned with the cradle.
+
+    Returns
+    -------
+    tuple
+        Settings and their derivatives (n) by the cradle rotation, axes of the cutter and its centre, direction of the
+        work axis and crossing point, cosine and sine of the machine root angle.
+    """
+    value: dict[str, Array] = {}
+    rate: dict[str, Array] = {}
+    for name in MOVING_SETTINGS:
+        value[name], rate[name] = _moving(settings, name, increment, sense)
+    zero = np.zeros_like(increment)
     cos_j, sin_j = cos_sin(value["cutter_swivel"])
     cos_i, sin_i = cos_sin(value["cutter_tilt"])
     frame = (
@@ -115,20 +164,13 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
         np.stack([-sin_j * sin_i, -cos_j * sin_i, cos_i]),
     )
     center = np.stack([value["radial_distance"], zero, zero])
-
     cos_g, sin_g = cos_sin(value["machine_root_angle"])
-    distance, along = value["machine_center_to_crossing_point"], np.stack([cos_g, zero, sin_g])
-    crossing_point = distance * along + np.stack([zero, value["work_offset"], value["sliding_base"]])
-    axis, origin = rotate_z(-cradle, tuple(along)), rotate_z(-cradle, tuple(crossing_point))
-    spin, shift = -ratio * axis, ratio * cross(axis, origin)
-    spin[2] = spin[2] + 1.0
-    if settings.motions:
-        turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
-        tilting = rate["machine_root_angle"]
-        moving = rate["machine_center_to_crossing_point"] * along + distance * tilting * np.stack([-sin_g, zero, cos_g])
-        moving = moving + np.stack([zero, rate["work_offset"], rate["sliding_base"]])
-        pivot = rotate_z(-cradle, (zero, tilting, zero))
-        spin = spin + turning + pivot
-        shift = shift - cross(turning, center) - cross(pivot, origin) - rotate_z(-cradle, tuple(moving))
-        shift[0] = shift[0] + rate["radial_distance"]
-    return MachinePose(frame, center, axis, origin, spin, shift, cradle, value["machine_root_angle"], work)
+    along = np.stack([cos_g, zero, sin_g])
+    crossing_point = value["machine_center_to_crossing_point"] * along
+    crossing_point = crossing_point + np.stack([zero, value["work_offset"], value["sliding_base"]])
+    return value, rate, frame, center, along, crossing_point, (cos_g, sin_g)
+
+
+@lru_cache(maxsize=64)
+def _still_machine(settings: MachineSettings) -> _Machine:
+    return _machine_at(settings, np.zeros(1), 1)

@@ -101,7 +101,10 @@ class ConjugateMotion:
 
     def action_point(self, parameters: Array, rotation: Array) -> tuple[Array, Array]:
         """Pinion positions [mm] and normals (3, n) in the global frame after the pinion has turned."""
-        position, normal = self.pinion_point(parameters)
+        return self.turned(*self.pinion_point(parameters), rotation)
+
+    def turned(self, position: Array, normal: Array, rotation: Array) -> tuple[Array, Array]:
+        """Positions [mm] and normals (3, n) in the global frame, turned with the pinion."""
         origin = column(self.assembly.pinion_origin, position)
         return (
             rotate(self.pinion_axis, rotation, position - origin) + origin,

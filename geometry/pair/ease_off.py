@@ -40,6 +40,8 @@ class EaseOff:
         Blank of the pinion.
     pinion_parameters
         Parameters (2, n) of the pinion point conjugate to each node.
+    pinion_following
+        Their derivatives (2, n) by the pinion rotation while the node stays where it is, see ``gap_curvature``.
     pinion_position, pinion_normal
         That point [mm] and its outward normal (3, n) in the pinion's frame.
     action_position, action_normal
@@ -78,6 +80,7 @@ class EaseOff:
     motion: ConjugateMotion
     pinion_section: BlankSection
     pinion_parameters: Array
+    pinion_following: Array
     pinion_position: Array
     pinion_normal: Array
     action_position: Array
@@ -142,13 +145,13 @@ def conjugate_motion(
 SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 of it
 
 
-def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array]:
-    """Second and third derivative of the gap by the pinion rotation, at a fixed point of the gear."""
+def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array, Array]:
+    """Second and third derivative of the gap by the pinion rotation, at a fixed point of the gear, and what follows."""
     arguments = np.concatenate([parameters, rotation[None]])
     curvature, first, second = gap_curvature(motion, arguments)
     along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
     ahead, behind = (gap_curvature(motion, arguments + sign * along)[0] for sign in (1.0, -1.0))
-    return curvature, (ahead - behind) / (2.0 * SKEW_STEP)
+    return curvature, (ahead - behind) / (2.0 * SKEW_STEP), np.stack([first, second])
 
 
 def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
@@ -354,13 +357,15 @@ def _classified(
     """Evaluate everything at the pinion points found, and give every node a status."""
     parameters = found.parameters
     with np.errstate(all="ignore"):
-        point, roll_angle = motion.conjugate_gear(parameters)
-        action_position, action_normal = motion.action_point(parameters, roll_angle)
         position, normal, distance = motion.surface.evaluate(parameters)
+        in_space = motion.assembly.pinion_to_global(position, normal)
+        roll_angle = motion.rotation(*in_space)
+        action_position, action_normal = motion.turned(*in_space, roll_angle)
+        point = motion.in_gear(action_position, roll_angle)
         valid_side = motion.surface.orientation(parameters) * side > 0.0
         # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
         turned = _turned(gear, point, found.converged & usable)
-        curvature, skew = _separation(motion, parameters, roll_angle)
+        curvature, skew, following = _separation(motion, parameters, roll_angle)
     lengthwise, profile = section.fractions(position[2], np.hypot(position[0], position[1]))
 
     on_pinion = (lengthwise >= 0.0) & (lengthwise <= 1.0) & (profile >= 0.0) & (profile <= 1.0)
@@ -377,6 +382,7 @@ def _classified(
         motion=motion,
         pinion_section=section,
         pinion_parameters=parameters,
+        pinion_following=following,
         pinion_position=known(position),
         pinion_normal=known(normal),
         action_position=known(action_position),

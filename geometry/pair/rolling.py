@@ -7,6 +7,7 @@ they are velocities in space.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..flanks.flank_parts import on_parts
 from ..newton import complex_steps, cramers_rule
 from ..vectors import column, cross, dot
 from .conjugate_motion import ConjugateMotion
-from .ease_off import SKEW_STEP, EaseOff, gap_curvature
+from .ease_off import SKEW_STEP, EaseOff
 
 Array = NDArray[Any]
 
@@ -113,8 +114,7 @@ def drift(ease_off: EaseOff) -> Drift:
 
     def on_part(surface: GeneratingSurface, arguments: Array) -> Array:
         motion = replace(ease_off.motion, surface=surface)
-        _, first, second = gap_curvature(motion, arguments)
-        along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
+        along = SKEW_STEP * np.concatenate([ease_off.pinion_following, np.ones((1, arguments.shape[1]))])
 
         def shown(a: Array) -> Array:
             own, _, _ = surface.evaluate(a[:2])
@@ -124,7 +124,8 @@ def drift(ease_off: EaseOff) -> Drift:
             radial = np.hypot(own[0], own[1])
             return np.stack([own[2], radial, lever, *ease_off.pinion_section.fractions(own[2], radial)])
 
-        ahead, behind = (shown(_opposite(motion, arguments, arguments + sign * along)) for sign in (1.0, -1.0))
+        target = _axial_and_radial(motion, arguments)
+        ahead, behind = (shown(_opposite(motion, target, arguments + sign * along)) for sign in (1.0, -1.0))
         rates = (ahead - behind) / (2.0 * SKEW_STEP)
         return np.concatenate([rates, (ahead - 2.0 * shown(arguments) + behind)[3:] / SKEW_STEP**2])
 
@@ -135,18 +136,18 @@ def drift(ease_off: EaseOff) -> Drift:
     return Drift(found[0], found[1], found[[3, 5]], found[[4, 6]], found[2])
 
 
-def _opposite(motion: ConjugateMotion, arguments: Array, near: Array) -> Array:
-    """Pinion parameters and rotations (3, n) that face the same points of the gear as ``arguments`` do.
+def _axial_and_radial(motion: ConjugateMotion, arguments: Array) -> Array:
+    """Axial and radial coordinate (2, n) [mm] about the gear axis of pinion points at rotations (3, n)."""
+    position, _ = motion.action_point(arguments[:2], arguments[2])
+    relative = position - motion.assembly.gear_origin.reshape(3, 1)
+    return np.stack([relative[2], np.sqrt(relative[0] ** 2 + relative[1] ** 2)])
+
+
+def _opposite(motion: ConjugateMotion, target: Array, near: Array) -> Array:
+    """Pinion parameters and rotations (3, n) that face points of the gear with given coordinates (2, n).
 
     One step of Newton's method from ``near``, which is off by the second order of ``SKEW_STEP``: that leaves an error
     of 1e-5 in second derivatives.
     """
-
-    def axial_and_radial(a: Array) -> Array:
-        position, _ = motion.action_point(a[:2], a[2])
-        relative = position - motion.assembly.gear_origin.reshape(3, 1)
-        return np.stack([relative[2], np.sqrt(relative[0] ** 2 + relative[1] ** 2)])
-
-    there, d = complex_steps(axial_and_radial, near)
-    miss = axial_and_radial(arguments) - there
-    return np.concatenate([near[:2] + cramers_rule(d[0], d[1], miss), near[2:]])
+    there, d = complex_steps(partial(_axial_and_radial, motion), near, 2)
+    return np.concatenate([near[:2] + cramers_rule(d[0], d[1], target - there), near[2:]])

@@ -167,13 +167,12 @@ def analyze_load_cases(
                 **options,
             )
             operation = operations[name]
-            trees[name] = (
-                found.tree
-                if operation is None
-                else with_friction(
-                    found, operation, friction_model, feedback=bool(friction_feedback), solver=solver, progress=progress
+            if operation is not None:
+                fed_back = bool(friction_feedback)
+                found = with_friction(
+                    found, operation, friction_model, feedback=fed_back, solver=solver, progress=progress
                 )
-            )
+            trees[name] = found.tree
         except EaseoffError as error:
             reasons[name] = " ".join(str(error).split())
             failures.append(error)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,10 @@ import xarray as xr
 from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...contact.solvers import Status
 from ...core.attributes import labelled
+from ...core.ordered_values import ordered
 
+HARMONIC_COUNT = 3  # of the transmission error
+GRID = ("lengthwise", "profile")
 PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 UNLOADED = ("contact_ratio", "pinion_peak_to_peak", *PATTERN)
 LIGHT_LOAD = ("torque", "contact_ratio", *PATTERN)
@@ -43,14 +46,14 @@ FRICTION = (
 )
 
 
-def key_numbers(tree: xr.DataTree) -> xr.Dataset:
+def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
     """Key numbers of a result, those that ``easeoff show`` prints.
 
     Parameters
     ----------
-    tree
-        A result of ``analyze`` or ``read_result``; of an older version of this package those numbers are left out that
-        it does not have.
+    result
+        A result of ``analyze`` or ``read_result``, or its groups by name; of an older version of this package those
+        numbers are left out that it does not have.
 
     Returns
     -------
@@ -68,17 +71,36 @@ def key_numbers(tree: xr.DataTree) -> xr.Dataset:
     >>> round(float(numbers["unloaded_pattern_length"]), 2)
     0.61
     """
-    numbers = _unloaded(tree) | _loaded(tree["loaded"].to_dataset())
-    if "light_load" in tree.children:
-        light = tree["light_load"].to_dataset().isel(torque=0)
-        numbers |= {f"light_load_{name}": light[name].drop_vars("torque") for name in LIGHT_LOAD}
-    if "root_stress" in tree.children:
-        numbers["max_root_stress"] = tree["root_stress"]["max_root_stress"]
-    if "friction" in tree.children:
-        friction = tree["friction"].to_dataset()
-        numbers |= {name: friction[name] for name in FRICTION if name in friction}
-    dataset = xr.Dataset(numbers)
-    for variable in dataset.data_vars.values():
+    groups: Mapping[str, xr.Dataset]
+    if isinstance(result, xr.DataTree):
+        groups = {name: child.to_dataset() for name, child in result.children.items()}
+    else:
+        groups = result
+    loaded, unloaded = groups["loaded"], groups["unloaded"]
+    numbers = _unloaded(groups["ease_off"], unloaded) | _loaded(loaded)
+    sources = [unloaded, loaded]
+    if "light_load" in groups:
+        light = groups["light_load"].variables
+        numbers |= {f"light_load_{name}": light[name].to_base_variable().isel(torque=0) for name in LIGHT_LOAD}
+    if "root_stress" in groups:
+        numbers["max_root_stress"] = groups["root_stress"].variables["max_root_stress"]
+        sources.append(groups["root_stress"])
+    if "friction" in groups:
+        friction = groups["friction"]
+        numbers |= {name: friction.variables[name] for name in FRICTION if name in friction}
+        sources.append(friction)
+    dimensions = {name for number in numbers.values() for name in number.dims}
+    coordinates = {
+        name: values.variable
+        for source in reversed(sources)
+        for name, values in source.coords.items()
+        if values.dims and dimensions.issuperset(values.dims)
+    }
+    if "order" in coordinates:
+        coordinates["order"] = coordinates["order"][:HARMONIC_COUNT]
+    dataset = xr.Dataset(numbers, coords=coordinates)
+    for name in dataset.data_vars:
+        variable = dataset.variables[name]
         variable.attrs = {key: value for key, value in variable.attrs.items() if key.startswith("flag_")}
     return labelled(dataset)
 
@@ -108,32 +130,33 @@ def number_names(*, friction: bool) -> tuple[str, ...]:
     )
 
 
-def _unloaded(tree: xr.DataTree) -> dict[str, Any]:
+def _unloaded(ease_off: xr.Dataset, unloaded: xr.Dataset) -> dict[str, xr.Variable]:
     """Numbers of geometry and unloaded contact."""
-    ease_off, unloaded = tree["ease_off"].to_dataset(), tree["unloaded"].to_dataset()
-    inside = ease_off["inside"].values == 1
+    inside = ordered(ease_off, "inside", *GRID) == 1
     attributes = unloaded.attrs
-    numbers: dict[str, Any] = {
-        "common_flank": inside.mean(),
-        "max_ease_off": ease_off["ease_off"].values[inside].max(initial=-np.inf),
-        "unloaded_peak_to_peak": attributes["peak_to_peak"],
-        "unloaded_rms": attributes["rms"],
-        "unloaded_harmonic": ("order", np.atleast_1d(attributes["harmonics"])),
-        "marking": attributes["separation"],
+    numbers: dict[str, xr.Variable] = {
+        "common_flank": xr.Variable((), inside.mean()),
+        "max_ease_off": xr.Variable((), ordered(ease_off, "ease_off", *GRID)[inside].max(initial=-np.inf)),
+        "unloaded_peak_to_peak": xr.Variable((), attributes["peak_to_peak"]),
+        "unloaded_rms": xr.Variable((), attributes["rms"]),
+        "unloaded_harmonic": xr.Variable("order", np.atleast_1d(attributes["harmonics"])),
+        "marking": xr.Variable((), attributes["separation"]),
     }
-    numbers |= {f"unloaded_{name}": unloaded[name] for name in UNLOADED if name in unloaded}
-    return numbers | {name: unloaded[name] for name in ("geometric_contact_ratio",) if name in unloaded}
+    numbers |= {f"unloaded_{name}": unloaded.variables[name] for name in UNLOADED if name in unloaded}
+    return numbers | {name: unloaded.variables[name] for name in ("geometric_contact_ratio",) if name in unloaded}
 
 
-def _loaded(loaded: xr.Dataset) -> dict[str, Any]:
+def _loaded(loaded: xr.Dataset) -> dict[str, xr.Variable]:
     """Numbers of the loaded contact."""
-    worst = np.max(
-        [loaded[name].transpose("torque", "mesh_position").values for name in CERTIFICATE_FIELDS], axis=(0, 2)
-    )
-    numbers: dict[str, Any] = {name: loaded[name] for name in LOADED if name in loaded}
-    numbers["harmonic"] = loaded["harmonic"].isel(order=slice(3))
-    numbers["certified_positions"] = (loaded["status"].drop_attrs() == Status.CERTIFIED).sum("mesh_position")
-    numbers["worst_certificate"] = ("torque", worst)
-    if "overhang" in loaded and bool(loaded["overhang"].notnull().any()):
-        numbers["max_edge_share"] = loaded["edge_share"].max("mesh_position")
+    over = ("torque", "mesh_position")
+    numbers: dict[str, xr.Variable] = {name: loaded.variables[name] for name in LOADED if name in loaded}
+    numbers["harmonic"] = loaded.variables["harmonic"].isel(order=slice(HARMONIC_COUNT))
+    certified = ordered(loaded, "status", *over) == Status.CERTIFIED
+    numbers["certified_positions"] = xr.Variable("torque", np.sum(certified, axis=1))
+    worst = np.max([ordered(loaded, name, *over) for name in CERTIFICATE_FIELDS], axis=(0, 2))
+    numbers["worst_certificate"] = xr.Variable("torque", worst)
+    if "overhang" in loaded and bool(np.isfinite(loaded.variables["overhang"].values).any()):
+        share = ordered(loaded, "edge_share", *over)
+        greatest = np.where(np.isnan(share), -np.inf, share).max(axis=1)
+        numbers["max_edge_share"] = xr.Variable("torque", np.where(np.isfinite(greatest), greatest, np.nan))
     return numbers

@@ -17,6 +17,7 @@ from ...cases.changes import changed_case
 from ...cases.conversion import misalignment as own_misalignment
 from ...contact.solvers import Status
 from ...core.errors import EaseoffError, GeometryError, InputError
+from ...core.ordered_values import ordered
 from ...core.printable import printable, shortened
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
@@ -155,7 +156,7 @@ def point_tree(setup: SweepSetup, values: Mapping[str, Any]) -> xr.DataTree:
     >>> tree.attrs["misalignment_offset_mm"]
     0.05
     """
-    return _Assembly(setup, values).tree(values)
+    return _Assembly(setup, values).analysis(values).tree
 
 
 class _Assembly:
@@ -167,7 +168,7 @@ class _Assembly:
         self._state: CaseInMesh | EaseoffError | None = None
         self._loaded: dict[tuple[Any, ...], Analysis] = {}
 
-    def tree(self, values: Mapping[str, Any]) -> xr.DataTree:
+    def analysis(self, values: Mapping[str, Any]) -> Analysis:
         """The whole analysis at a point, as of ``analyze``."""
         setup = self.setup
         own = {name: values[name] for name in (*CONDITIONS, "oil") if name in values}
@@ -175,16 +176,16 @@ class _Assembly:
         model, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
         found = self._contact(values)
         if operation is None:
-            return found.tree
+            return found
         return with_friction(found, operation, model, feedback=feedback, solver=setup.solver)
 
     def numbers(self, values: Mapping[str, Any]) -> tuple[xr.Dataset, list[int], list[str]]:
         """Key numbers at a point, and for every load its status and why it is not certified."""
-        tree = self.tree(values)
-        numbers = key_numbers(tree)
+        groups = self.analysis(values).groups
+        numbers = key_numbers(groups)
         single = [name for name in ("torque", *CONDITIONS) if name in values and name in numbers.dims]
         numbers = numbers.isel(dict.fromkeys(single, 0)).drop_vars(single)
-        return numbers, *_outcome(tree)
+        return numbers, *_outcome(groups)
 
     def _contact(self, values: Mapping[str, Any]) -> Analysis:
         """Analysis without friction at a point."""
@@ -268,13 +269,13 @@ def _made(setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: Mi
     )
 
 
-def _outcome(tree: xr.DataTree) -> tuple[list[int], list[str]]:
+def _outcome(groups: Mapping[str, xr.Dataset]) -> tuple[list[int], list[str]]:
     """Status of every load, and why it is not certified."""
     found: list[int] = []
     reasons = []
-    light = tree["light_load"].to_dataset()["status"].values
-    friction = tree["friction"].to_dataset() if "friction" in tree.children else None
-    statuses = tree["loaded"].to_dataset()["status"].transpose("torque", "mesh_position").values
+    light = ordered(groups["light_load"], "status", "torque", "mesh_position")
+    friction = groups.get("friction")
+    statuses = ordered(groups["loaded"], "status", "torque", "mesh_position")
     for load, status in enumerate(statuses):
         parts = [("mesh positions", status), ("mesh positions at light load", light)]
         if friction is not None and "status" in friction:

@@ -11,6 +11,7 @@ taken, with the eigenvalues that rounding and mesh leave below zero put to zero.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,13 +62,18 @@ class FlankCompliance:
         Array
             (k, n), such that Y^T Y is the compliance between the segments [mm/N].
         """
-        from scipy.sparse import csc_array
+        from scipy.sparse import csr_array
 
         nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
         shares = shares * np.tile(weights, points.shape[1])[:, None]
-        segments = np.repeat(np.arange(points.shape[1]), weights.size * shares.shape[1])
-        loads = csc_array((shares.ravel(), (nodes.ravel(), segments)), shape=(self.profile.size, points.shape[1]))
-        return np.asarray(self.factor @ loads)
+        per_segment = weights.size * shares.shape[1]
+        starts = np.arange(points.shape[1] + 1) * per_segment
+        loads = csr_array((shares.ravel(), nodes.ravel(), starts), shape=(points.shape[1], self.profile.size))
+        return np.asarray((loads @ self._by_node).T)
+
+    @cached_property
+    def _by_node(self) -> Array:
+        return np.ascontiguousarray(self.factor.T)
 
 
 def share_of_three(point: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:
@@ -82,17 +88,15 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDAr
     rows = profile.shape[1]
     along = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, np.arange(lengthwise.size))
     sections, section_shares, _ = share_of_three(along, lengthwise.size)
-    # Heights of the nodes at this lengthwise fraction; then the brick, and the point in it by Newton's method.
+    # Heights of the nodes at this lengthwise fraction; then the brick, and the point in it, from a parabola.
     heights = np.einsum("nk,nkh->nh", section_shares, profile[sections])
     wanted = np.clip(points[1], heights[:, 0], heights[:, -1])
     brick = np.clip(np.sum(heights[:, ::2] <= wanted[:, None], axis=1) - 1, 0, (rows - 3) // 2)
     levels = 2 * brick[:, None] + np.arange(3)
     three = np.take_along_axis(heights, levels, axis=1)
-    point = np.zeros(wanted.size)
-    for _ in range(6):
-        shares, slopes = quadratic(point)
-        point = point - (np.sum(shares * three, axis=1) - wanted) / np.sum(slopes * three, axis=1)
-    shares = quadratic(point)[0]
+    low, middle, high = three.T
+    rise, bend, above = 0.5 * (high - low), 0.5 * (high + low) - middle, wanted - middle
+    shares = quadratic(2.0 * above / (rise + np.sqrt(rise * rise + 4.0 * bend * above)))[0]
     nodes = sections[:, :, None] * rows + levels[:, None, :]
     return nodes.reshape(-1, 9), (section_shares[:, :, None] * shares[:, None, :]).reshape(-1, 9)
 

@@ -6,7 +6,6 @@ answers, and the methods of ``solvers`` take over.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from ...problem.certificate import Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
-from .compiled_use import is_used
+from .compiled_use import compiled_code_of
 
 Array = NDArray[np.float64]
 
@@ -38,15 +37,12 @@ class CompiledAnswer(NamedTuple):
 
 def compiled_code() -> Any:
     """The module of the compiled functions, or None."""
-    return _loaded() if is_used() else None
+    return compiled_code_of(_kernel)
 
 
-@cache
-def _loaded() -> Any:
-    try:
-        from . import newton_kernel
-    except ImportError:  # no numba, or none for this Python or numpy
-        return None
+def _kernel() -> Any:
+    from . import newton_kernel
+
     return newton_kernel
 
 

@@ -10,6 +10,8 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import cache
+from typing import Any
 
 #: Contact problems up to which a process that solves nothing else is faster without compiled code: it costs 0.45 s of
 #: processor time to load, and saves 0.5 ms a problem.
@@ -25,6 +27,25 @@ _told: ContextVar[Callable[[str], None] | None] = ContextVar("compilation_told",
 def is_used() -> bool:
     """Whether compiled code may be used here."""
     return _used.get() and os.environ.get(SWITCH, "1") != "0"
+
+
+def compiled_code_of(imported: Callable[[], Any]) -> Any:
+    """The module of compiled functions that a function imports, once; None where they are not used or cannot be.
+
+    Parameters
+    ----------
+    imported
+        Imports the module and returns it.
+    """
+    return _loaded(imported) if is_used() else None
+
+
+@cache
+def _loaded(imported: Callable[[], Any]) -> Any:
+    try:
+        return imported()
+    except ImportError:  # no numba, or none for this Python or numpy
+        return None
 
 
 @contextmanager

@@ -7,23 +7,18 @@ segments of each block, see ``mode_columns``, each standing for its neighbours, 
 fewer segments of a block touch than it has modes, its matrix is inverted by Woodbury's identity. As long as the
 touching segments of a block stay the same and the law is linear, its factor is kept.
 
-All compiled code is in this one file: numba recompiles a function when the file that it is in has changed, but does not
-notice a change of a file from which that calls another one.
+All of it is in this one file, see ``compilation``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numba
 import numpy as np
 
-from .compiled_use import tell_of_compilation
-
-Function = TypeVar("Function", bound=Callable[..., Any])
+from .compilation import compiled, readable
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 20
@@ -57,42 +52,8 @@ LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORREC
 ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
 
 
-def _compiled(signature: Any = None, **options: Any) -> Callable[[Function], Function]:
-    """Compile a function; kept on disk where numba finds a folder that can be written."""
-
-    def decorate(function: Function) -> Function:
-        try:
-            found = numba.njit(cache=True, error_model="numpy", **options)(function)
-        except RuntimeError as error:
-            if "cache" not in str(error):
-                raise
-            found = numba.njit(error_model="numpy", **options)(function)
-        if signature is not None:
-            if not _is_kept(found):
-                tell_of_compilation()
-            found.compile(signature)
-            found.disable_compile()
-        return found  # type: ignore[no-any-return]
-
-    return decorate
-
-
-def _is_kept(function: Any) -> bool:
-    """Whether there is code of a compiled function on disk that is not older than this file."""
-    folder, source = function.stats.cache_path, Path(__file__)
-    if folder is None or not source.exists():
-        return False
-    kept = list(Path(folder).glob(f"{source.stem}.{function.__name__}-*.nbi"))
-    return any(index.stat().st_mtime >= source.stat().st_mtime for index in kept)
-
-
-def _read(kind: Any, dimensions: int) -> Any:
-    """An array that is read: writeable ones may stand for it."""
-    return numba.types.Array(kind, dimensions, "C", readonly=True)
-
-
-_sums = _compiled(fastmath={"reassoc", "contract", "nsz"})  # sums in any order, by several at a time
-_exact = _compiled()
+_sums = compiled(fastmath={"reassoc", "contract", "nsz"})  # sums in any order, by several at a time
+_exact = compiled()
 
 
 @_exact
@@ -710,13 +671,13 @@ def _relative(error: float, scale: float) -> float:
     return error / scale if scale > 0.0 else np.inf
 
 
-_vector, _table, _whole = _read(numba.f8, 1), _read(numba.f8, 2), _read(numba.i8, 1)
-_modes = numba.types.Tuple((_whole, _read(numba.i8, 3), _whole, _vector, _vector, _vector))
+_vector, _table, _whole = readable(numba.f8, 1), readable(numba.f8, 2), readable(numba.i8, 1)
+_modes = numba.types.Tuple((_whole, readable(numba.i8, 3), _whole, _vector, _vector, _vector))
 _results = (numba.f8[:, ::1],) * 4
 
 
-@_compiled(
-    numba.void(_modes, _vector, _table, _vector, _vector, _table, _read(numba.b1, 2), *_results, numba.i8[:, ::1])
+@compiled(
+    numba.void(_modes, _vector, _table, _vector, _vector, _table, readable(numba.b1, 2), *_results, numba.i8[:, ::1])
 )
 def solve_batch(
     modes: Any, torque: Any, separation: Any, arm: Any, local: Any, law: Any, mask: Any,

@@ -1,0 +1,60 @@
+"""Least gap beside the contact of points, compiled: the search of ``marking_print``, one point after another."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+from ..solvers.compiled.compilation import compiled, readable
+
+_vector = readable(numba.f8, 1)
+
+
+@compiled(numba.void(*[_vector] * 5, _vector, numba.f8, numba.f8, numba.f8, _vector, numba.i8, numba.f8[::1]))
+def least_beside(
+    ease_off: Any, curvature: Any, skew: Any, step: Any, reach: Any, sample: Any,
+    steps_per_rotation: float, per_cycle: float, kept: float, error: Any, rounds: int, least: Any,
+) -> None:  # fmt: skip
+    """Least gaps as gear rotations.
+
+    Parameters
+    ----------
+    ease_off, curvature, skew, step, reach
+        Of the points (n): ease-off [rad], separation curvature and skew, the step of the mesh cycle at their roll
+        angle, and how far beside it is searched [rad].
+    sample
+        Shares of the reach at which the gap is looked at (k).
+    steps_per_rotation, per_cycle
+        Steps per pinion rotation [1/rad], and of a mesh cycle.
+    kept
+        Least share of its curvature that the gap must keep.
+    error
+        Least transmission error over one mesh cycle, evenly spaced, with both ends (m) [rad].
+    rounds
+        Of the search.
+    least
+        For the results (n) [rad].
+    """
+    last = error.size - 1
+    density = last / per_cycle
+    for n in range(least.size):
+        best, way = 0.0, reach[n]
+        for _ in range(rounds):
+            lowest, place = np.inf, best + sample[0] * way
+            for k in range(sample.size):
+                beyond = best + sample[k] * way
+                if not (beyond == 0.0 or curvature[n] + min(skew[n] * beyond, 0.0) > kept * curvature[n]):
+                    continue
+                x = step[n] + beyond * steps_per_rotation
+                x = (x - math.floor(x / per_cycle) * per_cycle) * density
+                j = min(max(int(x), 0), last - 1)
+                carried = error[j] + (error[j + 1] - error[j]) * (x - j)
+                gap = ease_off[n] + beyond * beyond * (0.5 * curvature[n] + beyond * skew[n] / 6.0) - carried
+                if not gap >= lowest:
+                    lowest, place = gap, beyond
+                    if math.isnan(gap):
+                        break
+            least[n], best, way = lowest, place, 2.0 * way / (sample.size - 1)
