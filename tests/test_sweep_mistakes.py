@@ -18,7 +18,7 @@ from easeoff.study import key_numbers
 from easeoff.study.analysis import analyze
 from easeoff.study.cli import main
 from easeoff.study.report.key_numbers import number_names
-from easeoff.study.sweep import percentiles, read_sweep, sweep, write_sweep
+from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
 from easeoff.study.sweep.reductions import numbers
 from easeoff.study.sweep.sweep_setup import file_digest
@@ -171,6 +171,32 @@ def test_batches_divided_otherwise_are_not_taken_for_others(bounds: list[int], t
     recorded(store, bounds)
     again = sweep(CASE, over, torques=[100.0], workers=1, store=store)
     assert again.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
+
+
+def test_a_folder_in_place_of_a_batch_is_refused_before_the_work(folder: Path) -> None:
+    words = ["--over", "E=0,0.04,0.08", "--store", "store"]
+    assert swept(*words).exit_code == 0
+    for name in ("batch-000001.npz", "batch-000002.npz"):
+        (folder / "store" / name).unlink()
+    (folder / "store" / "batch-000002.npz").mkdir()
+    before = names(folder / "store")
+    found = swept(*words)
+    assert found.exit_code == 2
+    assert "batch-000002.npz is a folder: remove it" in found.output
+    assert names(folder / "store") == before
+    assert swept(*words, "--fresh").exit_code == 0
+
+
+def test_samples_that_are_all_alike_have_no_sensitivity() -> None:
+    rng = np.random.default_rng(2)
+    e = rng.normal(0.0, 1.0, 20)
+    y = xr.DataArray(3.0 * e + 1.0, dims="sample")
+    status = xr.zeros_like(y, dtype=np.int8)
+    coords = {"E": ("sample", e), "P": ("sample", np.full(20, 0.1))}
+    dataset = xr.Dataset({"y": y, "status": status}, coords=coords, attrs={"swept": '["E", "P"]'})
+    found = sensitivities(dataset, "y")
+    np.testing.assert_allclose(found["slope"], [3.0, np.nan], rtol=1e-12)
+    np.testing.assert_allclose(found["variance_share"], [1.0, np.nan], rtol=1e-12)
 
 
 @pytest.fixture(scope="module")

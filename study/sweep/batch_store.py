@@ -73,6 +73,7 @@ class BatchStore:
                 f"another ({printable(str(found.get('description')))}); give another folder, remove it, or begin anew "
                 "with --fresh"
             )
+        self._refuse_folders()
         self.bounds: list[int] | None = _bounds(found, count)
         self._map: Checkpoint[str] | None = None
 
@@ -152,6 +153,13 @@ class BatchStore:
         if not isinstance(found, dict):
             raise InputError(f"{printable(str(self.folder / PLAN_NAME))} is damaged: remove the folder")
         return found
+
+    def _refuse_folders(self) -> None:
+        """Refuse a folder where a batch shall be, before anything is written."""
+        with suppress(FileNotFoundError), os.scandir(self.folder) as entries:
+            for entry in entries:
+                if BATCH_NAME.fullmatch(entry.name) and entry.is_dir():
+                    raise InputError(f"{printable(entry.path)} is a folder: remove it, or begin anew with --fresh")
 
     def _refuse_other_files(self) -> None:
         if os.path.isdir(self.folder):
