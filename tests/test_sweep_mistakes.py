@@ -187,6 +187,15 @@ def test_a_folder_in_place_of_a_batch_is_refused_before_the_work(folder: Path) -
     assert swept(*words, "--fresh").exit_code == 0
 
 
+def test_a_map_of_batches_that_is_a_link_is_refused_before_the_work(folder: Path) -> None:
+    (folder / "store").mkdir()
+    (folder / "store" / "batches.jsonl").symlink_to("nowhere")
+    found = swept("--over", "E=0,0.04", "--store", "store")
+    assert found.exit_code == 2
+    assert "batches.jsonl is a link" in found.output
+    assert names(folder / "store") == ["batches.jsonl"]
+
+
 def test_samples_that_are_all_alike_have_no_sensitivity() -> None:
     rng = np.random.default_rng(2)
     e = rng.normal(0.0, 1.0, 20)

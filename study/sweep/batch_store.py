@@ -76,6 +76,8 @@ class BatchStore:
         self._refuse_folders()
         self.bounds: list[int] | None = _bounds(found, count)
         self._map: Checkpoint[str] | None = None
+        if os.path.isdir(folder):  # a map that cannot be used shows before anything is written
+            self._map = self._completed
 
     def divide(self, bounds: list[int]) -> None:
         """Record how the points are divided into batches; with what was recorded before, it stays so."""
