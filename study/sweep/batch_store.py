@@ -25,6 +25,7 @@ from ...core.reading.json_text import parsed_json
 from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
 from ...core.writing.output_file import check_folder, whole_file
 from ...core.writing.private_folder import NAME as PRIVATE_NAME
+from ...core.writing.private_folder import clear_remains
 from .batch_analysis import Block, PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
@@ -127,10 +128,13 @@ class BatchStore:
 
     def remove(self) -> None:
         """Remove the batches, and the folder if nothing else is in it."""
-        with suppress(FileNotFoundError):
-            for entry in os.scandir(self.folder):
-                if _is_own(entry.name):
-                    shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
+        clear_remains(self.folder)
+        with suppress(FileNotFoundError), os.scandir(self.folder) as entries:
+            for entry in entries:
+                # A private folder that is left is that of another run, which writes into it at this moment.
+                if _is_own(entry.name) and not PRIVATE_NAME.fullmatch(entry.name):
+                    with suppress(FileNotFoundError):
+                        shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
         with suppress(OSError):
             self.folder.rmdir()
 
