@@ -14,13 +14,16 @@ from click.testing import CliRunner, Result
 
 from easeoff import InputError, read_case
 from easeoff.cases import case_text, parse_case, read_load_cases
+from easeoff.core.writing.private_folder import private_folder
 from easeoff.study import key_numbers
 from easeoff.study.analysis import analyze
 from easeoff.study.cli import main
 from easeoff.study.report.key_numbers import number_names
-from easeoff.study.sweep import percentiles, read_sweep, sweep, write_sweep
+from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
+from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
+from easeoff.study.sweep.sweep_plan import planned_sweep
 from easeoff.study.sweep.sweep_setup import file_digest
 
 SMALL = ["mesh_positions = 3", "segments_per_line = 9", "lengthwise_nodes = 9", "profile_nodes = 7"]
@@ -171,6 +174,68 @@ def test_batches_divided_otherwise_are_not_taken_for_others(bounds: list[int], t
     recorded(store, bounds)
     again = sweep(CASE, over, torques=[100.0], workers=1, store=store)
     assert again.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
+
+
+def test_a_folder_in_place_of_a_batch_is_refused_before_the_work(folder: Path) -> None:
+    words = ["--over", "E=0,0.04,0.08", "--store", "store"]
+    assert swept(*words).exit_code == 0
+    for name in ("batch-000001.npz", "batch-000002.npz"):
+        (folder / "store" / name).unlink()
+    (folder / "store" / "batch-000002.npz").mkdir()
+    before = names(folder / "store")
+    found = swept(*words)
+    assert found.exit_code == 2
+    assert "batch-000002.npz is a folder: remove it" in found.output
+    assert names(folder / "store") == before
+    assert swept(*words, "--fresh").exit_code == 0
+
+
+def test_a_map_of_batches_that_is_a_link_is_refused_before_the_work(folder: Path) -> None:
+    (folder / "store").mkdir()
+    (folder / "store" / "batches.jsonl").symlink_to("nowhere")
+    found = swept("--over", "E=0,0.04", "--store", "store")
+    assert found.exit_code == 2
+    assert "batches.jsonl is a link" in found.output
+    assert names(folder / "store") == ["batches.jsonl"]
+
+
+def test_a_sweep_that_cannot_write_says_where_its_batches_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import easeoff.study.sweep as package
+
+    def full(_dataset: xr.Dataset, path: Path) -> None:
+        raise InputError(f"{path} cannot be written: no space left on device")
+
+    monkeypatch.setattr(package, "write_sweep", full)
+    found = swept("--over", "E=0,0.04")
+    assert found.exit_code == 2
+    assert "the batches so far are kept in out.nc.batches; the same command goes on from them" in found.output
+    monkeypatch.undo()
+    monkeypatch.chdir(folder)
+    assert swept("--over", "E=0,0.04").exit_code == 0
+    assert names(folder) == ["case.toml", "out.nc"]
+
+
+def test_batches_are_removed_but_not_what_another_run_writes(tmp_path: Path) -> None:
+    plan = planned_sweep(CASE, {"E": [0.0]}, torques=[100.0])
+    run_plan(plan, workers=1, store=tmp_path / "store")
+    with private_folder(tmp_path / "store") as other:
+        batch_store(plan, tmp_path / "store").remove()
+        assert names(tmp_path / "store") == [other.name]
+        assert other.is_dir()
+    batch_store(plan, tmp_path / "store").remove()
+    assert names(tmp_path) == []
+
+
+def test_samples_that_are_all_alike_have_no_sensitivity() -> None:
+    rng = np.random.default_rng(2)
+    e = rng.normal(0.0, 1.0, 20)
+    y = xr.DataArray(3.0 * e + 1.0, dims="sample")
+    status = xr.zeros_like(y, dtype=np.int8)
+    coords = {"E": ("sample", e), "P": ("sample", np.full(20, 0.1))}
+    dataset = xr.Dataset({"y": y, "status": status}, coords=coords, attrs={"swept": '["E", "P"]'})
+    found = sensitivities(dataset, "y")
+    np.testing.assert_allclose(found["slope"], [3.0, np.nan], rtol=1e-12)
+    np.testing.assert_allclose(found["variance_share"], [1.0, np.nan], rtol=1e-12)
 
 
 @pytest.fixture(scope="module")

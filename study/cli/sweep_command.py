@@ -138,6 +138,7 @@ def sweep(
     if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     from ...cases import read_case
+    from ...core.errors import EaseoffError
     from ...core.writing.output_file import check_folder, check_writable
     from ..report.sweep_report import outcome, sweep_summary
     from ..sweep import write_sweep
@@ -169,20 +170,22 @@ def sweep(
     _check_kept(plan, keep)
     _tell_cost(plan)
     total = plan.table.count
+    done = 0
     try:
         with terminal_bar(total=total, desc="sweep", unit="point") as bar:
-            found = run_plan(
-                plan,
-                workers=workers,
-                scheduler=scheduler,
-                store=folder,
-                fresh=fresh,
-                progress=lambda done, _: bar.update(done - bar.n),
-            )
-    except KeyboardInterrupt:
-        echo(f"interrupted: the batches so far are kept in {folder}; the same command goes on from them", err=True)
+
+            def progress(number: int, _: int) -> None:
+                nonlocal done
+                done = number
+                bar.update(done - bar.n)
+
+            found = run_plan(plan, workers=workers, scheduler=scheduler, store=folder, fresh=fresh, progress=progress)
+        write_sweep(found, output)
+    except (KeyboardInterrupt, EaseoffError) as error:
+        if done:
+            why = "interrupted: " if isinstance(error, KeyboardInterrupt) else ""
+            echo(f"{why}the batches so far are kept in {folder}; the same command goes on from them", err=True)
         raise
-    write_sweep(found, output)
     echo(f"wrote {output}: {outcome(found)}")
     kept = _write_kept(plan, found, keep, output)
     if plots is not None and not bool(found["max_pressure"].notnull().any() if "max_pressure" in found else False):

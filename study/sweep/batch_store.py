@@ -25,6 +25,7 @@ from ...core.reading.json_text import parsed_json
 from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
 from ...core.writing.output_file import check_folder, whole_file
 from ...core.writing.private_folder import NAME as PRIVATE_NAME
+from ...core.writing.private_folder import clear_remains
 from .batch_analysis import Block, PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
@@ -73,8 +74,11 @@ class BatchStore:
                 f"another ({printable(str(found.get('description')))}); give another folder, remove it, or begin anew "
                 "with --fresh"
             )
+        self._refuse_folders()
         self.bounds: list[int] | None = _bounds(found, count)
         self._map: Checkpoint[str] | None = None
+        if os.path.isdir(folder):  # a map that cannot be used shows before anything is written
+            self._map = self._completed
 
     def divide(self, bounds: list[int]) -> None:
         """Record how the points are divided into batches; with what was recorded before, it stays so."""
@@ -124,10 +128,13 @@ class BatchStore:
 
     def remove(self) -> None:
         """Remove the batches, and the folder if nothing else is in it."""
-        with suppress(FileNotFoundError):
-            for entry in os.scandir(self.folder):
-                if _is_own(entry.name):
-                    shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
+        clear_remains(self.folder)
+        with suppress(FileNotFoundError), os.scandir(self.folder) as entries:
+            for entry in entries:
+                # A private folder that is left is that of another run, which writes into it at this moment.
+                if _is_own(entry.name) and not PRIVATE_NAME.fullmatch(entry.name):
+                    with suppress(FileNotFoundError):
+                        shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
         with suppress(OSError):
             self.folder.rmdir()
 
@@ -152,6 +159,13 @@ class BatchStore:
         if not isinstance(found, dict):
             raise InputError(f"{printable(str(self.folder / PLAN_NAME))} is damaged: remove the folder")
         return found
+
+    def _refuse_folders(self) -> None:
+        """Refuse a folder where a batch shall be, before anything is written."""
+        with suppress(FileNotFoundError), os.scandir(self.folder) as entries:
+            for entry in entries:
+                if BATCH_NAME.fullmatch(entry.name) and entry.is_dir():
+                    raise InputError(f"{printable(entry.path)} is a folder: remove it, or begin anew with --fresh")
 
     def _refuse_other_files(self) -> None:
         if os.path.isdir(self.folder):

@@ -208,17 +208,18 @@ def _regression(inputs: Array, values: Array, names: Sequence[str]) -> list[tupl
     """Slope, standard deviation and share of the variance of every input (n, k) to values (n, ...)."""
     shape, count = values.shape[1:], len(names)
     scales = inputs.std(axis=0)
+    varied = np.ptp(inputs, axis=0) > 0.0
     slope, share = np.full((count, *shape), np.nan), np.full((count, *shape), np.nan)
     for at in np.ndindex(shape):
         output = values[(slice(None), *at)]
         known = ~np.isnan(output)
-        if np.count_nonzero(known) < count + SPARE_SAMPLES:
+        if np.count_nonzero(known) < count + SPARE_SAMPLES or not varied.any():
             continue
-        centred = inputs[known] - inputs[known].mean(axis=0)
-        found, *_ = np.linalg.lstsq(centred / scales, output[known] - output[known].mean(), rcond=None)
-        slope[(slice(None), *at)] = found / scales
+        centred = (inputs[known] - inputs[known].mean(axis=0))[:, varied] / scales[varied]
+        found, *_ = np.linalg.lstsq(centred, output[known] - output[known].mean(), rcond=None)
+        slope[(varied, *at)] = found / scales[varied]
         variance = output[known].var()
-        share[(slice(None), *at)] = (found * centred.std(axis=0) / scales) ** 2 / variance if variance > 0.0 else 0.0
+        share[(varied, *at)] = (found * centred.std(axis=0)) ** 2 / variance if variance > 0.0 else 0.0
     return [(name, slope[i], float(scales[i]), share[i]) for i, name in enumerate(names)]
 
 
