@@ -110,8 +110,9 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
     (3, 1)
     """
     # Without motions one column stands for all n rotations.
-    still = _machine_at(settings, sense * cradle_rotation, sense) if settings.motions else _still_machine(settings)
-    value, rate, frame, center, along, crossing_point, root_turn = still
+    moves = bool(settings.motions)
+    machine = _machine_at(settings, sense * cradle_rotation, sense) if moves else _still_machine(settings)
+    value, rate, frame, center, along, crossing_point, root_turn = machine
     zero = np.zeros_like(center[0])
     cradle = settings.cradle_angle + cradle_rotation
     work, ratio = work_rotation(settings, cradle_rotation, sense)
