@@ -134,9 +134,11 @@ def folder_faults(
         for path in before
         if before[path][0] == "link"
     ]
+    # A finished sweep removes its batches.
+    removed = {path for path in gone if any(f"{name}.batches" in (path, os.path.dirname(path)) for name in named)}
     stray = [
         path
-        for path in new | gone | changed
+        for path in (new | gone | changed) - removed
         if not any(_related(path, name) for name in named) and Path(path).name != EXECUTED
     ]
     if stray:

@@ -137,6 +137,18 @@ def test_faults_in_a_folder_are_found(change: Callable[[Path], None], code: int,
     assert any(found in fault for fault in faults) if found else faults == []
 
 
+def test_a_finished_sweep_removes_its_batches_and_leaves_none(tmp_path: Path) -> None:
+    store = tmp_path / INNER / "out.nc.batches"
+    args, outcome = ["sweep", "case.toml", "-o", "out.nc"], Outcome(0, "", "", 0.0, 0.0)
+    (tmp_path / INNER).mkdir(parents=True)
+    without = oracle.snapshot(tmp_path)
+    store.mkdir()
+    (store / "sweep.json").touch()
+    with_batches = oracle.snapshot(tmp_path)
+    assert oracle.folder_faults(with_batches, without, outcome, args, INNER) == []
+    assert "touched without being named" in oracle.folder_faults(without, with_batches, outcome, args, INNER)[0]
+
+
 @pytest.fixture(scope="module")
 def bases(tmp_path_factory: pytest.TempPathFactory) -> Bases:
     """Files that no command makes, and stand-ins for those that one makes."""

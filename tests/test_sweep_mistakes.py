@@ -110,6 +110,14 @@ def test_a_mistake_shows_before_the_work_and_leaves_nothing(words: list[str], wa
     assert names(folder) == ["case.toml"]
 
 
+@pytest.mark.parametrize("command", ["run", "vh"])
+def test_pictures_have_another_name_than_the_file(command: str, folder: Path) -> None:
+    found = call(command, "case.toml", "-o", "out.nc", "--plots", "out.nc")
+    assert found.exit_code == 2
+    assert "--plots = 'out.nc': must be another name" in found.output
+    assert names(folder) == ["case.toml"]
+
+
 def test_a_device_has_no_digest() -> None:
     assert file_digest("/dev/zero") == ""
 

@@ -13,7 +13,7 @@ from .exit_codes import EXIT_UNCERTIFIED
 from .load_case_run import run_load_cases
 from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
 from .options.friction_options import chosen_model, friction_options
-from .options.shared_options import echo, next_commands, outside_allowed
+from .options.shared_options import echo, next_commands, outside_allowed, refuse_name_of_output
 from .result_commands import draw
 
 
@@ -72,6 +72,7 @@ def run(
     table = checked.friction
     oils = [oil] if oil is not None else [table.oil_file] if table is not None else []
     check_writable(output, case, *options["deviations"].values(), *oils, suffix=".nc")
+    refuse_name_of_output(output, plots=plots)
     if plots is not None:
         check_folder(plots, "pictures")
     conditions = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}

@@ -17,7 +17,7 @@ from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, with_defaults
 from .options.friction_options import chosen_model, friction_options
-from .options.shared_options import echo, next_commands, output_option, outside_allowed
+from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
 from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
@@ -148,9 +148,7 @@ def sweep(
     files = [one for one in (load_cases, options["oil"], *options["deviations"].values()) if one is not None]
     check_writable(output, case, *files, suffix=".nc")
     folder = store if store is not None else output.with_name(f"{output.name}.batches")
-    for option, path in (("--store", store), ("--plots", plots)):
-        if path is not None and os.path.abspath(path) == os.path.abspath(output):
-            raise click.UsageError(f"{option} = {str(path)!r}: must be another name than that of the file")
+    refuse_name_of_output(output, store=store, plots=plots)
     if plots is not None:
         check_folder(plots, "pictures")
     checked = read_case(case, allow_outside=outside_allowed())

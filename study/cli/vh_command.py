@@ -11,7 +11,7 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import unloaded_options, with_defaults
-from .options.shared_options import echo, output_option, outside_allowed
+from .options.shared_options import echo, output_option, outside_allowed, refuse_name_of_output
 
 GRID_OF_PICTURES = (5, 5)
 
@@ -94,6 +94,7 @@ def vh(
 
     checked = read_case(case, allow_outside=outside_allowed())
     check_writable(output, case, *options["deviations"].values(), suffix=".nc")
+    refuse_name_of_output(output, plots=plots)
     if plots is not None:
         check_folder(plots, "pictures")
         grid = grid or GRID_OF_PICTURES

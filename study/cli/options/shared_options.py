@@ -94,6 +94,23 @@ def outside_allowed() -> bool:
     return bool(click.get_current_context().meta.get(ALLOW_OUTSIDE, False))
 
 
+def refuse_name_of_output(output: Path, **folders: Path | None) -> None:
+    """Refuse folders, by the names of their options, that have the name of the file to be written.
+
+    Raises
+    ------
+    click.UsageError
+        If one has.
+
+    Examples
+    --------
+    >>> refuse_name_of_output(Path("out.nc"), plots=Path("pictures"), store=None)
+    """
+    for option, folder in folders.items():
+        if folder is not None and os.path.abspath(folder) == os.path.abspath(output):
+            raise click.UsageError(f"--{option} = {str(folder)!r}: must be another name than that of the file")
+
+
 def echo(text: str, *, err: bool = False) -> None:
     """Print lines with foreign text in them, which must not steer the terminal."""
     click.echo(printable_lines(text), err=err)
