@@ -20,11 +20,24 @@ COMMANDS = {
     "wear.nc": "wear fm.toml -o wear.nc --torque 100 --revolutions 1e5",
     "best.nc": "optimize nasa.toml -o best.nc --torque 100 --order 2",
     "table.nc": "verify nasa.toml -o table.nc --torque 50",
+    "sweep.nc": "sweep nasa.toml -o sweep.nc --over E=-0.05:0.05:3 --over P=0,0.02 --torque 50,150 --workers 1 "
+    "--store batches",
+    "samples.nc": "sweep nasa.toml -o samples.nc --over E~normal(0,0.03) --over G~uniform(-0.02,0.02) --samples 6 "
+    "--torque 50 --speed 500,1500 --workers 1",
+    "rows.nc": "sweep nasa.toml -o rows.nc --load-cases duty.csv --temperature 60 --workers 1",
+    "duty.nc": "run nasa.toml -o duty.nc --load-cases duty.csv --temperature 60",
+    "vh.nc": "vh nasa.toml -o vh.nc --grid 2x2",
     "fm.rexs": "convert fm-11x41 -o fm.rexs",
     "points.csv": "export fm-11x41 -o points.csv --member gear",
     "points.nc": "export fm-11x41 -o points.nc --member gear",
     "study/measurements.jsonl": "compare problems.nc -o study --solvers native --repetitions 1",
 }
+DUTY = """# hours on the road
+name,torque,E,P,Sigma,speed,share
+cruise,100,0.01,0,0,1500,0.7
+climb,300,0.05,-0.02,0.01,500,0.2
+stand still,50,0,0,0,100,0.1
+"""
 #: Files by what they are.
 KINDS: dict[str, tuple[str, ...]] = {
     "case": tuple(CASES),
@@ -38,6 +51,10 @@ KINDS: dict[str, tuple[str, ...]] = {
     "table": ("table.nc",),
     "study": ("study/measurements.jsonl",),
     "formula": ("formula.json",),
+    "sweep": ("sweep.nc", "samples.nc", "rows.nc"),
+    "duty": ("duty.nc",),
+    "vh": ("vh.nc",),
+    "load_cases": ("duty.csv",),
 }
 
 
@@ -79,6 +96,10 @@ class Bases:
         """Files of condensed teeth."""
         return sorted(self["fe.nc"].with_name("teeth").iterdir())
 
+    def batches(self) -> list[Path]:
+        """Files in the folder of batches of the finished sweep ``sweep.nc``."""
+        return sorted(self["sweep.nc"].with_name("batches").iterdir())
+
     def write_texts(self) -> None:
         """Write what no command makes; the rest is made when it is asked for."""
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -98,6 +119,7 @@ class Bases:
         rows = "\n".join(",".join(f"{(i - 2) ** 2 + (j - 4) ** 2 / 2:.1f}" for j in range(9)) for i in range(5))
         head = "# rows: root to tip\n# columns: toe to heel\n# flank: concave\n# deviation_unit: um\n"
         self._put("matrix.csv", head + rows + "\n")
+        self._put("duty.csv", DUTY)
         with resources.as_file(resources.files("easeoff.cases").joinpath("deviations/fm-11x41-worn-gear.csv")) as file:
             grid = read_measured_grid(file)
         for suffix in (".csv", ".nc", ".dmi"):

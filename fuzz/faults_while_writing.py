@@ -69,6 +69,7 @@ def fill_disk(rng: random.Random, run: WritingRun, reference: Reference, bases: 
         words = [f"disk/{word}" if word in run.outputs else word for word in run.words.split()]
         outcome = forked(command_line(words), stage.folder, environment=stage.environment)
         left = [str(path.relative_to(disk)) for path in disk.rglob("*") if path.is_file()]
+        left = [name for name in left if not name.startswith("out.nc.batches/batch")]  # a sweep goes on from them
         faults = _faults_of_an_end(outcome)
         remains = [name for name in left if Path(name).name.startswith(".") or name.endswith(".tmp")]
         if remains or (outcome.code == 2 and any(Path(word).suffix for word in run.outputs) and left):
@@ -127,7 +128,7 @@ def _faults_of_a_full_disk(outcome: Outcome, stage: Stage, reference: Reference)
             path = stage.folder / name
             if Path(name).suffix and (not path.is_file() or path.read_bytes() != OLDER) and len(stage.run.outputs) == 1:
                 faults.append(f"the old {name} is not intact")
-    remains = [name for name in stage.remains() if name not in ("study", "parts", "pictures")]
+    remains = [name for name in stage.remains() if name not in ("study", "parts", "pictures", "out.nc.batches")]
     return faults + ([f"left behind: {', '.join(remains[:3])}"] if remains else [])
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from processes import Outcome
 
 #: Commands that may end with 1: values are uncertified, or a comparison is outside its limit.
-MAY_FAIL = ("run", "optimize", "wear", "library", "verify")
+MAY_FAIL = ("run", "sweep", "vh", "optimize", "wear", "library", "verify")
 #: Words of which one is in the output then.
-REASONS = ("certified", "outside", "early", "differ", "no load distribution")
+REASONS = ("certified", "outside", "early", "differ", "no load distribution", "not reached", "not analysed")
 STDOUT_SIZE_LIMIT = 60_000  # [characters], of tables and reports
 STDERR_SIZE_LIMIT = 12_000
 MESSAGE_SIZE_LIMIT = 4_000  # of a mistake
@@ -141,7 +141,12 @@ def folder_faults(
     ]
     if stray:
         faults.append(f"touched without being named: {', '.join(sorted(stray)[:4])}")
-    remains = [path for path in new if Path(path).name.startswith(".") or path.endswith((".tmp", "~"))]
+    # A folder ~ is that of a path that begins so.
+    remains = [
+        path
+        for path in new
+        if Path(path).name.startswith(".") or path.endswith(".tmp") or (path.endswith("~") and after[path][0] == "file")
+    ]
     if remains:
         faults.append(f"temporary file: {', '.join(sorted(remains)[:4])}")
     for path in changed:
@@ -155,6 +160,10 @@ def folder_faults(
 def _paths(args: Sequence[str]) -> list[str]:
     """Words of a command line that may be paths, and folders that a command writes to by itself."""
     words = [*args, *(word.partition("=")[2] for word in args), *(DEFAULT_FOLDERS.get(word, "") for word in args[:1])]
+    if "" in args:
+        words.append(".")  # the current folder
+    if "--keep" in args:
+        words += [os.path.splitext(word)[0] + "-points" for word in args]
     return [word for word in words if word]
 
 

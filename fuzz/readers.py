@@ -11,6 +11,8 @@ from typing import Any
 #: What a command writes, by suffix.
 WRITTEN: dict[str, dict[str, str]] = {
     "run": {".nc": "result"},
+    "sweep": {".nc": "sweep"},
+    "vh": {".nc": "netcdf"},
     "optimize": {".nc": "result", ".toml": "case"},
     "problems": {".nc": "problems"},
     "wear": {".nc": "wear"},
@@ -31,6 +33,7 @@ def reader(kind: str) -> Callable[[Path], Any]:
     from easeoff.friction import lubricant
     from easeoff.friction.ehl.study import read_formula
     from easeoff.geometry.formats import read_cmm_points
+    from easeoff.study.sweep import read_sweep
 
     def netcdf(path: Path) -> None:
         with xr.open_dataset(path, engine="netcdf4") as opened:
@@ -38,6 +41,7 @@ def reader(kind: str) -> Callable[[Path], Any]:
 
     readers: dict[str, Callable[[Path], Any]] = {
         "result": easeoff.read_result,
+        "sweep": read_sweep,
         "case": easeoff.read_case,
         "problems": read_problems,
         "wear": netcdf,

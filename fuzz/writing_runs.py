@@ -50,6 +50,19 @@ RUNS = (
     WritingRun("run nasa.toml -o out.nc --torque 50,150 --speed 500,1500", ("nasa.toml",), ("out.nc",)),
     WritingRun("run nasa.toml -o out.nc --torque 50 --plots pictures", ("nasa.toml",), ("out.nc", "pictures")),
     WritingRun("plot nasa.nc pictures", ("nasa.nc",), ("pictures",)),
+    WritingRun(
+        "run nasa.toml -o out.nc --load-cases duty.csv --temperature 60", ("nasa.toml", "duty.csv"), ("out.nc",)
+    ),
+    WritingRun(
+        "sweep nasa.toml -o out.nc --over E=-0.05:0.05:4 --torque 50,150 --workers 1", ("nasa.toml",), ("out.nc",)
+    ),
+    WritingRun(
+        "sweep nasa.toml -o out.nc --over E~normal(0,0.03) --over P~uniform(-0.02,0.02) --samples 5 --torque 50 "
+        "--workers 1 --keep worst=max_pressure:2 --plots pictures",
+        ("nasa.toml",),
+        ("out.nc", "out-points", "pictures"),
+    ),
+    WritingRun("vh nasa.toml -o out.nc --grid 2x2 --plots pictures", ("nasa.toml",), ("out.nc", "pictures")),
     WritingRun("problems nasa.toml -o out.nc --torque 50", ("nasa.toml",), ("out.nc",)),
     WritingRun("wear fm.toml -o out.nc --torque 100 --revolutions 1e5", ("fm.toml",), ("out.nc",)),
     WritingRun(

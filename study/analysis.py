@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import datetime
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +25,8 @@ from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
 from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
-from .case_in_mesh import CaseInMesh, checked_case
-from .deviation_source import Deviated, Source, deviation_attributes, require_line_contact
+from .case_in_mesh import CaseInMesh, case_attributes, checked_case
+from .deviation_source import Deviated, Source, require_line_contact
 
 if TYPE_CHECKING:
     from ..cases.schema.friction_table import FrictionTable
@@ -377,28 +374,13 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
 
 def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[str, Any]:
     """Origin of a result, as netCDF attributes."""
-    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    own, case, pair = version("easeoff"), state.case, state.pair
-    errors, added = pair.assembly.misalignment, state.modification
+    flanks = (state.pair.pinion.opposite, state.pair.gear.opposite)
     return {
-        "Conventions": "CF-1.11",
-        "title": case.title,
-        "history": f"{now} easeoff {own} analyze",
-        "easeoff_version": own,
+        **case_attributes(state.case, "analyze"),
+        **state.attributes,
         "schema_version": RESULT_SCHEMA_VERSION,
-        "case": case.text or case.model_dump_json(),
         "solver": solver,
-        "flank": state.flank,
-        "compliance_model": case.compliance.model,
+        "compliance_model": state.case.compliance.model,
         "edge_contact": int(edge_contact),
-        "pinion_teeth": pair.assembly.pinion_teeth,
-        "gear_teeth": pair.assembly.gear_teeth,
-        "pinion_hand": pair.assembly.pinion_hand,
-        "misalignment_offset_mm": errors.offset,
-        "misalignment_pinion_axial_mm": errors.pinion_axial,
-        "misalignment_gear_axial_mm": errors.gear_axial,
-        "misalignment_shaft_angle_rad": errors.shaft_angle,
-        "opposite_flanks": "given" if pair.pinion.opposite and pair.gear.opposite else "assumed from the loaded ones",
-        **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
-        **deviation_attributes(state.deviations, state.deviated),
+        "opposite_flanks": "given" if all(flanks) else "assumed from the loaded ones",
     }

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import datetime
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from ..cases.analysis_size import AnalysisSize
 from ..cases.conversion import elastic_model, finite_elements, gear_pair
@@ -18,12 +22,38 @@ from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair
 from ..geometry.pair.modification import Modification, modified_ease_off
 from ..geometry.tooth.tooth_flanks import MemberName
-from .deviation_source import Deviated, Source, deviated_geometry, flank_deviations, updated_geometry
+from .deviation_source import (
+    Deviated,
+    Source,
+    deviated_geometry,
+    deviation_attributes,
+    flank_deviations,
+    updated_geometry,
+)
 
 
 def checked_case(case: Case | str | Path) -> Case:
     """A case that is read already, or the name or path of one."""
     return case if isinstance(case, Case) else read_case(case)
+
+
+def case_attributes(case: Case, what: str) -> dict[str, Any]:
+    """Attributes of every file: conventions, title, version, time and name of the computation, and the case.
+
+    Examples
+    --------
+    >>> from easeoff.cases import read_case
+    >>> case_attributes(read_case("nasa-12x36"), "analyze")["Conventions"]
+    'CF-1.11'
+    """
+    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title,
+        "history": f"{now} easeoff {own} {what}",
+        "easeoff_version": own,
+        "case": case.text or case.model_dump_json(),
+    }
 
 
 def prepared_pair(case: Case, flank: FlankName, misalignment: Misalignment | None) -> GearPair:
@@ -124,3 +154,21 @@ class CaseInMesh:
         geometry = self.unmodified.geometry.misaligned(misalignment)
         cycle = self.unmodified.with_geometry(updated_geometry(geometry, self.deviations, self.deviated))
         return replace(self, pair=self.pair.misaligned(misalignment), unmodified=cycle)
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of a file: flank, teeth, assembly errors, modification and deviations."""
+        assembly, added = self.pair.assembly, self.modification
+        errors = assembly.misalignment
+        return {
+            "flank": self.flank,
+            "pinion_teeth": assembly.pinion_teeth,
+            "gear_teeth": assembly.gear_teeth,
+            "pinion_hand": assembly.pinion_hand,
+            "misalignment_offset_mm": errors.offset,
+            "misalignment_pinion_axial_mm": errors.pinion_axial,
+            "misalignment_gear_axial_mm": errors.gear_axial,
+            "misalignment_shaft_angle_rad": errors.shaft_angle,
+            **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
+            **deviation_attributes(self.deviations, self.deviated),
+        }

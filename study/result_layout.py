@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -186,19 +186,39 @@ def faults(tree: xr.DataTree) -> list[str]:
                 found.append(f"{name}: {dimension!r} must hold numbers from 0 to 1 that rise")
     for name in layout:
         group = tree.children[name].dataset
-        found += [f"{name}: {fault}" for fault in _index_faults(group)]
+        found += [f"{name}: {fault}" for fault in index_faults(group)]
         if name not in OTHER_STATUS:
             found += [f"{name}: {fault}" for fault in _flag_faults(group)]
     for table, needed in ((ATTRIBUTES, True), (OPTIONAL_ATTRIBUTES, False)):
         for name, attributes in table.items():
             if not name or name in layout:
                 own = (tree[name] if name else tree).attrs
-                found += [
-                    f"{name or 'root'}: no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
-                    for key, kind in attributes.items()
-                    if (needed or key in own) and not _is(kind, own.get(key))
-                ]
+                found += [f"{name or 'root'}: {fault}" for fault in attribute_faults(own, attributes, needed=needed)]
     return found
+
+
+def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, str | int], *, needed: bool) -> list[str]:
+    """Attributes that are missing or of another kind.
+
+    Parameters
+    ----------
+    own
+        The attributes.
+    kinds
+        Whether they must be a text, a number or a vector of that many numbers, by name.
+    needed
+        Whether all must be there.
+
+    Examples
+    --------
+    >>> attribute_faults({"title": 3}, {"title": "text", "solver": "text"}, needed=False)
+    ["no text in the attribute 'title'"]
+    """
+    return [
+        f"no {kind if isinstance(kind, str) else 'vector'} in the attribute {key!r}"
+        for key, kind in kinds.items()
+        if (needed or key in own) and not _is(kind, own.get(key))
+    ]
 
 
 def load_case_faults(tree: xr.DataTree) -> list[str]:
@@ -247,8 +267,14 @@ def _flag_faults(group: xr.Dataset) -> Iterator[str]:
                 yield f"{name!r} must hold whole numbers from {min(known)} to {max(known)}"
 
 
-def _index_faults(group: xr.Dataset) -> Iterator[str]:
-    """Dimensions whose values are not finite, or not distinct."""
+def index_faults(group: xr.Dataset) -> Iterator[str]:
+    """Dimensions whose values are not finite, or not distinct.
+
+    Examples
+    --------
+    >>> list(index_faults(xr.Dataset(coords={"torque": [50.0, 50.0]})))
+    ["'torque' must hold values that differ"]
+    """
     for name in map(str, group.sizes):
         if name in group.variables:
             values = group.variables[name].values

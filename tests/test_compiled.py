@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from dataclasses import astuple
@@ -293,3 +294,25 @@ def test_package_works_without_numba(tmp_path: Path) -> None:
 
 def test_statuses_have_numbers_in_arrays() -> None:
     assert solve_many(modal(lines(12, 0.0))).status.tolist() == [Status.CERTIFIED]
+
+
+@pytest.mark.thorough
+def test_the_process_that_compiles_gives_the_same_bits_as_later_ones(tmp_path: Path) -> None:
+    """Inner sums are taken in any order: which copies of them run must not depend on who compiled them."""
+    code = """
+import easeoff
+from easeoff.cases import read_case
+coarse = {"mesh_positions": 6, "segments_per_line": 21}
+case = read_case("nasa-12x36")
+case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+print(easeoff.analyze(case, torques=[50.0, 150.0])["loaded/force"].values.tobytes().hex())
+"""
+    variables = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    first, second = (
+        subprocess.run(
+            [sys.executable, "-c", code], env={**os.environ, **variables}, capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)
+    )
+    assert list(tmp_path.rglob("newton_kernel.solve_batch*.nbc"))
+    assert first == second

@@ -387,6 +387,17 @@ def test_loaded_pattern_from_the_segments_that_carry(name: str) -> None:
         assert extent < float(here[size]) < extent + 0.1
 
 
+def test_loaded_pattern_reaches_to_the_edges_that_carry() -> None:
+    cycle = cycle_of("nasa-12x36", 32)
+    here = with_loaded_numbers(cycle, *cycle.loaded([3.0])).isel(torque=0)
+    sharp = ((here["force"] > 0.0) & np.isnan(here["pressure"])).values
+    assert sharp.any()
+    for axis, size in (("lengthwise", "pattern_length"), ("profile", "pattern_height")):
+        place = here[axis].values[(here["force"] > 0.0).values]
+        assert float(here[size]) >= np.ptp(place)
+        assert float(here[size]) < np.ptp(place) + 0.1
+
+
 def test_pinion_turns_by_the_ratio_more() -> None:
     tree = tree_of("fm-11x41", edges=True)
     numbers = key_numbers(tree)

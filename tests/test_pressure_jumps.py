@@ -102,11 +102,17 @@ def test_shipped_cases_have_none(name: str, flank: Any) -> None:
     assert float(np.nanmax(pressure_jumps(loaded))) < JUMP_LIMIT
 
 
-def test_a_misaligned_pair_has_one_where_a_contact_line_ends() -> None:
+def test_a_misaligned_pair_has_one_where_a_contact_line_ends_unless_edges_touch() -> None:
     case = easeoff.read_case("fm-11x41")
     grid = {"lengthwise_nodes": 21, "profile_nodes": 15, "segments_per_line": 9}
     contact, shell = case.contact.model_copy(update=grid), ComplianceTable(model="shell")
     case = case.model_copy(update={"contact": contact, "compliance": shell})
-    tree = easeoff.analyze(case, torques=[30.0], misalignment=Misalignment(offset=-0.25, pinion_axial=0.3))
-    (note,) = jump_notes(tree["loaded"].to_dataset())
+
+    def notes(edge_contact: bool) -> list[str]:
+        misalignment = Misalignment(offset=-0.25, pinion_axial=0.3)
+        tree = easeoff.analyze(case, torques=[30.0], misalignment=misalignment, edge_contact=edge_contact)
+        return jump_notes(tree["loaded"].to_dataset())
+
+    (note,) = notes(edge_contact=False)
     assert "at 30 N m the greatest pressure jumps" in note
+    assert notes(edge_contact=True) == []

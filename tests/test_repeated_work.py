@@ -60,8 +60,8 @@ def test_parts_of_line_contacts_are_line_contacts_of_their_own() -> None:
     steel, bronze = Material(206000.0, 0.3), Material(110000.0, 0.25)
 
     def made(own: slice) -> WeberLineContact:
-        first, second, third, fourth = (values[own] for values in (length, radius, one, other))
-        return WeberLineContact(first, second, third, fourth, steel, bronze, 0.14, overhang=overhang[own])
+        depths = one[own], other[own]
+        return WeberLineContact(length[own], radius[own], *depths, steel, bronze, 0.14, overhang=overhang[own])
 
     whole, cuts = made(slice(None)), [slice(0, 11), slice(11, 12), slice(12, 30)]
     force = rng.uniform(0.0, 300.0, 30)

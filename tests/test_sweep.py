@@ -65,6 +65,8 @@ def assert_is_analysis(point: xr.Dataset, tree: xr.DataTree) -> None:
 
 def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
     """To the bit, but for the time they were made at."""
+    unlike = [str(name) for name in one.variables if one[name].values.tobytes() != other[name].values.tobytes()]
+    assert unlike == [], {n: np.nanmax(abs(one[n] - other[n])).item() for n in unlike if one[n].dtype.kind == "f"}
     assert one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
 
 
@@ -169,9 +171,11 @@ def test_mistakes_are_refused_before_the_work(over: dict[str, Any], wanted: str)
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("torque\n", "a row for every load case"),
-        ("torque,E\n100\n", "line 2: must have 2 values"),
-        ("torque,E\n100,0.1\n\n200,x\n", "line 4: E = 'x': must be a number"),
+        ("torque\n", "a head but no load cases: give a load case a line"),
+        ("torque,E\n100\n", "line 2, E: is missing; every column must have a value"),
+        ("torque,E\n100,0\n,0.1\n", "line 3, torque: is missing"),
+        ("torque,E\n100,0.1\n\n200,x\n", "line 4, E = 'x': must be a number"),
+        ("torque,E\n100,11\n", "line 2, E = 11: must be a number above -10 and below 10"),
         ("torque,torque\n1,2\n", "comes twice"),
         ("share\n1\n", "must have a column that changes something"),
         ("torque,share\n100,-1\n", "share: must be numbers of 0 or more"),

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_
 from ...core.checks import is_number
 from ...core.errors import InputError
 from ...core.printable import printable, shortened
+from ...core.reading.regular_file import leads_outside
 from ..mistakes import written
 from .schema_table import Number, Table, number
 
@@ -129,13 +130,7 @@ class FrictionTable(Table):
         """Whether the oil's file is outside the folder of the case, wherever links lead."""
         from ...friction.lubricants.lubricant import is_shipped
 
-        if is_shipped(self.oil):
-            return False
-        try:
-            folder = os.path.realpath(self._folder or "")
-            return os.path.commonpath([folder, os.path.realpath(os.path.join(folder, self.oil))]) != folder
-        except (OSError, ValueError):  # another drive of Windows, or no path at all
-            return True
+        return not is_shipped(self.oil) and leads_outside(self._folder or "", self.oil)
 
     @property
     def _quoted_oil(self) -> str:

@@ -18,7 +18,7 @@ from .contact_ratio import loaded_contact_ratio, unloaded_contact_ratio
 from .flank_region import FlankRegion, region_below
 from .marking_print import MarkingPrint, least_gap
 from .mesh_stiffness import mesh_stiffnesses
-from .pressure_map import pressure_map
+from .pressure_map import PRESSURE_TOLERANCE, pressure_map
 from .pressure_place import LineEnd, PressurePlace
 from .projection_plane import ProjectionPlane
 
@@ -112,9 +112,12 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
 
 
 def _loaded_region(at_torque: xr.Dataset, plane: ProjectionPlane) -> FlankRegion:
-    """Part of the gear flank that carries at one torque."""
+    """Part of the gear flank that carries at one torque, its extent with the edges that carry."""
     surface = pressure_map(at_torque)
-    return region_below(surface.points, np.full(surface.pressure.size, -1.0), surface.triangles, 0.0, plane)
+    region = region_below(surface.points, np.full(surface.pressure.size, -1.0), surface.triangles, 0.0, plane)
+    force = at_torque["force"].values
+    sharp = (force > PRESSURE_TOLERANCE * np.nanmax(force, initial=0.0)) & np.isnan(at_torque["pressure"].values)
+    return region.reaching(np.stack([at_torque[name].values[sharp] for name in ("lengthwise", "profile")]))
 
 
 def _pattern(regions: list[FlankRegion]) -> dict[str, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,17 @@ class FlankRegion:
     def size(self) -> Array:
         """Length along the face and height along the profile, as fractions (2)."""
         return np.asarray(self.extent[:, 1] - self.extent[:, 0])
+
+    def reaching(self, points: Array) -> FlankRegion:
+        """The region with an extent that includes points (2, n) without an area of their own, such as those of edges.
+
+        A region without area stays one.
+        """
+        if not self.area > 0.0 or points.shape[1] == 0:
+            return self
+        least, greatest = points.min(axis=1), points.max(axis=1)
+        low, high = np.minimum(self.extent[:, 0], least), np.maximum(self.extent[:, 1], greatest)
+        return replace(self, extent=np.stack([low, high], axis=1))
 
 
 def region_below(

@@ -31,8 +31,8 @@ FIRST_TRUST_RADIUS, TRUST_RADIUS_MINIMUM = 8.0, 0.01
 GAIN_TOLERANCE = 1e-4
 #: Programmes that may mend a step which gained but broke a limit, and the ratio of their trust radii.
 MENDING_LIMIT, MENDING_RADIUS_RATIO = 2, 0.25
-#: Limit of the transmission error, over the given one, of the searches made when the given one was not kept.
-TIGHTER_LIMIT_RATIO = 0.8
+#: Limits of the transmission error, over the given one, of the searches made while the given one was not kept.
+TIGHTER_LIMIT_RATIOS = (0.8, 0.7, 0.6, 0.9)
 
 Start = Literal["full_contact", "present", "tighter_limit"]
 NO_VALUE = Value(np.nan, np.nan)
@@ -170,7 +170,7 @@ def optimal_modification(
 ) -> ModificationSearch:
     """Search from the programme of full contact and from no modification, and keep the better end.
 
-    If neither keeps the limit of the transmission error, both search again under a tighter limit, and a third search
+    While neither keeps the limit of the transmission error, both search again under a tighter limit, and a third search
     begins at their better end.
 
     Parameters
@@ -191,8 +191,10 @@ def optimal_modification(
 
     found = ends(goal)
     steps = [step for end in found for step in end.steps]
-    if min(end.value.violation for end in found) > 0.0 and np.isfinite(goal.transmission_error):
-        tighter = replace(goal, transmission_error=TIGHTER_LIMIT_RATIO * goal.transmission_error)
+    for ratio in TIGHTER_LIMIT_RATIOS if np.isfinite(goal.transmission_error) else ():
+        if min(end.value.violation for end in found) <= 0.0:
+            break
+        tighter = replace(goal, transmission_error=ratio * goal.transmission_error)
         detour = min(ends(tighter), key=lambda end: end.value.merit)
         back = search(
             solved, detour.loads, goal, coefficients=detour.coefficients, programmes=programmes, progress=progress

@@ -45,6 +45,21 @@ def require_file(path: str | os.PathLike[str], limit: int | None = None) -> None
         raise too_large(path, limit)
 
 
+def leads_outside(folder: str | os.PathLike[str], path: str | os.PathLike[str]) -> bool:
+    """Whether a path that starts in a folder leads out of it, wherever links lead.
+
+    Examples
+    --------
+    >>> leads_outside("cases", "oil.toml"), leads_outside("cases", "../oil.toml")
+    (False, True)
+    """
+    try:
+        start = os.path.realpath(folder)
+        return os.path.commonpath([start, os.path.realpath(os.path.join(start, path))]) != start
+    except (OSError, ValueError):  # another drive of Windows, or no path at all
+        return True
+
+
 @contextlib.contextmanager
 def faults_in_words(path: str | os.PathLike[str], kind: str) -> Iterator[None]:
     """Context in which libraries read a file: whatever a damaged one makes them raise becomes one message.

@@ -55,9 +55,9 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     _check_replaceable(target)
     try:
         with existing_folder(target.parent), private_folder(target.parent) as folder:
-            # A plain name: not every library that writes files takes every name.
+            # A plain name: not every library that writes files takes every name. Absolute: one takes ~ for home.
             suffix = target.suffix if target.suffix.isascii() and len(target.suffix) <= SUFFIX_LENGTH_LIMIT else ""
-            temporary = folder / f"content{suffix}"
+            temporary = Path(os.path.abspath(folder / f"content{suffix}"))
             yield temporary
             take_over_permissions(temporary, target)
             _synchronize(temporary, os.O_RDWR)

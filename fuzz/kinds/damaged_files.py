@@ -6,10 +6,15 @@ import random
 import shutil
 from pathlib import Path
 
-from mutations import array_mutations, byte_mutations, path_mutations
+from bases import COMMANDS
+from mutations import array_mutations, byte_mutations, markup_mutations, path_mutations
 
 from .box import Box, Input
 from .mutated_file import any_mutation
+
+
+#: Sweep that resumes from the batches of the one in the base files.
+SWEEP = COMMANDS["sweep.nc"].replace("nasa.toml -o sweep.nc", "case.toml -o out.nc")
 
 
 def case(rng: random.Random, box: Box) -> Input:
@@ -27,6 +32,9 @@ def case_commands(name: str) -> list[list[str]]:
         [*run, "--flank", "coast"],
         [*run, "--speed", "800"],
         [*run, "--deviation", "gear=fm-11x41-worn-gear"],
+        [*run, "--load-cases", "case"],
+        ["sweep", name, "-o", "out.nc", "--over", "E=0,0.05", "--torque", "50", "--workers", "1"],
+        ["vh", name, "-o", "out.nc"],
         ["problems", name, "-o", "out.nc"],
         ["wear", name, "-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
         ["optimize", name, "-o", "out.nc", "--order", "2", "--torque", "50", "--fitted-case", "fit.toml"],
@@ -95,8 +103,57 @@ def points(rng: random.Random, box: Box) -> Input:
 
 def result(rng: random.Random, box: Box) -> Input:
     """A mutated result, shown or drawn."""
-    name = any_mutation(rng, box, rng.choice(box.bases.of("result", "result", "wear", "problems", "table")), "r.nc")
+    base = rng.choice(box.bases.of("result", "result", "duty", "duty", "sweep", "wear", "problems", "table", "vh"))
+    name = any_mutation(rng, box, base, "r.nc")
     return Input("", rng.choice([*[["show", name]] * 5, ["plot", name, "pictures"]]), [name])
+
+
+def sweep(rng: random.Random, box: Box) -> Input:
+    """A mutated file of a sweep, shown or drawn."""
+    name = any_mutation(rng, box, rng.choice(box.bases.of("sweep")), "r.nc")
+    return Input("", rng.choice([*[["show", name]] * 3, ["plot", name, "pictures"]]), [name])
+
+
+def load_cases(rng: random.Random, box: Box) -> Input:
+    """A mutated table of load cases, for an analysis or as points of a sweep."""
+    name = any_mutation(rng, box, "duty.csv", "duty.csv")
+    pair = box.copy("nasa.toml", "case.toml")
+    given = ["-o", "out.nc", "--load-cases", name, *rng.choice([[], ["--temperature", "60"]])]
+    words = rng.choice([["run", pair, *given], ["sweep", pair, *given, "--workers", "1"]])
+    return Input("", words, [pair, name])
+
+
+def batches(rng: random.Random, box: Box) -> Input:
+    """Damaged, exchanged, foreign or missing files of a sweep that resumes: the result is the same without them."""
+    files = box.bases.batches()
+    for path in files:
+        box.put(f"batches/{path.name}", path.read_bytes())
+    texts = [path.name for path in files if path.suffix != ".npz"]
+    numbers = [path.name for path in files if path.suffix == ".npz"]
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        chosen = box.folder / "batches" / rng.choice([*texts * 2, *numbers])
+        way = rng.choice(
+            ["bytes", "bytes", "text", "text", "exchange", "missing", "foreign", "folder", "empty", "link"]
+        )
+        if chosen.is_file() and way in ("bytes", "text"):
+            data = chosen.read_bytes()
+            if way == "text" and chosen.name in texts:
+                lines = markup_mutations.mutated_json_lines(rng, data.decode("utf-8", "replace"))
+                chosen.write_bytes(lines.encode("utf-8", "surrogatepass"))
+            else:
+                chosen.write_bytes(byte_mutations.mutated(rng, data))
+        elif chosen.is_file() and way in ("exchange", "missing"):
+            shutil.copyfile(box.bases["sweep.nc"].with_name("batches") / rng.choice(numbers), chosen)
+            if way == "missing":
+                chosen.unlink()
+        elif way == "foreign":
+            names = ("notes.txt", "batch-000099.npz", "batch-1.npz", "batch-000001.npz.tmp", ".easeoff-x.tmp", "a/b")
+            box.put(f"batches/{rng.choice(names)}", b"foreign\n")
+        else:
+            path_mutations.occupy(rng, chosen, {"folder": "folder", "link": "circle of links"}.get(way, "empty"))
+    name = box.copy("nasa.toml", "case.toml")
+    words = SWEEP.split()
+    return Input("", [*words, *rng.choice([[], [], [], ["--fresh"]])], [name], same_as="sweep.nc")
 
 
 def problems(rng: random.Random, box: Box) -> Input:

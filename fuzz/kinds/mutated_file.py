@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from pathlib import Path
+from typing import Any
 
 import tomli_w
 from mutations import (
@@ -15,7 +16,7 @@ from mutations import (
     text_mutations,
     toml_mutations,
 )
-from mutations.case_keys import CASE_KEYS, COMPLIANCE, DESIGN_KEYS, FRICTION, MISALIGNMENT
+from mutations.case_keys import CASE_KEYS, COMPLIANCE, DESIGN_KEYS, FRICTION, LOAD_CASES, MISALIGNMENT
 
 from .box import Box
 
@@ -51,11 +52,13 @@ def any_mutation(rng: random.Random, box: Box, base: str, name: str = "") -> str
 
 def _with_tables(rng: random.Random, text: str) -> str:
     """Text of a case with optional tables, in which mutations find more to change."""
-    for name, table, chance in (
+    tables: tuple[tuple[str, Any, float], ...] = (
         ("friction", FRICTION, 0.5),
         ("compliance", COMPLIANCE, 0.3),
         ("misalignment", MISALIGNMENT, 0.3),
-    ):
+        ("load_cases", LOAD_CASES, 0.3),
+    )
+    for name, table, chance in tables:
         if f"[{name}]" not in text and rng.random() < chance:
             text += "\n" + tomli_w.dumps({name: table})
     return text

@@ -17,7 +17,8 @@ OIL = ("oil", "--viscosity-40", "100", "--viscosity-100", "14", "--density", "88
 def paths(rng: random.Random, box: Box) -> Input:
     """Something else than a file where one is read or written."""
     pair = box.copy("nasa.toml", "case.toml")
-    files = {name: box.copy(base, name) for name, base in (("r.nc", "nasa.nc"), ("grid.csv", "grid.csv"), ("oil.toml",
+    files = {name: box.copy(base, name) for name, base in (("r.nc", "nasa.nc"), ("s.nc", "sweep.nc"),
+        ("duty.csv", "duty.csv"), ("grid.csv", "grid.csv"), ("oil.toml",
         "oil-75w90.toml"),
              ("problems.nc", "problems.nc"), ("file.rexs", "fm.rexs"), ("file.ses", "pair.ses"), ("design.toml",
              "design-fm-11x41.toml"))}  # fmt: skip
@@ -27,8 +28,17 @@ def paths(rng: random.Random, box: Box) -> Input:
             ["run", pair, "-o", "out.nc", "--torque", "50", "--plots", "pictures"],
             ["run", pair, "-o", "out.nc", "--torque", "50", "--speed", "500", "--oil", "oil.toml"],
             ["run", pair, "-o", "out.nc", "--torque", "50", "--deviation", "gear=grid.csv"],
+            ["run", pair, "-o", "out.nc", "--load-cases", "duty.csv", "--temperature", "60"],
+            *[
+                ["sweep", pair, "-o", "out.nc", "--over", "E=0,0.05", "--torque", "50", "--workers", "1", *more]
+                for more in ([], ["--store", "store"], ["--plots", "pictures"])
+            ],
+            ["sweep", pair, "-o", "out.nc", "--load-cases", "duty.csv", "--temperature", "60", "--workers", "1"],
+            ["vh", pair, "-o", "out.nc", "--plots", "pictures", "--grid", "2x2"],
             ["show", "r.nc"],
+            ["show", "s.nc"],
             ["plot", "r.nc", "pictures"],
+            ["plot", "s.nc", "pictures"],
             ["compare", "problems.nc", "-o", "study", "--solvers", "native", "--repetitions", "1"],
             ["problems", pair, "-o", "out.nc", "--torque", "50"],
             ["wear", pair, "-o", "out.nc", "--torque", "50", "--revolutions", "1e3"],
@@ -57,6 +67,7 @@ def paths(rng: random.Random, box: Box) -> Input:
             pair,
             "out.nc",
             "pictures",
+            "store",
             "study",
             "fit.toml",
             "o.toml",
@@ -68,6 +79,8 @@ def paths(rng: random.Random, box: Box) -> Input:
         )
     ]
     place = rng.choice([*places, "study/measurements.jsonl"] if "study" in places else places)
+    if words[0] == "sweep" and rng.random() < 0.3:
+        place = rng.choice(["out.nc.batches", "out.nc.batches/sweep.json", "out.nc.batches/batches.jsonl"])
     if not (box.folder / place).exists():
         box.put(place, b"older\n")
     path_mutations.occupy(rng, box.folder / place)
@@ -159,7 +172,7 @@ def stranger(rng: random.Random, box: Box) -> Input:
     path = rng.choice(
         ["../../secret.toml", str((box.root / "secret.toml").absolute()), "link.toml", "../inner/../../secret.toml"]
     )
-    way = rng.choice(["case", "case", "case", "design", "rexs", "session"])
+    way = rng.choice(["case", "case", "case", "design", "rexs", "session", "load_cases"])
     if way == "rexs":
         text = f'<?xml version="1.0"?><!DOCTYPE model [<!ENTITY e SYSTEM "{path}">]><model>&e;</model>'
         return Input("", ["convert", box.put("x.rexs", text.encode()), "-o", "o.toml"])
@@ -167,6 +180,12 @@ def stranger(rng: random.Random, box: Box) -> Input:
         text = box.bases["pair.ses"].read_text(encoding="utf-8")
         text = text.replace("SESFILENAME", f"SESFILENAME {path}\nREAD {path}\nINCLUDE {path}\nSESFILENAME")
         return Input("", ["convert", box.put("x.ses", text.encode()), "-o", "o.toml"])
+    if way == "load_cases":
+        head = rng.choice(["torque,oil,speed", "torque,deviation.gear,speed", "torque,name,speed", path])
+        table = box.put("duty.csv", f"{head}\n50,{path},500\n".encode())
+        given = ["-o", "out.nc", "--load-cases", table]
+        pair = box.copy("nasa.toml", "case.toml")
+        return Input("", rng.choice([["run", pair, *given], *[["sweep", pair, *given, "--workers", "1"]] * 3]))
     base = "design-fm-11x41.toml" if way == "design" else "nasa.toml"
     text = box.bases[base].read_text(encoding="utf-8")
     name = box.put("case.toml", f"{text}\n[friction]\nspeed = 500.0\ntemperature = 60.0\noil = '{path}'\n".encode())

@@ -14,13 +14,16 @@ from .damaged_files import case_commands
 def options(rng: random.Random, box: Box) -> Input:
     """Good files, and options as nobody should write them."""
     pair = box.copy(rng.choice(["nasa.toml", "fm.toml"]), "case.toml")
-    command = rng.choice([*["run"] * 6, *option_values.OPTIONS])
+    command = rng.choice([*["run"] * 6, *["sweep"] * 5, "vh", *option_values.OPTIONS])
     pair = rng.choice(
         [*[pair] * 8, "nasa", "nasa-12x37", "", "case", ".", "no.toml", "FM-11X41", "x" * 300, "\x1b[2J", "é.toml"]
     )
     output = rng.choice([*["out.nc"] * 12, *option_values.PATHS])
     words: dict[str, list[str]] = {
         "run": ["run", pair, "-o", output, "--torque", "50"],
+        "sweep": ["sweep", pair, "-o", output, "--over", rng.choice(["E=0:0.05:2", rng.choice(option_values.OVER)]),
+        "--torque", "50", "--workers", "1"],
+        "vh": ["vh", pair, "-o", output],
         "problems": ["problems", pair, "-o", output, "--torque", "50"],
         "wear": ["wear", pair, "-o", output, "--torque", "50", "--revolutions", "1e3"],
         "optimize": ["optimize", pair, "-o", output, "--torque", "50", "--order", "2"],
@@ -38,7 +41,7 @@ def options(rng: random.Random, box: Box) -> Input:
         "library": ["library", "-o", "parts", "--parts", "x"],
     }  # fmt: skip
     if command in ("show", "plot"):
-        name = box.copy(rng.choice(box.bases.of("result", "wear")), "r.nc")
+        name = box.copy(rng.choice(box.bases.of("result", "wear", "sweep", "duty", "vh")), "r.nc")
         words[command] = [command, name, "pictures"][: 2 + (command == "plot")]
     elif command == "compare":
         name = box.copy("problems.nc")
@@ -54,7 +57,10 @@ def options(rng: random.Random, box: Box) -> Input:
             "--time-limit",
             "5",
         ]
-    return Input("", option_values.spoilt(rng, command, words[command]), ["case.toml"])
+    made = option_values.spoilt(rng, command, words[command])
+    if "--load-cases" in made:
+        box.copy("duty.csv")
+    return Input("", made, ["case.toml"])
 
 
 def mistaken(rng: random.Random, box: Box) -> Input:
@@ -70,6 +76,11 @@ def mistaken(rng: random.Random, box: Box) -> Input:
             ["run", pair, "-o", "out.nc", "--torque", "50", "--deviation", f"pinion={name}", "--deviated", "surface"],
             ["correct", pair, "--deviation", f"pinion={name}"],
             ["run", pair, "-o", "out.nc", "--torque", "50", "--speed", "500", "--oil", name],
+            ["run", pair, "-o", "out.nc", "--load-cases", name],
+            ["sweep", pair, "-o", "out.nc", "--load-cases", name, "--workers", "1"],
+            ["sweep", pair, "-o", "out.nc", "--over", f"deviation.gear={name}", "--torque", "50", "--workers", "1"],
+            ["sweep", pair, "-o", "out.nc", "--over", "E=0,0.05", "--store", name, "--workers", "1"],
+            ["vh", pair, "-o", "out.nc", "--deviation", f"gear={name}"],
             ["show", name],
             ["plot", name, "pictures"],
             ["compare", name, "-o", "study", "--solvers", "native", "--repetitions", "1"],

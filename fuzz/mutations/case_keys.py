@@ -14,6 +14,10 @@ FRICTION: dict[str, Any] = {
 }  # fmt: skip
 COMPLIANCE: dict[str, Any] = {"model": "shell", "root": "weber", "shear_factor": 0.8}
 MISALIGNMENT: dict[str, Any] = {"offset": 0.05, "pinion_axial": -0.02, "gear_axial": 0.0, "shaft_angle": 0.05}
+LOAD_CASES: list[dict[str, Any]] = [
+    {"name": "cruise", "torque": 100.0, "speed": 1500.0, "share": 0.9},
+    {"torque": 300.0, "E": 0.05, "P": -0.02, "G": 0.01, "Sigma": 0.01, "share": 0.1, "flank": "coast"},
+]
 
 CONTACT_KEYS: dict[str, tuple[Any, ...]] = {
     "compliance.model": ("fe", "solid_shell", "shell", "FE", 1),
@@ -55,6 +59,13 @@ CONTACT_KEYS: dict[str, tuple[Any, ...]] = {
     "target.drive.more": ({"x": 1},),
     "pair.shaft_angle": (174.0, 6.0, 90.0, 89.0, {"x": 1}, 180.0, 0.0),
     "pair.hypoid_offset": ([[]], 1000.0, -20.0, 1e-12, 95.0),
+    "load_cases": ([{"torque": 50.0}], [], {}, [{}], [{"torque": -1.0}], [{"torque": 50.0}] * 2,
+    [{"torque": 50.0}] * 1001,
+    [{"torque": 50.0, "share": 1.0}, {"torque": 60.0}], [{"torque": 50.0, "name": "../x"}], [{"torque": NAN}],
+    [{"torque": 50.0, "name": "a"}, {"torque": 60.0, "name": "A"}], [{"torque": 50.0, "name": "\x1b[2J"}],
+    [{"torque": 1e9}, {"torque": 1e-9}], [{"torque": 50.0, "share": 1e-300}, {"torque": 60.0, "share": 1e300}],
+    [{"torque": 50.0, "E": 9.99}, {"torque": 50.0, "Sigma": 4.9}], [{"torque": 50.0, "flank": "left"}],
+    [{"torque": 50.0, "speed": 1e-6, "share": 1e-12}]),
     "title": ("\x1b[2J\x1b]0;owned\x07", "x" * 5000, "", 3, "a\nb", "\u202eelif"),
     "notes.a": (1,),
 }  # fmt: skip

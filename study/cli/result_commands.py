@@ -72,12 +72,14 @@ def plot(result: Path, folder: Path, marking: float | None) -> None:
 def _sweep(path: Path) -> xr.Dataset | None:
     """The dataset of a sweep, if a file is of one; of another file its own reader says what is wrong with it."""
     from ...core.errors import InputError
-    from ..sweep import read_sweep
+    from ...core.reading.netcdf_file import read_dataset
+    from ..sweep.sweep_file import checked_sweep, is_sweep
 
     try:
-        return read_sweep(path)
+        found = read_dataset(path)
     except InputError:
         return None
+    return checked_sweep(found, path) if is_sweep(found) else None
 
 
 def draw(tree: xr.DataTree, folder: Path, *, marking: float | None = None) -> None:

@@ -138,15 +138,19 @@ def sweep(
     if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     from ...cases import read_case
+    from ...core.errors import EaseoffError
     from ...core.writing.output_file import check_folder, check_writable
     from ..report.sweep_report import outcome, sweep_summary
     from ..sweep import write_sweep
-    from ..sweep.batch_store import BatchStore
-    from ..sweep.parameter_sweep import run_plan
+    from ..sweep.parameter_sweep import batch_store, run_plan
     from ..sweep.sweep_plan import planned_sweep
 
     files = [one for one in (load_cases, options["oil"], *options["deviations"].values()) if one is not None]
     check_writable(output, case, *files, suffix=".nc")
+    folder = store if store is not None else output.with_name(f"{output.name}.batches")
+    for option, path in (("--store", store), ("--plots", plots)):
+        if path is not None and os.path.abspath(path) == os.path.abspath(output):
+            raise click.UsageError(f"{option} = {str(path)!r}: must be another name than that of the file")
     if plots is not None:
         check_folder(plots, "pictures")
     checked = read_case(case, allow_outside=outside_allowed())
@@ -154,34 +158,45 @@ def sweep(
     if friction_model is not None or film_heating is not None or clamp_temperature is not None:
         options["friction_model"] = chosen_model(checked.friction, friction_model, film_heating, clamp_temperature)
     plan = planned_sweep(
-        checked, over, load_cases=load_cases, samples=samples, seed=seed, sampler=_sampler(sampler), **options
+        checked,
+        over,
+        load_cases=load_cases,
+        samples=samples,
+        seed=seed,
+        sampler=_sampler(sampler),
+        allow_outside=outside_allowed(),
+        **options,
     )
-    folder = store if store is not None else output.with_name(f"{output.name}.batches")
+    _check_kept(plan, keep)
     _tell_cost(plan)
     total = plan.table.count
+    done = 0
     try:
         with terminal_bar(total=total, desc="sweep", unit="point") as bar:
-            found = run_plan(
-                plan,
-                workers=workers,
-                scheduler=scheduler,
-                store=folder,
-                fresh=fresh,
-                progress=lambda done, _: bar.update(done - bar.n),
-            )
-    except KeyboardInterrupt:
-        echo(f"interrupted: the batches so far are kept in {folder}; the same command goes on from them", err=True)
+
+            def progress(number: int, _: int) -> None:
+                nonlocal done
+                done = number
+                bar.update(done - bar.n)
+
+            found = run_plan(plan, workers=workers, scheduler=scheduler, store=folder, fresh=fresh, progress=progress)
+        write_sweep(found, output)
+    except (KeyboardInterrupt, EaseoffError) as error:
+        if done:
+            why = "interrupted: " if isinstance(error, KeyboardInterrupt) else ""
+            echo(f"{why}the batches so far are kept in {folder}; the same command goes on from them", err=True)
         raise
-    write_sweep(found, output)
     echo(f"wrote {output}: {outcome(found)}")
     kept = _write_kept(plan, found, keep, output)
-    if plots is not None:
+    if plots is not None and not bool(found["max_pressure"].notnull().any() if "max_pressure" in found else False):
+        echo("no point has numbers: there are no pictures", err=True)
+    elif plots is not None:
         from ..plot.sweep_pictures import write_sweep_pictures
 
         for picture in write_sweep_pictures(found, plots):
             echo(f"wrote {picture}")
     if store is None:
-        BatchStore(folder, plan.digest, plan.description).remove()
+        batch_store(plan, folder).remove()
     echo("\n" + sweep_summary(found))
     next_commands(("show", kept[0] if kept else output), *([] if plots is not None else [("plot", output, "FOLDER")]))
     if bool((found["status"] != 0).any()):
@@ -206,6 +221,16 @@ def _tell_cost(plan: SweepPlan) -> None:
         )
 
 
+def _check_kept(plan: SweepPlan, keep: Sequence[tuple[str, str, int]]) -> None:
+    """Refuse a number that no point will have."""
+    from ..report.key_numbers import number_names
+
+    names = number_names(friction=plan.operation is not None)
+    for side, name, count in keep:
+        if name not in names:
+            raise click.UsageError(f"--keep = '{side}={name}:{count}': must name one of {', '.join(names)}")
+
+
 def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]], output: Path) -> list[Path]:
     """Whole results of chosen points, in a folder named after the file of the sweep."""
     from ...core.errors import EaseoffError
@@ -215,6 +240,9 @@ def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]
 
     written: dict[int, Path] = {}
     for side, name, count in keep:
+        if name not in found:
+            echo(f"--keep: no point has a number {name}", err=True)
+            continue
         for row in worst_points(found, name, count, least=side == "least")["row"].values.tolist():
             if row in written:
                 continue

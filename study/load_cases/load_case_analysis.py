@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Callable, Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +25,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis import RESULT_SCHEMA_VERSION, contact_analysis, operation_of, with_friction
-from ..case_in_mesh import CaseInMesh, checked_case
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
 from .duty_means import DAMAGE_EXPONENTS, checked_exponents, duty_means
@@ -298,13 +296,8 @@ def _status(tree: xr.DataTree) -> LoadCaseStatus:
 
 def _provenance(case: Case, common: Mapping[Any, Any]) -> dict[str, Any]:
     """Origin of the results, as netCDF attributes; of a result those that all have in common."""
-    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
     return {
-        "Conventions": "CF-1.11",
-        "title": case.title,
-        "history": f"{now} easeoff {own} analyze_load_cases",
-        "easeoff_version": own,
+        **case_attributes(case, "analyze_load_cases"),
         "schema_version": RESULT_SCHEMA_VERSION,
-        "case": case.text or case.model_dump_json(),
         **{name: common[name] for name in COMMON if name in common},
     }

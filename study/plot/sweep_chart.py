@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import InputError
 from ..report.sweep_report import outcome
-from ..sweep.reductions import numbers, point_dimensions, sensitivities, swept_names
+from ..sweep.reductions import LOADS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from .page import (
     BLUE,
     BODY_SIZE,
@@ -85,7 +85,9 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
 
 def _grids(dataset: xr.Dataset) -> list[str]:
     """Swept grids of numbers with several values: those of points first, the longest first, then torque and speed."""
-    dims = [str(dim) for dim in dataset["status"].dims if dim in swept_names(dataset) and dataset.sizes[dim] > 1]
+    swept = swept_names(dataset)
+    dims = [str(dim) for dim in dataset["status"].dims if dim in swept and dataset.sizes[dim] > 1]
+    dims = dims or [dim for dim in reduced_dimensions(dataset) if dim in LOADS and dataset.sizes[dim] > 1]
     dims = [dim for dim in dims if dataset[dim].dtype.kind in "fiu"]
     own = set(point_dimensions(dataset))
     return sorted(dims, key=lambda dim: (dim not in own, -dataset.sizes[dim]))
@@ -222,7 +224,7 @@ def _pattern(dataset: xr.Dataset) -> Figure:
         plain_axes(axes)
         axes.set_xlabel("toe 0 to heel 1", fontsize=SMALL_SIZE + 1, color=INK)
         axes.set_ylabel("root 0 to tip 1 (gear)", fontsize=SMALL_SIZE + 1, color=INK)
-        if "torque" in keep and "torque" in dataset.dims:
+        if along != "torque" and "torque" in dataset.dims:
             words = torque_name(float(dataset["torque"].values[torque]))
             axes.set_title(words, fontsize=BODY_SIZE, color=INK, loc="left")
     plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=panels, pad=0.02), _label(dataset, by))

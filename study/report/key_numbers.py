@@ -105,6 +105,31 @@ def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
     return labelled(dataset)
 
 
+def number_names(*, friction: bool) -> tuple[str, ...]:
+    """Names of the key numbers that vary from result to result, also of those that not every one has.
+
+    Parameters
+    ----------
+    friction
+        Whether the results have friction.
+
+    Examples
+    --------
+    >>> "efficiency" in number_names(friction=True), "efficiency" in number_names(friction=False)
+    (True, False)
+    """
+    return (
+        *("common_flank", "max_ease_off", "unloaded_peak_to_peak", "unloaded_rms", "unloaded_harmonic"),
+        *(f"unloaded_{name}" for name in UNLOADED),
+        "geometric_contact_ratio",
+        *(name for name in LOADED if name != "max_pressure_line_end"),
+        *("harmonic", "certified_positions", "worst_certificate", "max_edge_share"),
+        *(f"light_load_{name}" for name in LIGHT_LOAD),
+        "max_root_stress",
+        *(FRICTION if friction else ()),
+    )
+
+
 def _unloaded(ease_off: xr.Dataset, unloaded: xr.Dataset) -> dict[str, xr.Variable]:
     """Numbers of geometry and unloaded contact."""
     inside = ordered(ease_off, "inside", *GRID) == 1

@@ -111,6 +111,8 @@ def _listed(quantity: SweptQuantity, text: str) -> Sequence[Any]:
             raise InputError(f"{quantity.name} = {shown(text)}: must be {wanted}") from None
         if not 2 <= steps <= VALUE_COUNT_LIMIT:
             raise InputError(f"{quantity.name} = {shown(text)}: COUNT must lie between 2 and {VALUE_COUNT_LIMIT}")
+        for end in (start, stop):
+            quantity.checked(end)
         # Decimal numbers as they would be typed: -0.2:0.2:9 has 0.05 in it, not 0.05000000000000002.
         digits = DIGIT_COUNT - math.ceil(math.log10(max(abs(start), abs(stop), 1e-300)))
         return [round(value, digits) for value in np.linspace(start, stop, steps).tolist()]

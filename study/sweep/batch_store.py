@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.checkpoint import Checkpoint
 from ...core.errors import InputError
@@ -24,6 +25,7 @@ from ...core.reading.json_text import parsed_json
 from ...core.reading.text_file import TABLE_SIZE_LIMIT, read_text
 from ...core.writing.output_file import check_folder, whole_file
 from ...core.writing.private_folder import NAME as PRIVATE_NAME
+from ...core.writing.private_folder import clear_remains
 from .batch_analysis import Block, PointStatus
 
 #: File that says which sweep a store is of, and the map of its batches.
@@ -47,6 +49,8 @@ class BatchStore:
         Digest of the sweep.
     description
         The sweep in words, for the message that refuses another.
+    count
+        Number of its points.
     fresh
         Whether batches in the folder are ignored and replaced.
 
@@ -56,7 +60,7 @@ class BatchStore:
         If the folder holds the batches of another sweep, or anything else, or cannot be written.
     """
 
-    def __init__(self, folder: Path, digest: str, description: str, *, fresh: bool = False) -> None:
+    def __init__(self, folder: Path, digest: str, description: str, count: int, *, fresh: bool = False) -> None:
         check_folder(folder, "batches of the sweep")
         self.folder, self._digest, self._description = folder, digest, description
         found = None if fresh else self._plan()
@@ -70,8 +74,11 @@ class BatchStore:
                 f"another ({printable(str(found.get('description')))}); give another folder, remove it, or begin anew "
                 "with --fresh"
             )
-        self.bounds: list[int] | None = _bounds(found)
+        self._refuse_folders()
+        self.bounds: list[int] | None = _bounds(found, count)
         self._map: Checkpoint[str] | None = None
+        if os.path.isdir(folder):  # a map that cannot be used shows before anything is written
+            self._map = self._completed
 
     def divide(self, bounds: list[int]) -> None:
         """Record how the points are divided into batches; with what was recorded before, it stays so."""
@@ -92,12 +99,20 @@ class BatchStore:
             temporary.write_bytes(data)
         self._completed.add(str(number), hashlib.sha256(data).hexdigest())
 
-    def complete(self) -> Iterator[tuple[int, Block]]:
-        """The batches that are complete, by their numbers."""
-        for number in range(len(self.bounds or [0]) - 1):
+    def complete(self, order: NDArray[Any]) -> Iterator[tuple[int, Block]]:
+        """The batches that are complete, by their numbers.
+
+        Parameters
+        ----------
+        order
+            Rows of the sweep (n) in the order in which the bounds divide them.
+        """
+        for number, (first, last) in enumerate(pairwise(self.bounds or [])):
             block = self._read(number)
+            # Another run of the same sweep may have divided it otherwise.
+            own = block is not None and np.array_equal(block.rows, order[first:last])
             # What failed unexpectedly, as for want of memory, may succeed now.
-            if block is not None and not np.any(block.status == PointStatus.FAILED):
+            if block is not None and own and not np.any(block.status == PointStatus.FAILED):
                 yield number, block
 
     def _read(self, number: int) -> Block | None:
@@ -113,10 +128,13 @@ class BatchStore:
 
     def remove(self) -> None:
         """Remove the batches, and the folder if nothing else is in it."""
-        with suppress(FileNotFoundError):
-            for entry in os.scandir(self.folder):
-                if _is_own(entry.name):
-                    shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
+        clear_remains(self.folder)
+        with suppress(FileNotFoundError), os.scandir(self.folder) as entries:
+            for entry in entries:
+                # A private folder that is left is that of another run, which writes into it at this moment.
+                if _is_own(entry.name) and not PRIVATE_NAME.fullmatch(entry.name):
+                    with suppress(FileNotFoundError):
+                        shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.unlink(entry.path)
         with suppress(OSError):
             self.folder.rmdir()
 
@@ -142,6 +160,13 @@ class BatchStore:
             raise InputError(f"{printable(str(self.folder / PLAN_NAME))} is damaged: remove the folder")
         return found
 
+    def _refuse_folders(self) -> None:
+        """Refuse a folder where a batch shall be, before anything is written."""
+        with suppress(FileNotFoundError), os.scandir(self.folder) as entries:
+            for entry in entries:
+                if BATCH_NAME.fullmatch(entry.name) and entry.is_dir():
+                    raise InputError(f"{printable(entry.path)} is a folder: remove it, or begin anew with --fresh")
+
     def _refuse_other_files(self) -> None:
         if os.path.isdir(self.folder):
             foreign = [name for name in os.listdir(self.folder) if not _is_own(name)]
@@ -157,12 +182,12 @@ def _is_own(name: str) -> bool:
     return name in (PLAN_NAME, MAP_NAME) or bool(BATCH_NAME.fullmatch(name) or PRIVATE_NAME.fullmatch(name))
 
 
-def _bounds(plan: dict[str, Any] | None) -> list[int] | None:
-    """Recorded bounds of the batches, if they rise from 0."""
+def _bounds(plan: dict[str, Any] | None, count: int) -> list[int] | None:
+    """Recorded bounds of the batches, if they rise from 0 to the number of points at most."""
     bounds = plan.get("bounds") if plan else None
-    if not isinstance(bounds, list) or not all(isinstance(one, int) for one in bounds) or bounds[:1] != [0]:
+    if not isinstance(bounds, list) or not all(type(one) is int for one in bounds) or bounds[:1] != [0]:
         return None
-    return bounds if all(one < two for one, two in pairwise(bounds)) else None
+    return bounds if all(one < two for one, two in pairwise(bounds)) and bounds[-1] <= count else None
 
 
 def _block(path: Path) -> Block:

@@ -82,13 +82,12 @@ def in_processes(batches: Iterator[Batch], workers: int) -> Generator[tuple[int,
             yield batch.number, _lost(batch)
 
 
-def on_cluster(batches: Iterator[Batch], address: str) -> Generator[tuple[int, Block]]:
-    """Analyse batches on a dask cluster.
+@contextlib.contextmanager
+def cluster_client(address: str) -> Iterator[Any]:
+    """Client of a dask cluster, closed on leaving.
 
     Parameters
     ----------
-    batches
-        The batches.
     address
         Address of the cluster's scheduler, such as ``tcp://127.0.0.1:8786``.
 
@@ -113,12 +112,22 @@ def on_cluster(batches: Iterator[Batch], address: str) -> Generator[tuple[int, B
             raise InputError(
                 f"scheduler = {address!r}: has no workers; start some with 'dask worker {address}'"
             ) from error
-        yield from _from_cluster(distributed, client, batches)
+        yield client
     finally:
         client.close()
 
 
-def _from_cluster(distributed: Any, client: Any, batches: Iterator[Batch]) -> Generator[tuple[int, Block]]:
+def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Block]]:
+    """Analyse batches on a dask cluster.
+
+    Parameters
+    ----------
+    batches
+        The batches.
+    client
+        Of ``cluster_client``.
+    """
+    distributed = distributed_package()
     running: dict[Any, Batch] = {}
     results = distributed.as_completed(loop=client.loop, raise_errors=False)
     exhausted = False

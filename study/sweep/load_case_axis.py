@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...cases.load_case_rows import read_load_case_rows
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.printable import printable, shortened
-from ...core.reading.regular_file import named
-from ...core.reading.text_file import LINE_LENGTH_LIMIT, TABLE_SIZE_LIMIT, read_text
-from ...geometry.formats.separated_text import cells, comment, separator
+from ...core.reading.regular_file import leads_outside
+from ...core.reading.text_file import TABLE_SIZE_LIMIT
+from ...friction.lubricants.lubricant import is_shipped
+from ..deviation_source import shipped_deviations
 from .axis import Axis, column
 from .swept_quantity import Stage, swept_quantity
 
 LOAD_CASE = "load_case"
+FILES = ("oil", "deviation.pinion", "deviation.gear")  # columns that name files
 
 
-def read_load_case_axis(path: str | Path) -> Axis:
+def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axis:
     r"""Load cases of a table in CSV.
 
     Parameters
     ----------
     path
-        The file. Its first row names the columns: quantities of ``swept_quantity``, ``share`` and ``name``. Lines that
-        begin with ``#`` are comments. Columns are separated by commas, semicolons, tabs or blanks, as in a table of
-        load cases for ``run``, which is read here, too, where it has no empty cells.
+        The file, as of ``read_load_case_rows``. Its columns are quantities of ``swept_quantity``, ``share`` and
+        ``name``: those of a table of load cases for ``run``, and more. No cell is empty.
+    allow_outside
+        Whether the table may name files of oils and deviations outside its folder: it may be anybody's.
 
     Raises
     ------
@@ -43,23 +48,27 @@ def read_load_case_axis(path: str | Path) -> Axis:
     ...     read_load_case_axis(table).columns["torque"].tolist()
     [100.0, 300.0]
     """
-    text = read_text(path, TABLE_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip(' \t;,"') and comment(line) is None]
-    if len(lines) < 2:
-        raise InputError(f"{named(path)}: must have a row of names and a row for every load case")
-    mark = separator(lines[0][1])
-    names = cells(lines[0][1], mark)
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{named(path)}: the column {shown(name)} comes twice")
-    columns: dict[str, list[Any]] = {name: [] for name in names}
-    for number, line in lines[1:]:
-        where, row = f"{named(path)}, line {number}", cells(line, mark)
-        if len(row) != len(names):
-            raise InputError(f"{where}: must have {len(names)} values, as the row of names has, and has {len(row)}")
-        for name, entry in zip(names, row, strict=True):
-            columns[name].append(_value(name, entry.strip(), where))
-    return load_case_axis(columns)
+
+    def checked(row: Mapping[str, Any]) -> dict[str, Any]:
+        for name in FILES:
+            if name in row and not allow_outside:
+                _require_inside(path, name, row[name])
+        return {name: swept_quantity(name).checked(value) for name, value in row.items()}
+
+    rows = read_load_case_rows(
+        path, lambda column: swept_quantity(column).words, checked, size_limit=TABLE_SIZE_LIMIT, complete=True
+    )
+    return load_case_axis({name: [row[name] for row in rows] for name in rows[0]})
+
+
+def _require_inside(path: str | Path, name: str, value: str) -> None:
+    """Refuse a file outside the folder of the table, and say nothing of it."""
+    is_known = is_shipped(value) if name == "oil" else value in shipped_deviations()
+    if not is_known and leads_outside(os.path.dirname(os.path.abspath(path)), os.path.abspath(value)):
+        raise InputError(
+            f"{name} = {shown(value)}: must be a shipped one, or a file inside the folder of the table; if you trust "
+            "the table, --allow-outside (in Python columns in place of a file) opens files elsewhere"
+        )
 
 
 def load_case_axis(columns: Any) -> Axis:
@@ -85,13 +94,3 @@ def load_case_axis(columns: Any) -> Axis:
     if "share" in found and not (np.all(found["share"] >= 0.0) and found["share"].sum() > 0.0):
         raise InputError("share: must be numbers of 0 or more, not all 0")
     return Axis(LOAD_CASE, found)
-
-
-def _value(name: str, entry: str, where: str) -> Any:
-    if swept_quantity(name).words:
-        return entry
-    try:
-        return float(entry)
-    except ValueError:
-        value = printable(shortened(repr(entry)))
-        raise InputError(f"{where}: {name} = {value}: must be a number; decimals have a point") from None

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import datetime
 import json
 import os
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,11 +19,12 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..case_in_mesh import case_attributes
 from ..deviation_source import Deviated, Source
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
 from .distribution import Sampler
-from .engine import distributed_package, in_processes, in_this_process, on_cluster
+from .engine import cluster_client, in_processes, in_this_process, on_cluster
 from .point_table import PointTable
 from .sweep_dataset import SweepNumbers
 from .sweep_plan import SweepPlan, planned_sweep
@@ -185,13 +184,12 @@ def run_plan(
     """
     own = usable_cores() if workers is None else workers
     processes = 1 if scheduler is not None else whole("workers", own, 1, WORKER_COUNT_LIMIT)
-    if scheduler is not None:
-        distributed_package()
     plan.require_memory(processes)
-    kept = None if store is None else BatchStore(Path(store), plan.digest, plan.description, fresh=fresh)
     numbers, done, table = SweepNumbers(plan.table, plan.setup), 0, plan.table
-    with contextlib.closing(_blocks(plan.setup, table, kept, processes, scheduler)) as blocks:
-        for block in blocks:
+    with contextlib.ExitStack() as context:
+        client = None if scheduler is None else context.enter_context(cluster_client(scheduler))
+        kept = None if store is None else batch_store(plan, store, fresh=fresh)
+        for block in context.enter_context(contextlib.closing(_blocks(plan.setup, table, kept, processes, client))):
             numbers.add(block)
             done += block.rows.size
             if progress is not None:
@@ -201,17 +199,31 @@ def run_plan(
     return result
 
 
+def batch_store(plan: SweepPlan, folder: str | os.PathLike[str], *, fresh: bool = False) -> BatchStore:
+    """The batches of a plan in a folder.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     batch_store(planned_sweep("nasa-12x36", {"E": [0.05]}), f"{folder}/batches").bounds is None
+    True
+    """
+    return BatchStore(Path(folder), plan.digest, plan.description, plan.table.count, fresh=fresh)
+
+
 def _blocks(
-    setup: SweepSetup, table: PointTable, store: BatchStore | None, processes: int, scheduler: str | None
+    setup: SweepSetup, table: PointTable, store: BatchStore | None, processes: int, client: Any
 ) -> Generator[Block]:
     """Numbers of all points, batch by batch: first those that are kept, then those that are computed."""
     bounds = (store.bounds if store is not None else None) or [0]
     done = set()
-    for number, block in store.complete() if store is not None else ():
+    for number, block in store.complete(table.order) if store is not None else ():
         done.add(number)
         yield block
     seconds = None
-    while bounds[-1] < table.count and len(bounds) <= TRIAL_COUNT:
+    # Once more where it resumes from trials whose time is not known.
+    while bounds[-1] < table.count and (len(bounds) <= TRIAL_COUNT or seconds is None):
         bounds.append(table.bound(bounds[-1], 1))
         number = len(bounds) - 2
         start = time.perf_counter()
@@ -224,7 +236,7 @@ def _blocks(
         yield block
     if bounds[-1] < table.count:
         share = -(-(table.count - bounds[-1]) // (2 * processes))
-        size = max(1, min(int(BATCH_TIME / max(seconds or BATCH_TIME, 1e-6)), share))
+        size = max(1, min(int(BATCH_TIME / max(seconds or 0.0, 1e-6)), share))
         while bounds[-1] < table.count:
             bounds.append(table.bound(bounds[-1], size))
         if store is not None:
@@ -232,8 +244,8 @@ def _blocks(
     missing = [number for number in range(len(bounds) - 1) if number not in done]
     left = sum(bounds[number + 1] - bounds[number] for number in missing)
     batches = (_batch(setup, table, bounds, number) for number in missing)
-    if scheduler is not None and missing:
-        engine = on_cluster(batches, scheduler)
+    if client is not None:
+        engine = on_cluster(batches, client)
     elif processes == 1 or (seconds is not None and seconds * left < POOL_TIME):
         engine = in_this_process(batches)
     else:
@@ -252,15 +264,10 @@ def _batch(setup: SweepSetup, table: PointTable, bounds: list[int], number: int)
 
 def _attributes(plan: SweepPlan) -> dict[str, Any]:
     """Origin of the dataset, as netCDF attributes."""
-    now, own = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), version("easeoff")
     setup, case = plan.setup, plan.setup.case
     return {
-        "Conventions": "CF-1.11",
-        "title": case.title,
-        "history": f"{now} easeoff {own} sweep",
-        "easeoff_version": own,
+        **case_attributes(case, "sweep"),
         "sweep_schema_version": SWEEP_SCHEMA_VERSION,
-        "case": case.text or case.model_dump_json(),
         "sweep": plan.description,
         "swept": json.dumps(
             [name for axis in plan.axes for name in axis.columns if swept_quantity(name).stage < Stage.NOTHING]

@@ -31,7 +31,7 @@ def numbers(dataset: xr.Dataset) -> list[str]:
     >>> "peak_to_peak" in numbers(easeoff.sweep("nasa-12x36", {"E": [0.0, 0.05]}, torques=[100.0]))
     True
     """
-    own = set(point_dimensions(dataset))
+    own = set(reduced_dimensions(dataset))
     return [
         str(name)
         for name, variable in dataset.data_vars.items()
@@ -60,6 +60,19 @@ def point_dimensions(dataset: xr.Dataset) -> list[str]:
     """Dimensions over which points are analysed apart: those of the sweep but torque and operating conditions."""
     found = {str(dim) for name in swept_names(dataset) for dim in dataset[name].dims if dim not in LOADS}
     return [str(dim) for dim in dataset["status"].dims if dim in found]
+
+
+def reduced_dimensions(dataset: xr.Dataset) -> list[str]:
+    """Dimensions over which numbers are reduced: those of the points, or the loads that are swept if there are none.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> reduced_dimensions(easeoff.sweep("nasa-12x36", {"torque": [50.0, 100.0]}))
+    ['torque']
+    """
+    swept = swept_names(dataset)
+    return point_dimensions(dataset) or [name for name in LOADS if name in swept and name in dataset.dims]
 
 
 def percentiles(
@@ -97,7 +110,7 @@ def percentiles(
     wanted = np.asarray(percent, dtype=float)
     if wanted.ndim != 1 or not np.all((wanted >= 0.0) & (wanted <= 100.0)):
         raise InputError(f"percent = {shown(percent)}: must be numbers from 0 to 100")
-    own = set(point_dimensions(dataset))
+    own = set(reduced_dimensions(dataset))
     data: dict[str, Any] = {}
     for name in numbers(dataset) if names is None else names:
         variable = dataset[one_of("name", name, numbers(dataset))].variable
@@ -195,17 +208,18 @@ def _regression(inputs: Array, values: Array, names: Sequence[str]) -> list[tupl
     """Slope, standard deviation and share of the variance of every input (n, k) to values (n, ...)."""
     shape, count = values.shape[1:], len(names)
     scales = inputs.std(axis=0)
+    varied = np.ptp(inputs, axis=0) > 0.0
     slope, share = np.full((count, *shape), np.nan), np.full((count, *shape), np.nan)
     for at in np.ndindex(shape):
         output = values[(slice(None), *at)]
         known = ~np.isnan(output)
-        if np.count_nonzero(known) < count + SPARE_SAMPLES:
+        if np.count_nonzero(known) < count + SPARE_SAMPLES or not varied.any():
             continue
-        centred = inputs[known] - inputs[known].mean(axis=0)
-        found, *_ = np.linalg.lstsq(centred / scales, output[known] - output[known].mean(), rcond=None)
-        slope[(slice(None), *at)] = found / scales
+        centred = (inputs[known] - inputs[known].mean(axis=0))[:, varied] / scales[varied]
+        found, *_ = np.linalg.lstsq(centred, output[known] - output[known].mean(), rcond=None)
+        slope[(varied, *at)] = found / scales[varied]
         variance = output[known].var()
-        share[(slice(None), *at)] = (found * centred.std(axis=0) / scales) ** 2 / variance if variance > 0.0 else 0.0
+        share[(varied, *at)] = (found * centred.std(axis=0)) ** 2 / variance if variance > 0.0 else 0.0
     return [(name, slope[i], float(scales[i]), share[i]) for i, name in enumerate(names)]
 
 

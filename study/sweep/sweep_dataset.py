@@ -63,8 +63,8 @@ class SweepNumbers:
         for name, values in self._numbers.items():
             variable = self._variables[name]
             dims = (*outer, *variable["dimensions"])
-            data[name] = self._variable(name, dims, values.reshape(*shape, *values.shape[1:]), variable["flags"])
-        status = self.status.reshape(*shape, *self.status.shape[1:])
+            data[name] = self._variable(name, dims, values.reshape((*shape, *values.shape[1:])), variable["flags"])
+        status = self.status.reshape((*shape, *self.status.shape[1:]))
         data["status"] = xr.Variable(
             (*outer, *loads),
             status,

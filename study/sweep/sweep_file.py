@@ -10,8 +10,9 @@ from ...core.errors import InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.reading.regular_file import named
 from ...core.writing.output_file import whole_file
-from .batch_analysis import PointStatus
+from .sweep_layout import sweep_faults
 
+FAULT_COUNT_LIMIT = 3  # that a message names
 MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
 
 
@@ -55,7 +56,7 @@ def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     InputError
-        If there is no such file, or it is not of a sweep.
+        If there is no such file, it is not of a sweep, or it is damaged.
 
     Examples
     --------
@@ -68,19 +69,46 @@ def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
     found = read_dataset(path)
     if not is_sweep(found):
         raise InputError(f"{named(path)} is a netCDF file, but no sweep: make one with 'easeoff sweep CASE -o FILE'")
-    for name, variable in found.variables.items():
-        if variable.dtype.kind == "O":  # texts
-            found[name] = (variable.dims, variable.values.astype(str), variable.attrs)
-    return found
+    return checked_sweep(found, path)
 
 
 def is_sweep(dataset: xr.Dataset) -> bool:
-    """Whether a dataset is that of a sweep: with its mark, and a status at every point that has a meaning."""
-    return (
-        MARK in dataset.attrs
-        and "swept" in dataset.attrs
-        and "status" in dataset
-        and "reason" in dataset
-        and dataset["status"].dtype.kind in "iu"
-        and bool(dataset["status"].isin([int(one) for one in PointStatus]).all())
-    )
+    """Whether a dataset has the mark of a sweep.
+
+    Examples
+    --------
+    >>> is_sweep(xr.Dataset())
+    False
+    """
+    return MARK in dataset.attrs
+
+
+def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Dataset:
+    """The dataset of a sweep as it was read from a file, with texts as texts.
+
+    Raises
+    ------
+    InputError
+        If it is not whole; says what is wrong.
+
+    Examples
+    --------
+    >>> try:
+    ...     checked_sweep(xr.Dataset(attrs={MARK: 1}), "sweep.nc")
+    ... except InputError as error:
+    ...     print(str(error).partition(":")[0])
+    sweep.nc is damaged, changed by hand or made by another version of easeoff
+    """
+    faults = sweep_faults(dataset)
+    if faults:
+        more = f", and {len(faults) - FAULT_COUNT_LIMIT} more" if len(faults) > FAULT_COUNT_LIMIT else ""
+        raise InputError(
+            f"{named(path)} is damaged, changed by hand or made by another version of easeoff: "
+            f"{'; '.join(faults[:FAULT_COUNT_LIMIT])}{more}; make it anew with 'easeoff sweep CASE -o FILE'"
+        )
+    texts = {
+        name: (variable.dims, variable.values.astype(str), variable.attrs)
+        for name, variable in dataset.variables.items()
+        if variable.dtype.kind == "O"
+    }
+    return dataset.assign(texts)

@@ -7,7 +7,9 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.conversion import gear_pair
@@ -17,14 +19,20 @@ from ...contact.solvers import require_solver
 from ...core.checks import shown
 from ...core.errors import InputError
 from ...core.memory import require_memory
+from ...core.reading.regular_file import require_file
+from ...friction.lubricants.lubricant import lubricant
 from ..analysis import case_torques, friction_settings, operation_of
 from ..case_in_mesh import checked_case
+from ..deviation_source import flank_deviations, shipped_deviations
 from .axis import Axis, grid_axis, is_distribution
 from .distribution import Distribution, Sampler, sample_values
 from .load_case_axis import load_case_axis, read_load_case_axis
 from .point_table import PointTable
 from .sweep_setup import SweepSetup
-from .swept_quantity import CONDITIONS, swept_quantity
+from .swept_quantity import CONDITIONS, Stage, swept_quantity
+
+if TYPE_CHECKING:
+    from ...friction import Operation
 
 SAMPLE = "sample"
 POINT_NUMBERS = 60  # of an analysis at one load, without friction
@@ -84,12 +92,16 @@ class SweepPlan:
         return found.hexdigest()
 
     @property
-    def size(self) -> AnalysisSize:
-        """Size of the analysis at one point."""
+    def operation(self) -> Operation | None:
+        """Operating conditions of the first point; none without friction."""
         first = self.table.values(0)
         own = {name: first[name] for name in (*CONDITIONS, "oil") if name in first}
-        setup = self.setup
-        operation = operation_of(setup.case.friction, **{**setup.conditions, **own})
+        return operation_of(self.setup.case.friction, **{**self.setup.conditions, **own})
+
+    @property
+    def size(self) -> AnalysisSize:
+        """Size of the analysis at one point."""
+        setup, operation = self.setup, self.operation
         _, feedback = friction_settings(setup.case, operation, setup.friction_model, setup.friction_feedback)
         shape = (0, 0, 0) if operation is None else operation.shape
         return AnalysisSize.of(setup.case, self.loads, shape, feedback=feedback)
@@ -134,12 +146,15 @@ def planned_sweep(
     roughness: Any = None,
     oil: Any = None,
     deviations: Mapping[Any, Any] | None = None,
+    allow_outside: bool = False,
     **options: Any,
 ) -> SweepPlan:
     """Plan a sweep; arguments and raises as of ``sweep``.
 
     Parameters
     ----------
+    allow_outside
+        Whether a file of load cases may name files outside its folder.
     case, over, load_cases, samples, seed, sampler, torques, speed, temperature, roughness, oil, deviations, **options
         As of ``sweep``.
     """
@@ -147,7 +162,7 @@ def planned_sweep(
     require_solver(options.get("solver", "auto"))
     if options.get("marking") is not None:
         checked_thickness(options["marking"])
-    axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler)
+    axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler, allow_outside=allow_outside)
     inner = {axis.name: axis.columns[axis.name].tolist() for axis in axes if _is_inner(axis)}
     table = _table(axes)
     own_torques = case_torques(checked, inner.get("torque", torques))
@@ -159,9 +174,23 @@ def planned_sweep(
         deviations={str(name): source for name, source in (deviations or {}).items()},
         **options,
     )
+    _require_files(table)
     if "flank" not in table.names:
-        gear_pair(checked, setup.flank)
+        pair = gear_pair(checked, setup.flank)
+        if not any(swept_quantity(name).stage == Stage.PAIR for name in table.names):
+            flank_deviations(pair, cast(Any, setup.deviations), setup.interpolation)  # a mistake shows before the work
     return SweepPlan(setup, tuple(axes), sampling)
+
+
+def _require_files(table: PointTable) -> None:
+    """Refuse names of oils and deviations that are none: mistakes that show before the work."""
+    for axis in table.axes:
+        for name, values in axis.columns.items():
+            for value in np.unique(values).tolist() if swept_quantity(name).words else ():
+                if name == "oil":
+                    lubricant(value)
+                elif name.startswith("deviation.") and value not in shipped_deviations():
+                    require_file(value)
 
 
 def _table(axes: Sequence[Axis]) -> PointTable:
@@ -174,6 +203,8 @@ def _axes(
     count: int | None,
     seed: int,
     sampler: Sampler,
+    *,
+    allow_outside: bool,
 ) -> tuple[list[Axis], dict[str, Any]]:
     """Axes of a sweep in the order given, and how the samples were drawn."""
     distributions: dict[str, Distribution] = {}
@@ -198,8 +229,10 @@ def _axes(
     elif count is not None:
         raise InputError(f"samples = {shown(count)}: must go with a distribution, such as E~normal(0,0.03)")
     if load_cases is not None:
-        rows = load_case_axis(load_cases) if isinstance(load_cases, Mapping) else read_load_case_axis(load_cases)
-        axes.append(rows)
+        if isinstance(load_cases, Mapping):
+            axes.append(load_case_axis(load_cases))
+        else:
+            axes.append(read_load_case_axis(load_cases, allow_outside=allow_outside))
     names = [name for axis in axes for name in axis.columns]
     for name in names:
         if names.count(name) > 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from importlib.metadata import version
@@ -100,8 +101,11 @@ def _stable(value: Any) -> Any:
 
 
 def file_digest(name: str) -> str:
-    """Digest of the content of a file; empty if there is none of that name."""
+    """Digest of the content of a file; empty if there is none of that name, or a device or a pipe."""
+    if not os.path.isfile(name):
+        return ""
     try:
-        return hashlib.sha256(Path(name).read_bytes()).hexdigest()
-    except (OSError, ValueError):
+        with open(name, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
         return ""

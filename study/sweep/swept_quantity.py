@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, get_args
 
 from ...cases.changes import numeric_keys, require_numeric_key
-from ...core.checks import number, shown
+from ...core.checks import number, one_of, shown
 from ...core.errors import InputError
 from ...core.suggestion import suggestion
+from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import TERM_POWERS
 
 
@@ -57,7 +58,7 @@ class SweptQuantity:
         if self.words:
             if not isinstance(value, str) or not value:
                 raise InputError(f"{self.name} = {shown(value)}: must be a word")
-            return value
+            return one_of("flank", value, get_args(FlankName)) if self.name == "flank" else value
         limit = ERROR_LIMITS.get(self.name)
         return number(self.name, value, self.units, above=None if limit is None else -limit, below=limit)
 

@@ -5,11 +5,8 @@ V is a displacement along the offset, added to E of the misalignment; H one of t
 
 from __future__ import annotations
 
-import datetime
-import json
 import os
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +25,8 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_in_mesh import CaseInMesh, checked_case
-from ..deviation_source import Deviated, Source, deviation_attributes
+from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
+from ..deviation_source import Deviated, Source
 from .shifted_patterns import PLACES, STORED_GRID, ShiftedPatterns, found_dataset, grid_dataset
 from .vh_search import Found, PatternSearch, PatternStatus
 
@@ -120,7 +117,9 @@ def vh_check(
     dataset = found_dataset(found, places, exact)
     if counts is not None:
         dataset = dataset.merge(grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID)))
-    return labelled(dataset).assign_attrs(_provenance(fine, case, thickness) | dataset.attrs)
+    origin = case_attributes(case, "vh_check") | fine.attributes
+    units = {"separation": thickness, "attribute_units": "separation: um"}
+    return labelled(dataset).assign_attrs(origin | units | dataset.attrs)
 
 
 def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
@@ -175,29 +174,3 @@ def _searched(
     found = {"middle": middle, **{name: rough.find(targets[name], first) for name in ("toe", "heel")}}
     reached = {name for name, one in found.items() if one.status == PatternStatus.REACHED}
     return {name: fine.find(targets[name], found[name]) if name in reached else found[name] for name in PLACES}
-
-
-def _provenance(state: CaseInMesh, case: Case, thickness: float) -> dict[str, Any]:
-    """Origin of the numbers, as netCDF attributes."""
-    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    own, pair, errors = version("easeoff"), state.pair, state.pair.assembly.misalignment
-    added = {} if state.modification is None else {"modification_um": json.dumps(dict(state.modification.coefficients))}
-    return {
-        "Conventions": "CF-1.11",
-        "title": case.title,
-        "history": f"{now} easeoff {own} vh_check",
-        "easeoff_version": own,
-        "case": case.text or case.model_dump_json(),
-        "flank": state.flank,
-        "separation": thickness,
-        "attribute_units": "separation: um",
-        "pinion_teeth": pair.assembly.pinion_teeth,
-        "gear_teeth": pair.assembly.gear_teeth,
-        "pinion_hand": pair.assembly.pinion_hand,
-        "misalignment_offset_mm": errors.offset,
-        "misalignment_pinion_axial_mm": errors.pinion_axial,
-        "misalignment_gear_axial_mm": errors.gear_axial,
-        "misalignment_shaft_angle_rad": errors.shaft_angle,
-        **added,
-        **deviation_attributes(state.deviations, state.deviated),
-    }

@@ -6,13 +6,17 @@ changed, but does not notice a change of a file from which that calls another on
 
 from __future__ import annotations
 
+import contextlib
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 
-from .compiled_use import tell_of_compilation
+from .compiled_use import COMPILES_APART, tell_of_compilation
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -30,11 +34,28 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[Function], Func
         if signature is not None:
             if not _is_kept(found, Path(function.__code__.co_filename)):
                 tell_of_compilation()
+                _compile_apart(found, function.__module__)
             found.compile(signature)
             found.disable_compile()
         return found  # type: ignore[no-any-return]
 
     return decorate
+
+
+def _compile_apart(function: Any, module: str) -> None:
+    """Compile in a process of its own, and keep the code on disk; this process then loads it, as all later ones do.
+
+    In the process that compiles, LLVM runs other copies of the inner functions than in one that loads the code, and
+    they take their sums in another order: a sweep would have other bits the first time on a machine.
+    """
+    if function.stats.cache_path is None or not sys.executable or os.environ.get(COMPILES_APART):
+        return
+    code = f"import sys; sys.path[:] = {sys.path!r}; import {module}"
+    quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    with contextlib.suppress(OSError):  # else it is compiled here
+        subprocess.run(
+            [sys.executable, "-P", "-c", code], env={**os.environ, COMPILES_APART: "1"}, check=False, **quiet
+        )
 
 
 def _is_kept(function: Any, source: Path) -> bool:

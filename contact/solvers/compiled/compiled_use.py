@@ -19,6 +19,8 @@ from typing import Any
 FEWEST_PROBLEMS = 1000
 #: Switches the compiled code off, for a process and those that it starts.
 SWITCH = "EASEOFF_COMPILED"
+#: Set in the process that compiles for the one that started it.
+COMPILES_APART = "EASEOFF_COMPILES_APART"
 COMPILING = "compiling the contact analysis, once for this version on this machine: about 15 s"
 
 _used: ContextVar[bool] = ContextVar("compiled_code_used", default=True)

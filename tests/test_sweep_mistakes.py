@@ -1,0 +1,300 @@
+"""Sweeps asked for wrongly, or whose files are damaged: one message and nothing left, or the right result."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+from easeoff import InputError, read_case
+from easeoff.cases import case_text, parse_case, read_load_cases
+from easeoff.core.writing.private_folder import private_folder
+from easeoff.study import key_numbers
+from easeoff.study.analysis import analyze
+from easeoff.study.cli import main
+from easeoff.study.report.key_numbers import number_names
+from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep
+from easeoff.study.sweep.batch_analysis import PointStatus
+from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
+from easeoff.study.sweep.reductions import numbers
+from easeoff.study.sweep.sweep_plan import planned_sweep
+from easeoff.study.sweep.sweep_setup import file_digest
+
+SMALL = ["mesh_positions = 3", "segments_per_line = 9", "lengthwise_nodes = 9", "profile_nodes = 7"]
+TEXT = case_text("nasa-12x36").replace("[contact]", "[contact]\n" + "\n".join(SMALL))
+CASE = parse_case(TEXT)
+SETTING = "pinion.concave.machine.radial_distance"
+SECRET = "kept-to-itself"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with a case in it."""
+    (tmp_path / "work").mkdir()
+    (tmp_path / "secret.toml").write_text(f"{SECRET} = 1\n[{SECRET}\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "work")
+    Path("case.toml").write_text(TEXT, encoding="utf-8")
+    return tmp_path / "work"
+
+
+def call(*words: str) -> Result:
+    return CliRunner().invoke(main, list(words))
+
+
+def swept(*words: str) -> Result:
+    """A sweep of the case of the folder into ``out.nc``."""
+    return call("sweep", "case.toml", "-o", "out.nc", "--torque", "100", "--workers", "1", *words)
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("over", "given", "reduced"),
+    [
+        ({"torque": [100.0, 50.0, 200.0]}, {}, "peak_to_peak"),
+        ({"speed": [500.0, 900.0]}, {"torques": 99.0}, "efficiency"),
+    ],
+)
+def test_a_sweep_over_loads_alone_is_shown_and_drawn(
+    over: dict[str, Any], given: dict[str, Any], reduced: str, folder: Path
+) -> None:
+    found = sweep(CASE, over, workers=1, **given)
+    name = next(iter(over))
+    assert set(found["status"].dims) == {"torque"}
+    assert (found["status"] == PointStatus.CERTIFIED).all()
+    tree = analyze(CASE, **{"torques": over.get("torque", 99.0), "speed": over.get("speed")})
+    np.testing.assert_array_equal(found[reduced].values, key_numbers(tree)[reduced].values)
+    values = found[reduced].values.ravel()
+    assert percentiles(found, [0.0, 100.0], [reduced])[reduced].values.ravel().tolist() == [values.min(), values.max()]
+    write_sweep(found, "out.nc")
+    shown = call("show", "out.nc")
+    assert shown.exit_code == 0, shown.output
+    assert f"\n{reduced}" in shown.output
+    drawn = call("plot", "out.nc", "pictures")
+    assert drawn.exit_code == 0, drawn.output
+    assert names(folder / "pictures") == ["sweep_curves.png", "sweep_pattern.png"]
+    assert name in shown.output
+
+
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        (["--over", "E=inf:1:3"], "E = inf: must be a number above -10"),
+        (["--over", "E=nan:1:3"], "E = nan: must be a number above -10"),
+        (["--over", "E=-inf:inf:3"], "E = -inf: must be a number above -10"),
+        (["--over", "flank=drive,left"], "flank = 'left': must be one of drive, coast"),
+        (["--over", "oil=75w90,none", "--speed", "500"], "oil = 'none': neither one of"),
+        (["--over", "deviation.gear=fm-11x41-worn-gear,no.csv"], "no.csv: there is no such file"),
+        (["--over", "deviation.gear=/dev/zero"], "is a device or a pipe"),
+        (["--over", "E=0.1", "--deviation", "gear=nothing"], "deviation 'nothing': there is no such file"),
+        (["--over", "E=0.1", "--deviation", "gear=/dev/zero"], "/dev/zero"),
+        (["--over", "E=0.1", "--deviation", "gear=fm-11x41-worn-gear"], "nominal points"),
+        (["--over", "E=0.1", "--keep", "worst=nothing:1"], "--keep = 'worst=nothing:1': must name one of"),
+        (["--over", "E=0.1", "--keep", "least=efficiency:1"], "must name one of"),
+        (["--over", "E=0.1", "--store", "./out.nc"], "--store = 'out.nc': must be another name"),
+        (["--over", "E=0.1", "--plots", "out.nc/"], "--plots = 'out.nc': must be another name"),
+    ],
+)
+def test_a_mistake_shows_before_the_work_and_leaves_nothing(words: list[str], wanted: str, folder: Path) -> None:
+    found = swept(*words)
+    assert found.exit_code == 2, found.output
+    assert wanted in found.output
+    assert names(folder) == ["case.toml"]
+
+
+def test_a_device_has_no_digest() -> None:
+    assert file_digest("/dev/zero") == ""
+
+
+def test_a_scheduler_is_asked_before_the_work(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also for so few points that it would get none of them."""
+    pytest.importorskip("distributed")
+    from easeoff.study.sweep import engine
+
+    monkeypatch.setattr(engine, "CONNECTION_TIME_LIMIT", 0.2)
+    found = swept("--over", "E=0.1", "--scheduler", "tcp://127.0.0.1:1")
+    assert found.exit_code == 2
+    assert "must be the address of a dask scheduler that runs" in found.output
+    assert names(folder) == ["case.toml"]
+
+
+def test_without_a_number_there_are_no_pictures(folder: Path) -> None:
+    found = swept("--over", f"{SETTING}=10000", "--plots", "pictures", "--keep", "worst=max_pressure:1")
+    assert found.exit_code == 1, found.output
+    assert "no point has numbers: there are no pictures" in found.output
+    assert names(folder) == ["case.toml", "out.nc"]
+
+
+def test_a_table_of_load_cases_opens_no_file_outside_its_folder(folder: Path) -> None:
+    for head in ("torque,speed,oil", "torque,speed,deviation.gear"):
+        Path("duty.csv").write_text(f"{head}\n100,500,../secret.toml\n", encoding="utf-8")
+        words = ["sweep", "case.toml", "-o", "out.nc", "--load-cases", "duty.csv", "--workers", "1"]
+        found = call(*words)
+        assert found.exit_code == 2
+        assert SECRET not in found.output
+        assert "inside the folder of the table; if you trust the table, --allow-outside" in found.output
+        assert names(folder) == ["case.toml", "duty.csv"]
+        assert "inside the folder" not in call(*words, "--allow-outside").output
+        for left in folder.glob("out.nc*"):
+            left.unlink()
+    Path("duty.csv").write_text("torque,speed,oil\n100,500,75w90\n", encoding="utf-8")
+    assert call(*words).exit_code == 0
+
+
+def test_one_table_is_read_by_an_analysis_and_by_a_sweep(tmp_path: Path) -> None:
+    table = tmp_path / "duty.csv"
+    table.write_text(
+        '"torque"\tname\tE\tshare\n"100,5"\tcruise\t0,05\t2\n# low\n50\tclimb\t-0,01\t1\n', encoding="utf-8"
+    )
+    rows = read_load_cases(table)
+    found = sweep(CASE, load_cases=table, workers=1)
+    for name in ("torque", "name", "E", "share"):
+        assert found[name].values.tolist() == [getattr(row, name) for row in rows]
+
+
+def recorded(store: Path, bounds: list[int]) -> None:
+    """Record other bounds of the batches than those of their files."""
+    plan = json.loads((store / "sweep.json").read_text(encoding="utf-8"))
+    (store / "sweep.json").write_text(json.dumps(plan | {"bounds": bounds}), encoding="utf-8")
+
+
+@pytest.mark.parametrize("bounds", [[0, 2], [0, 2, 3], [0, 3], [0, 1, 2, 9], [0, 1, 5], [0], [1, 2], [0, True, 3]])
+def test_batches_divided_otherwise_are_not_taken_for_others(bounds: list[int], tmp_path: Path) -> None:
+    """As two runs of one sweep at the same time may leave them."""
+    over, store = {"E": [0.0, 0.04, 0.08]}, tmp_path / "store"
+    whole = sweep(CASE, over, torques=[100.0], workers=1, store=store)
+    recorded(store, bounds)
+    again = sweep(CASE, over, torques=[100.0], workers=1, store=store)
+    assert again.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
+
+
+def test_a_folder_in_place_of_a_batch_is_refused_before_the_work(folder: Path) -> None:
+    words = ["--over", "E=0,0.04,0.08", "--store", "store"]
+    assert swept(*words).exit_code == 0
+    for name in ("batch-000001.npz", "batch-000002.npz"):
+        (folder / "store" / name).unlink()
+    (folder / "store" / "batch-000002.npz").mkdir()
+    before = names(folder / "store")
+    found = swept(*words)
+    assert found.exit_code == 2
+    assert "batch-000002.npz is a folder: remove it" in found.output
+    assert names(folder / "store") == before
+    assert swept(*words, "--fresh").exit_code == 0
+
+
+def test_a_map_of_batches_that_is_a_link_is_refused_before_the_work(folder: Path) -> None:
+    (folder / "store").mkdir()
+    (folder / "store" / "batches.jsonl").symlink_to("nowhere")
+    found = swept("--over", "E=0,0.04", "--store", "store")
+    assert found.exit_code == 2
+    assert "batches.jsonl is a link" in found.output
+    assert names(folder / "store") == ["batches.jsonl"]
+
+
+def test_a_sweep_that_cannot_write_says_where_its_batches_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import easeoff.study.sweep as package
+
+    def full(_dataset: xr.Dataset, path: Path) -> None:
+        raise InputError(f"{path} cannot be written: no space left on device")
+
+    monkeypatch.setattr(package, "write_sweep", full)
+    found = swept("--over", "E=0,0.04")
+    assert found.exit_code == 2
+    assert "the batches so far are kept in out.nc.batches; the same command goes on from them" in found.output
+    monkeypatch.undo()
+    monkeypatch.chdir(folder)
+    assert swept("--over", "E=0,0.04").exit_code == 0
+    assert names(folder) == ["case.toml", "out.nc"]
+
+
+def test_batches_are_removed_but_not_what_another_run_writes(tmp_path: Path) -> None:
+    plan = planned_sweep(CASE, {"E": [0.0]}, torques=[100.0])
+    run_plan(plan, workers=1, store=tmp_path / "store")
+    with private_folder(tmp_path / "store") as other:
+        batch_store(plan, tmp_path / "store").remove()
+        assert names(tmp_path / "store") == [other.name]
+        assert other.is_dir()
+    batch_store(plan, tmp_path / "store").remove()
+    assert names(tmp_path) == []
+
+
+def test_samples_that_are_all_alike_have_no_sensitivity() -> None:
+    rng = np.random.default_rng(2)
+    e = rng.normal(0.0, 1.0, 20)
+    y = xr.DataArray(3.0 * e + 1.0, dims="sample")
+    status = xr.zeros_like(y, dtype=np.int8)
+    coords = {"E": ("sample", e), "P": ("sample", np.full(20, 0.1))}
+    dataset = xr.Dataset({"y": y, "status": status}, coords=coords, attrs={"swept": '["E", "P"]'})
+    found = sensitivities(dataset, "y")
+    np.testing.assert_allclose(found["slope"], [3.0, np.nan], rtol=1e-12)
+    np.testing.assert_allclose(found["variance_share"], [1.0, np.nan], rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def whole() -> xr.Dataset:
+    return sweep(CASE, {"E": [0.0, 0.05], "P": [0.0, 0.02, 0.04]}, torques=[100.0, 200.0], workers=1)
+
+
+CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
+    "no status": lambda d: d.drop_vars("status"),
+    "wild status": lambda d: d.assign(status=d["status"] + 7),
+    "status of reals": lambda d: d.assign(status=d["status"].astype(float)),
+    "other status": lambda d: d.assign(status=d["status"].isel(E=0, drop=True)),
+    "no reason": lambda d: d.drop_vars("reason"),
+    "reason of numbers": lambda d: d.assign(reason=d["status"]),
+    "no coordinate": lambda d: d.drop_vars("E"),
+    "wild coordinate": lambda d: d.assign_coords(E=[0.0, np.nan]),
+    "equal coordinates": lambda d: d.assign_coords(P=[0.0, 0.0, 0.1]),
+    "torque of texts": lambda d: d.assign_coords(torque=["a", "b"]),
+    "other name of a dimension": lambda d: d.rename(torque="position"),
+    "number over another dimension": lambda d: d.assign(rms=d["rms"].expand_dims(x=2)),
+    "number of texts": lambda d: d.assign(rms=d["reason"]),
+    "huge number": lambda d: d.assign(rms=d["rms"] + 1e300),
+    "swept no list": lambda d: d.assign_attrs(swept="3"),
+    "swept no text": lambda d: d.assign_attrs(swept=3),
+    "no teeth": lambda d: d.assign_attrs(gear_teeth="many"),
+    "no title": lambda d: d.assign_attrs(title=1),
+    "units of numbers": lambda d: d.assign(rms=d["rms"].assign_attrs(units=[1.0, 2.0])),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_file_of_a_sweep_that_lacks_something_is_refused(change: str, whole: xr.Dataset, folder: Path) -> None:
+    write_sweep(CHANGES[change](whole), "r.nc")
+    for words in (["show", "r.nc"], ["plot", "r.nc", "pictures"]):
+        found = call(*words)
+        assert found.exit_code == 2, found.output
+        assert "r.nc is damaged, changed by hand or made by another version of easeoff" in found.output
+        assert "Traceback" not in found.output
+    with pytest.raises(InputError, match="is damaged"):
+        read_sweep("r.nc")
+    assert names(folder) == ["case.toml", "r.nc"]
+
+
+@pytest.mark.parametrize("friction", [False, True])
+def test_names_of_numbers_are_those_of_a_sweep(friction: bool) -> None:
+    coarse = {"lengthwise_nodes": 9, "profile_nodes": 7, "mesh_positions": 3, "segments_per_line": 9}
+    case = read_case("fm-11x41")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    found = sweep(case, {"E": [0.0]}, torques=[100.0], speed=500.0 if friction else None, workers=1)
+    own = {
+        name for name in numbers(found) if found[name].dims[-1:] not in (("temperature",), ("roughness",)) or friction
+    }
+    own -= {"viscosity", "pressure_viscosity", "temperature_clamped", "roughness_pinion", "roughness_gear"}
+    assert own <= set(number_names(friction=friction)) <= own | {"max_root_stress", "max_edge_share"}
+
+
+def test_a_path_that_begins_with_a_tilde_is_a_path(folder: Path) -> None:
+    """And not one in the home folder, as a library takes it."""
+    Path("~").mkdir()
+    found = call("run", "case.toml", "-o", "~/r.nc", "--torque", "100")
+    assert found.exit_code == 0, found.output
+    assert names(folder / "~") == ["r.nc"]
