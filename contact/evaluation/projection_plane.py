@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.ordered_values import ordered
 from ...geometry.tooth.tooth_flanks import MemberName
 
 Array = NDArray[Any]
@@ -42,8 +43,9 @@ class ProjectionPlane:
         The first coordinate runs from toe to heel at half height, from zero at the toe; the second is zero at the lower
         of the root's corners.
         """
-        position = flanks["position"].sel(member=member).transpose("lengthwise", "profile", "xyz").values
-        t, h = np.meshgrid(flanks["lengthwise"].values, flanks["profile"].values, indexing="ij")
+        own = int(np.flatnonzero(ordered(flanks, "member", "member") == member)[0])
+        position = ordered(flanks, "position", "member", "lengthwise", "profile", "xyz")[own]
+        t, h = np.meshgrid(*(ordered(flanks, name, name) for name in ("lengthwise", "profile")), indexing="ij")
         valid = np.all(np.isfinite(position), axis=-1)
         axial, radial = position[valid][:, 2], np.hypot(position[valid][:, 0], position[valid][:, 1])
         t, h = t[valid], h[valid]

@@ -1,7 +1,8 @@
-"""Whether the compiled contact solution is used, and who is told before it is compiled.
+"""Whether compiled code is used, and who is told before it is compiled.
 
-It is used everywhere but within ``without_compiled_code``: loading it takes longer than it saves on a few hundred
-problems. The choice is the caller's alone, and the answers are the same but for rounding.
+It is used for the contact solution, the splines of the flank and the marking print, everywhere but within
+``without_compiled_code``: loading it takes longer than it saves on a few hundred problems. The choice is the caller's
+alone, and the answers are the same but for rounding.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ FEWEST_PROBLEMS = 1000
 SWITCH = "EASEOFF_COMPILED"
 #: Set in the process that compiles for the one that started it.
 COMPILES_APART = "EASEOFF_COMPILES_APART"
-COMPILING = "compiling the contact solution, once for this version on this machine: about 10 s"
+COMPILING = "compiling the contact analysis, once for this version on this machine: about 15 s"
 
 _used: ContextVar[bool] = ContextVar("compiled_code_used", default=True)
 _told: ContextVar[Callable[[str], None] | None] = ContextVar("compilation_told", default=None)
@@ -78,7 +79,8 @@ def compilation_told(tell: Callable[[str], None]) -> Iterator[None]:
 
 
 def tell_of_compilation() -> None:
-    """Tell that code is about to be compiled, to whom it may concern."""
+    """Tell once that code is about to be compiled, to whom it may concern."""
     tell = _told.get()
     if tell is not None:
+        _told.set(None)
         tell(COMPILING)
