@@ -163,10 +163,15 @@ def planned_sweep(
     if options.get("marking") is not None:
         checked_thickness(options["marking"])
     axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler, allow_outside=allow_outside)
+    single = {"torque": torques, "speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
+    single |= {f"deviation.{member}": source for member, source in (deviations or {}).items()}
+    for name in (name for axis in axes for name in axis.columns):
+        if single.get(name) is not None:
+            raise InputError(f"{name} = {shown(single[name])}: must be left out, as {name} is swept")
     inner = {axis.name: axis.columns[axis.name].tolist() for axis in axes if _is_inner(axis)}
     table = _table(axes)
     own_torques = case_torques(checked, inner.get("torque", torques))
-    given = {"speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil} | inner
+    given = {name: single[name] for name in (*CONDITIONS, "oil")} | inner
     setup = SweepSetup(
         checked,
         None if "torque" in table.names else tuple(own_torques.tolist()),
