@@ -330,4 +330,5 @@ def _sorted(table: dict[str, Array]) -> tuple[dict[str, Array], dict[int, slice]
     order = np.argsort(table["position"], kind="stable")
     table = {name: values[..., order] for name, values in table.items()}
     known, first = np.unique(table["position"], return_index=True)
-    return table, {int(k): slice(*ends) for k, *ends in zip(known, first, [*first[1:], order.size], strict=True)}
+    ends = np.append(first, order.size)
+    return table, {int(k): slice(*own) for k, *own in zip(known, ends[:-1], ends[1:], strict=True)}

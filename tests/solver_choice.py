@@ -27,7 +27,7 @@ AGREEMENT = {
     "piqp": (1e-6, 1e-4),
     "proxqp": (1e-8, 1e-5),
     "highs": (1e-12, 1e-11),
-    "scs": (1e-8, 1e-6),
+    "scs": (1e-7, 1e-6),
     "sip": (1e-7, 1e-4),
     "pyqpmad": (1e-5, 1e-4),
     "qpalm": (1e-7, 1e-6),
