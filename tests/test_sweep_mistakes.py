@@ -103,7 +103,10 @@ def test_a_sweep_over_loads_alone_is_shown_and_drawn(
         (["--over", "E=0.1", "--plots", "out.nc/"], "--plots = 'out.nc': must be another name"),
         (["--over", "torque=50,100"], "must be left out, as torque is swept"),
         (["--over", "speed=500,900", "--speed", "700"], "must be left out, as speed is swept"),
-        (["--over", "oil=75w90", "--speed", "500", "--oil", "75w90"], "oil = '75w90': must be left out, as oil is swept"),
+        (
+            ["--over", "oil=75w90", "--speed", "500", "--oil", "75w90"],
+            "oil = '75w90': must be left out, as oil is swept",
+        ),
     ],
 )
 def test_a_mistake_shows_before_the_work_and_leaves_nothing(words: list[str], wanted: str, folder: Path) -> None:
