@@ -17,7 +17,7 @@ from easeoff.cases import Case, gear_pair
 from easeoff.cases.analysis_size import AnalysisSize
 from easeoff.cases.conversion import finite_elements
 from easeoff.cases.schema.case_schema import ComplianceTable
-from easeoff.core.memory import MEMORY_VARIABLE
+from easeoff.core.processes.memory import MEMORY_VARIABLE
 from easeoff.friction.ehl import LubricatedContact, Oil, rough_passage
 from easeoff.geometry.pair import gear_pair as geometry
 from easeoff.study import WearLaw, wear

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 from easeoff import InputError
+from easeoff.core.processes.forked_process import ProcessEndedError, in_forked_process
 from easeoff.core.reading import netcdf_file
-from easeoff.core.reading.forked_process import ProcessEndedError, in_forked_process
 
 
 def refuse() -> None:

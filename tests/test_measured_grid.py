@@ -15,7 +15,7 @@ from deviations import GEAR_ERRORS
 import easeoff
 from easeoff import InputError
 from easeoff.cases import gear_pair
-from easeoff.contact.solvers.compiled.compiled_use import without_compiled_code
+from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.geometry import GearPair, deviation_from_formula, tooth_angle
 from easeoff.geometry.formats import (
     cmm_points,

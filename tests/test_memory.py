@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from easeoff import InputError
-from easeoff.core import memory
-from easeoff.core.memory import MEMORY_VARIABLE, available_memory, require_memory
+from easeoff.core.processes import memory
+from easeoff.core.processes.memory import MEMORY_VARIABLE, available_memory, require_memory
 
 
 def write(root: Path, files: dict[str, str]) -> Path:

@@ -18,7 +18,7 @@ from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.marking_print import least_gap
 from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness, mesh_stiffnesses
 from easeoff.contact.lines.contact_lines import evenly_spaced
-from easeoff.contact.solvers.compiled.compiled_use import without_compiled_code
+from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
 from easeoff.geometry import Misalignment, pair_geometry
 from easeoff.geometry.newton import complex_steps

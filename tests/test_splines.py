@@ -12,7 +12,7 @@ from scipy.interpolate import NdBSpline, PchipInterpolator, make_interp_spline
 from easeoff.contact.evaluation.monotone_cubic import MonotoneCubic
 from easeoff.contact.lines import tensor_spline
 from easeoff.contact.lines.tensor_spline import TensorSpline
-from easeoff.contact.solvers.compiled.compiled_use import without_compiled_code
+from easeoff.core.compiled.compiled_use import without_compiled_code
 
 Array = NDArray[Any]
 ORDERS = [(a, b) for a in range(4) for b in range(4 - a)]

@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from ..solvers.compiled.compilation import compiled, readable
+from ...core.compiled.compilation import compiled, readable
 
 _vector = readable(numba.f8, 1)
 

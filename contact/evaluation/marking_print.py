@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import number
+from ...core.compiled.compiled_use import compiled_code_of
 from ...core.errors import InputError
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS, gap_beside, still_opens
 from ..lines.contact_lines import boundary_distance, curvature_and_skew
 from ..lines.flank_splines import FlankSplines
-from ..solvers.compiled.compiled_use import compiled_code_of
 from .carrying_error import CarryingError
 from .flank_region import FlankRegion, grid_triangles, region_below
 from .projection_plane import ProjectionPlane

@@ -7,7 +7,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from ..solvers.compiled.compilation import compiled, readable
+from ...core.compiled.compilation import compiled, readable
 
 #: Splines of degree five alone: loops of a known length are unrolled.
 SIZE = 6

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ..solvers.compiled.compiled_use import compiled_code_of
+from ...core.compiled.compiled_use import compiled_code_of
 
 Array = NDArray[Any]
 TABLE_SIZE_LIMIT = 2_000_000  # numbers of a table of all cells; beyond it those of the cells that are asked for

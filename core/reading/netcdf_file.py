@@ -17,9 +17,9 @@ import xarray as xr
 
 from ..errors import InputError
 from ..magnitude import memory_in_words
-from ..memory import available_memory
 from ..printable import shortened
-from .forked_process import ProcessEndedError, in_forked_process
+from ..processes.forked_process import ProcessEndedError, in_forked_process
+from ..processes.memory import available_memory
 from .hdf5_links import check_links
 from .regular_file import faults_in_words, named, require_file
 

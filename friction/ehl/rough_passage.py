@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...core import checks
 from ...core.errors import InputError
-from ...core.memory import require_memory
+from ...core.processes.memory import require_memory
 from .equations.elastic_deflection import Deflection
 from .equations.film_certificate import Status, certify, judge
 from .equations.film_complementarity import ROUGH, Outcome, Point, Problem, State, States, solve

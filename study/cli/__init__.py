@@ -14,8 +14,8 @@ from typing import Any, TextIO
 
 import click
 
-from ...contact.solvers.compiled.compiled_use import compilation_told
 from ...core import printable
+from ...core.compiled.compiled_use import compilation_told
 from ...core.errors import EaseoffError
 from .case_commands import cases, convert, design
 from .exit_codes import EXIT_MISTAKE

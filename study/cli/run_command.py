@@ -62,7 +62,7 @@ def run(
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
-    from ...contact.solvers.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
+    from ...core.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
     from ...core.writing.output_file import check_folder, check_writable
     from ..analysis import analyze, case_torques, operation_of
     from ..report.result_summary import doubts, outcome, uncertified

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...core.child_environment import THREAD_VARIABLES
 from ...core.magnitude import time_in_words
+from ...core.processes.child_environment import THREAD_VARIABLES
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import TOLD_TIME, analysis_options, with_defaults

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.problem.contact_problem import ContactProblem
-from ...core.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from ...core.errors import EaseoffError, InputError
+from ...core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
 
 #: Seconds beyond the time limit in which a solver may still end by itself, before it is ended.

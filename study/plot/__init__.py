@@ -53,7 +53,7 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     ...     [path.stem for path in write_pictures(tree, folder)]
     ['ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing']
     """
-    from ...contact.solvers.compiled.compiled_use import without_compiled_code
+    from ...core.compiled.compiled_use import without_compiled_code
     from .drawing_style import default_style
 
     with default_style(), without_compiled_code():  # a drawing needs too little of it to load it for

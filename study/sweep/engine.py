@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from ...core.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
+from ...core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from .batch_analysis import Batch, Block, PointStatus, analyze_batch
 
 #: Times that a batch is begun whose process ends, before its points count as failed.

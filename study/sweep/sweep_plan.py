@@ -18,7 +18,7 @@ from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import require_solver
 from ...core.checks import shown
 from ...core.errors import InputError
-from ...core.memory import require_memory
+from ...core.processes.memory import require_memory
 from ...core.reading.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
 from ..analysis import case_torques, friction_settings, operation_of

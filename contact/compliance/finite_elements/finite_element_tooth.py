@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
-from ....core.memory import require_memory
+from ....core.processes.memory import require_memory
 from ....geometry.pair.gear_pair import GearPair
 from ....geometry.tooth.tooth_flanks import MemberName, named_member, side, tooth_angle
 from ....geometry.tooth.tooth_lattice import (

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.compiled.compiled_use import compiled_code_of
 from ...problem.answer import Answer, with_certificate
 from ...problem.certificate import Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
-from .compiled_use import compiled_code_of
 
 Array = NDArray[np.float64]
 

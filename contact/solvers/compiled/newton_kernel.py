@@ -18,7 +18,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from .compilation import compiled, readable
+from ....core.compiled.compilation import compiled, readable
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 20

@@ -18,8 +18,8 @@ import xarray as xr
 from ....core import checks
 from ....core.attributes import labelled
 from ....core.checkpoint import Checkpoint, digest
-from ....core.child_environment import child_environment
 from ....core.errors import InputError, MissingPackageError, how_to_install
+from ....core.processes.child_environment import child_environment
 from ....core.reading.netcdf_file import read_dataset
 from ....core.writing.output_file import check_writable, whole_file
 from ..equations.film_certificate import Status

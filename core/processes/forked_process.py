@@ -45,7 +45,7 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
     42
     >>> in_forked_process(lambda: os.abort())
     Traceback (most recent call last):
-    easeoff.core.reading.forked_process.ProcessEndedError: the library that reads it crashed
+    easeoff.core.processes.forked_process.ProcessEndedError: the library that reads it crashed
     """
     if not hasattr(os, "fork"):
         return work()
