@@ -30,7 +30,8 @@ in units of 2 q / (pi E* b^2).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -109,6 +110,13 @@ class _Bodies:
         rest = (s + 2.0 * h) / 6.0 - self.contraction * (2.0 * s + h) / 3.0
         per_body = self.unit * (0.5 * np.arcsinh(h / np.sqrt(squared)) + h * rest / (s + h) ** 2)
         return np.asarray((per_body.sum(axis=0) + 0.5 * self.correction) * line_load**2)
+
+
+#: Arrays of a line contact with a value for every segment.
+_OF_SEGMENTS = (
+    *("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang"),
+    *("_floor", "_start", "_bend", "_floor_energy"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +203,7 @@ class WeberLineContact:
             depth=np.stack([self.depth_pinion, self.depth_gear]),
             unit=2.0 / (math.pi * moduli),
             contraction=poisson_ratio / (1.0 - poisson_ratio),
-            width_squared=4.0 / math.pi * self.flexibility * self.equivalent_radius,
+            width_squared=self._width_squared,
             overhang=self.overhang,
             flexibility=self.flexibility,
             correction=self.foot_correction * self.flexibility,
@@ -212,35 +220,32 @@ class WeberLineContact:
     @classmethod
     def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
         """Join line contacts of the same materials and options: their arrays (n) are concatenated."""
-        first, bodies = contacts[0], [contact._bodies for contact in contacts]
-        own = object.__new__(cls)
-        own.__dict__.update(  # frozen
-            (name, np.concatenate([contact.__dict__[name] for contact in contacts]) if np.ndim(value) else value)
-            for name, value in first.__dict__.items()
-            if name != "parameters"
+        joined = contacts[0]._with(
+            {name: np.concatenate([getattr(contact, name) for contact in contacts]) for name in _OF_SEGMENTS}
         )
+        joined.__dict__.pop("parameters", None)
+        return joined
+
+    def part(self, chosen: slice) -> WeberLineContact:
+        """Some of the segments alone, of arrays (n)."""
+        return self._with({name: getattr(self, name)[chosen] for name in (*_OF_SEGMENTS, "parameters")})
+
+    def _with(self, arrays: Mapping[str, FloatArray]) -> WeberLineContact:
+        """The same materials and options with other arrays by name, which are checked already."""
+        own = copy(self)
+        own.__dict__.update(arrays)  # frozen
         own.__dict__["_bodies"] = replace(
-            bodies[0],
-            depth=np.concatenate([one.depth for one in bodies], axis=1),
-            width_squared=np.concatenate([one.width_squared for one in bodies]),
+            self._bodies,
+            depth=np.stack([own.depth_pinion, own.depth_gear]),
+            width_squared=own._width_squared,
             overhang=own.overhang,
         )
         return own
 
-    def part(self, chosen: slice) -> WeberLineContact:
-        """Some of the segments alone, of arrays (n)."""
-        own, bodies = object.__new__(WeberLineContact), self._bodies
-        own.__dict__.update(  # frozen
-            (name, value[chosen] if np.ndim(value) else value) for name, value in self.__dict__.items()
-        )
-        own.__dict__["parameters"] = self.parameters[chosen]
-        own.__dict__["_bodies"] = replace(
-            bodies,
-            depth=bodies.depth[:, chosen],
-            width_squared=bodies.width_squared[chosen],
-            overhang=own.overhang,
-        )
-        return own
+    @property
+    def _width_squared(self) -> FloatArray:
+        """Square of the half-width over the line load."""
+        return np.asarray(4.0 / math.pi * self.flexibility * self.equivalent_radius)
 
     @property
     def flexibility(self) -> float:
