@@ -25,7 +25,7 @@ from easeoff.contact.problem.scaled_problem import ScaledProblem
 from easeoff.contact import available_solvers, solve, solve_many
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.contact.solvers.modal_newton import modal_newton
-from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
+from easeoff.contact.solvers.active_set.primal_dual_active_set import primal_dual_active_set
 from easeoff.contact.solvers.problem_batch import plain_solutions
 from numpy.polynomial.legendre import legvander
 from scipy.linalg.lapack import dpotrf

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from .mesh_cycle import MeshCycle
     from .mesh_harmonics import harmonics, peak_to_peak, rms
     from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
-    from .problem.complementarity_form import LCP, lcp
     from .problem.compliance_matrix import ModalCompliance
     from .problem.contact_problem import ContactProblem
-    from .problem.dual_form import DualQP, dual_qp
-    from .problem.lifted_form import LiftedQP, lifted_qp
-    from .problem.problem_file import read_labels, read_problems, write_problems
-    from .problem.programme_file import read_npz, write_npz
+    from .problem.exchange.problem_file import read_labels, read_problems, write_problems
+    from .problem.exchange.programme_file import read_npz, write_npz
+    from .problem.forms.complementarity_form import LCP, lcp
+    from .problem.forms.dual_form import DualQP, dual_qp
+    from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
@@ -83,13 +83,13 @@ _ORIGINS = {
     ".loaded": ["loaded_contact", "loaded_splines"],
     ".mesh_cycle": ["MeshCycle"],
     ".problem.certificate": ["EXACT_TOLERANCE", "Certificate", "certify"],
-    ".problem.complementarity_form": ["LCP", "lcp"],
+    ".problem.forms.complementarity_form": ["LCP", "lcp"],
     ".problem.compliance_matrix": ["ModalCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
-    ".problem.dual_form": ["DualQP", "dual_qp"],
-    ".problem.lifted_form": ["LiftedQP", "lifted_qp"],
-    ".problem.problem_file": ["read_labels", "read_problems", "write_problems"],
-    ".problem.programme_file": ["read_npz", "write_npz"],
+    ".problem.forms.dual_form": ["DualQP", "dual_qp"],
+    ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
+    ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
+    ".problem.exchange.programme_file": ["read_npz", "write_npz"],
     ".tooth_root_stress": ["root_stress"],
     ".solvers": [
         "SOLVERS",

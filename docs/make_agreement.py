@@ -16,8 +16,8 @@ from dissertation_method import by_its_method
 from tabulate import tabulate
 
 from easeoff.contact import SOLVERS, ContactProblem, available_solvers, solve
+from easeoff.contact.solvers.active_set.polish import polished_answer
 from easeoff.contact.solvers.backend import NoAnswerError, chosen_form
-from easeoff.contact.solvers.polish import polished_answer
 from easeoff.study import CaseInMesh, contact_analysis
 from easeoff.verification import PROBLEM_CLASSES, problems
 

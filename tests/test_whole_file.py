@@ -23,7 +23,7 @@ from click.testing import CliRunner
 from easeoff import InputError
 from easeoff.contact import ContactProblem, write_problems
 from easeoff.contact.compliance.finite_elements import array_store
-from easeoff.contact.problem.programme_file import write_npz
+from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.core.writing import file_lock, permissions, private_folder
 from easeoff.core.writing.output_file import check_folder, check_writable, existing_folder, whole_file
 from easeoff.study.cli import main

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...core.checks import one_of, shown
 from ...core.errors import InputError
-from ..problem.lifted_form import lifted_programme
+from ..problem.forms.lifted_form import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
 from .scaled_answer import ScaledAnswer
 from .solution import Status

@@ -13,8 +13,8 @@ from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
+from .active_set.polish import polished_answer
 from .backend import NoAnswerError, chosen_form
-from .polish import polished_answer
 from .scaled_answer import ScaledAnswer
 from .solution import RAISED, SOLVED, ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS

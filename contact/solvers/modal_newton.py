@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..problem.scaled_problem import ScaledModes, ScaledProblem
-from .active_set_system import first_contact_index
+from .active_set.active_set_system import first_contact_index
 from .modal_batch import ModalBatch
 from .scaled_answer import ScaledAnswer
 

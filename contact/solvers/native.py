@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from ...core.checks import one_of
 from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
+from .active_set.primal_active_set import primal_active_set
+from .active_set.primal_dual_active_set import primal_dual_active_set
 from .modal_newton import has_modal_form, modal_newton
-from .primal_active_set import primal_active_set
-from .primal_dual_active_set import primal_dual_active_set
 from .scaled_answer import ScaledAnswer
 
 Mask = NDArray[np.bool_]

@@ -33,7 +33,7 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
-    from ...contact.problem.problem_file import write_problems
+    from ...contact.problem.exchange.problem_file import write_problems
     from ...contact.solvers import require_solver
     from ...core.writing.output_file import check_writable
     from ..analysis import case_torques, contact_analysis
@@ -140,7 +140,7 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     for path in write_comparison(table, output):
         echo(f"wrote {path}")
     if test_set:
-        from ...contact.problem.problem_file import read_problems
+        from ...contact.problem.exchange.problem_file import read_problems
 
         for path in write_test_set([item for file in problems for item in read_problems(file)], output / "test_set"):
             echo(f"wrote {path}")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.problem.contact_problem import ContactProblem
-from ...contact.problem.problem_file import read_labels, read_problems
+from ...contact.problem.exchange.problem_file import read_labels, read_problems
 from ...contact.solvers import ContactSolution, solve
 from ...core.errors import InputError
 from .attempt import Attempt

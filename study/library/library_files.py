@@ -12,7 +12,7 @@ import xarray as xr
 
 from ...contact.problem.certificate import EXACT_TOLERANCE
 from ...contact.problem.contact_problem import ContactProblem
-from ...contact.problem.problem_file import write_problems
+from ...contact.problem.exchange.problem_file import write_problems
 from ...contact.solvers import solve
 from ...core.attributes import labelled
 from ...core.errors import InputError

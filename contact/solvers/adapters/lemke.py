@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.errors import InputError
-from ...problem.complementarity_form import eliminated_system, forces_and_rotation
+from ...problem.forms.complementarity_form import eliminated_system, forces_and_rotation
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
 from ..scaled_answer import ScaledAnswer

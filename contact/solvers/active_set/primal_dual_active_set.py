@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.scaled_problem import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
+from ..scaled_answer import ScaledAnswer
 from .active_set_system import ActiveSetPoint, first_contact_index, solve_active_set
-from .scaled_answer import ScaledAnswer
 
 #: Steps without fewer wrong signs before segments move one at a time.
 MAX_STALLED_STEPS = 4

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.scaled_problem import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
+from ..scaled_answer import ScaledAnswer
 from .active_set_system import first_contact_index, solve_active_set
-from .scaled_answer import ScaledAnswer
 
 #: A penetration below this, relative to the largest term of the gap, is rounding.
 GAP_TOLERANCE = 1e-13

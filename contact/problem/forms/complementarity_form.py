@@ -27,9 +27,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .answer import Answer, require_convex, unscaled, vector_of
-from .contact_problem import ContactProblem
-from .scaled_problem import ScaledProblem
+from ..answer import Answer, require_convex, unscaled, vector_of
+from ..contact_problem import ContactProblem
+from ..scaled_problem import ScaledProblem
 
 
 @dataclass(frozen=True, eq=False, slots=True)

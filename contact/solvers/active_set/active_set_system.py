@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-from ..problem.scaled_problem import ScaledProblem
+from ...problem.scaled_problem import ScaledProblem
 
 #: First shift of a numerically singular block, relative to its mean diagonal.
 SMALLEST_SHIFT = 1e-14

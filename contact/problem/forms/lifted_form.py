@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.errors import InputError
-from .answer import Answer, unscaled, vector_of
-from .contact_problem import ContactProblem
-from .scaled_problem import ScaledProblem
+from ....core.errors import InputError
+from ..answer import Answer, unscaled, vector_of
+from ..contact_problem import ContactProblem
+from ..scaled_problem import ScaledProblem
 
 if TYPE_CHECKING:
     import qpsolvers

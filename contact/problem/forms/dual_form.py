@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.errors import InputError
-from .answer import Answer, require_convex, unscaled, vector_of
-from .contact_problem import ContactProblem
+from ....core.errors import InputError
+from ..answer import Answer, require_convex, unscaled, vector_of
+from ..contact_problem import ContactProblem
 from .lifted_form import diagonal_matrix
 
 if TYPE_CHECKING:

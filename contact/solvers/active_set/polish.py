@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from ..problem.answer import Answer, unscaled
-from ..problem.certificate import EXACT_TOLERANCE
-from ..problem.contact_problem import ContactProblem
-from ..problem.scaled_problem import ScaledProblem
+from ...problem.answer import Answer, unscaled
+from ...problem.certificate import EXACT_TOLERANCE
+from ...problem.contact_problem import ContactProblem
+from ...problem.scaled_problem import ScaledProblem
+from ..scaled_answer import ScaledAnswer
 from .primal_dual_active_set import primal_dual_active_set
-from .scaled_answer import ScaledAnswer
 
 #: Linear systems a polish may solve. A poor answer must stay visible as such, not be replaced by a solve from scratch.
 MAX_POLISH_ITERATIONS = 10

@@ -34,14 +34,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import shown
-from ...core.errors import InputError
-from ...core.reading.netcdf_file import read_dataset
-from ...core.writing.output_file import whole_file
-from .contact_problem import ContactProblem
-from .problem_arrays import problem_arrays, require_arrays
-from .problem_dataset import ATTRIBUTES
-from .problem_dataset import FORMAT as SINGLE_FORMAT
+from ....core.checks import shown
+from ....core.errors import InputError
+from ....core.reading.netcdf_file import read_dataset
+from ....core.writing.output_file import whole_file
+from ..contact_problem import ContactProblem
+from ..problem_arrays import problem_arrays, require_arrays
+from ..problem_dataset import ATTRIBUTES
+from ..problem_dataset import FORMAT as SINGLE_FORMAT
 
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1

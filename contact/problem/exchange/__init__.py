@@ -1,0 +1,1 @@
+"""Files of contact problems: our own, and those of other fields."""

@@ -1,0 +1,1 @@
+"""Forms of the contact problem that other solvers take: lifted, dual and complementarity problem."""
