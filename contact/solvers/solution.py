@@ -39,6 +39,34 @@ class Status(StoredStatus):
     NOT_CONVERGED = 8
 
 
+@dataclass(frozen=True)
+class CallTimes:
+    """Times of the parts of a call of a backend [s]; NaN where unknown.
+
+    Attributes
+    ----------
+    call
+        Wall time of the backend, from its data in its form to its answer.
+    setup, solve
+        Set-up and solve, in the backend's own measurement, or else measured around them.
+    measured_by
+        Who measured these two: ``solver``, ``interface``, or nobody: an empty text.
+    polish
+        Wall time of the polish and the certificates it takes.
+
+    Examples
+    --------
+    >>> CallTimes(call=2e-3).call
+    0.002
+    """
+
+    call: float = math.nan
+    setup: float = math.nan
+    solve: float = math.nan
+    measured_by: str = ""
+    polish: float = math.nan
+
+
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
     """Forces, rotation and gaps of one contact problem, with proof.
@@ -66,6 +94,10 @@ class ContactSolution:
         Largest violation that the certificate may have.
     message
         Course of the solve in a few words.
+    exchanges
+        Exchanges of segments that the polish made: zero if the active set of the solver was right.
+    times
+        Times of the parts of a call of a backend.
 
     Examples
     --------
@@ -86,6 +118,8 @@ class ContactSolution:
     polished: bool = False
     tolerance: float = 0.0
     message: str = ""
+    exchanges: int = 0
+    times: CallTimes = CallTimes()
 
     @property
     def certified(self) -> bool:
