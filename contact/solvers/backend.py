@@ -185,5 +185,7 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
         A setting that is none.
     """
     for key in settings:
-        if key not in ("form", "initvals") and not any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known):
+        if key not in ("form", "initvals") and not any(
+            key in k if isinstance(k, Collection) else hasattr(k, key) for k in known
+        ):
             raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting")
