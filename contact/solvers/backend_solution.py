@@ -13,12 +13,14 @@ from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
-from .active_set.polish import FREE_POLISH, Polish, PolishRule, polished_answer
+from .active_set.polish import Polish, PolishRule, polished_answer
 from .backend import NoAnswerError, chosen_form
 from .scaled_answer import ScaledAnswer
 from .solution import RAISED, SOLVED, CallTimes, ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS
 
+#: Polish of `solve`.
+DEFAULT_POLISH = PolishRule()
 #: Function that calls a backend: takes the scaled problem and the settings of the backend.
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
@@ -36,7 +38,7 @@ def backend_solution(
     settings: Mapping[str, Any],
     *,
     form: str = "auto",
-    polish: PolishRule | None = FREE_POLISH,
+    polish: PolishRule | None = DEFAULT_POLISH,
     raw: bool = False,
     own: tuple[str, ...] = (),
 ) -> ContactSolution:

@@ -19,9 +19,8 @@ from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from . import native
-from .active_set.polish import FREE_POLISH
 from .backend import FORMS, chosen_form
-from .backend_solution import adapter_of, backend_solution
+from .backend_solution import DEFAULT_POLISH, adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
 from .scaled_answer import ScaledAnswer
 from .solution import SOLVED, ContactSolution, Status, judged, no_solution
@@ -179,7 +178,7 @@ def _solved(
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
     keywords, own = {**SOLVERS[name].settings, **settings}, tuple(settings)
-    rule = FREE_POLISH if polish else None
+    rule = DEFAULT_POLISH if polish else None
     solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=rule, own=own)
     if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"

@@ -46,8 +46,6 @@ class PolishRule:
     roughest: float = math.inf
 
 
-#: Polish in `solve`.
-FREE_POLISH = PolishRule()
 #: Polish in a comparison: the active set was right or it was not, and the answer was at least roughly right. Without
 #: the second condition whoever says that every segment touches would be right wherever that is so.
 STRICT_POLISH = PolishRule(exchanges=0, roughest=1e-3)

@@ -126,8 +126,8 @@ def pair_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     head = ["solver", "against", *(f"within {factor:g} [%]" for factor in PAIR_FACTORS)]
     note = (
         "Share of problems that the row certifies in at most the time of the column; what it alone certifies counts "
-        "for it. Two solvers compare the same whichever others are in the comparison. `tables/pairs.csv` has the shares "
-        "within half, twice and ten times that time, too."
+        "for it. Two solvers compare the same whichever others are in the comparison. `tables/pairs.csv` has the "
+        "shares within half, twice and ten times that time, too."
     )
     return ReportTable("pairs", head, rows, note, in_report=False)
 
