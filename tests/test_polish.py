@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from solver_choice import installed
 
 from easeoff.contact import ContactProblem, solve
 from easeoff.contact.problem.compliance_matrix import ModalCompliance
@@ -100,6 +101,14 @@ def test_structured_problem_is_polished_without_its_matrix(
     assert found.polished
     assert found.exchanges == 0
     assert found.answer.certificate.passes(1e-9)
+
+
+@pytest.mark.parametrize("name", ["piqp", "clarabel", "osqp"])
+def test_whole_call_of_a_sparse_backend_never_forms_the_matrix(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ModalCompliance, "dense", property(never))
+    solution = solve(structured(2000), installed(name))
+    assert (solution.method, solution.polished) == ("lifted", True)
+    assert solution.certificate.passes(1e-12)
 
 
 @pytest.mark.parametrize("kind", PROBLEM_CLASSES)
