@@ -134,8 +134,9 @@ def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Fou
         iterations=found.iterations,
         method="modal",
         message=f"modal, {found.iterations} steps",
+        problem=(secant := bending.with_secant(found.secant)),
     )
-    return solution, bending.with_secant(found.secant)
+    return solution, secant
 
 
 def newton_answers(

@@ -91,6 +91,7 @@ def backend_solution(
             method=method,
             polished=exact,
             message=given.message,
+            problem=problem,
         )
     except InputError:
         raise

@@ -152,6 +152,7 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         False,
         EXACT_TOLERANCE,
         "modal",
+        problem=problem,
     )
 
 
@@ -166,7 +167,8 @@ def _solved(
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
         touching = with_certificate(problem, np.zeros(problem.size), 0.0)
-        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact")
+        message = "no torque: the bodies touch where they meet first"
+        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message=message, problem=problem)
     scaled = problem.scaled()
     if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
@@ -214,6 +216,7 @@ def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) ->
         iterations=answer.iterations,
         method=method,
         message=answer.message,
+        problem=problem,
     )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...core.stored_status import StoredStatus
 from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
+from ..problem.contact_problem import ContactProblem
 
 Array = NDArray[np.float64]
 
@@ -65,15 +66,20 @@ class ContactSolution:
     tolerance
         Largest violation that the certificate may have.
     message
-        Course of the solve in a few words.
+        The method and what happened, in a few words.
+    exchanges
+        Segments that the polish moved into or out of the active set that the solver had found: 0 where that set was
+        right, or nothing was polished.
+    problem
+        The contact problem that was solved; with load-dependent line contact that of the secant compliance.
 
     Examples
     --------
     >>> import numpy as np
     >>> from easeoff.contact import ContactProblem, solve
     >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
-    >>> solution.certified, solution.claim, solution.force.tolist()
-    (True, 'solved', [1000.0, 1000.0])
+    >>> solution.certified, solution.claim, solution.force.tolist(), solution.energy
+    (True, 'solved', [1000.0, 1000.0], 1.0)
     """
 
     answer: Answer
@@ -86,6 +92,8 @@ class ContactSolution:
     polished: bool = False
     tolerance: float = 0.0
     message: str = ""
+    exchanges: int = 0
+    problem: ContactProblem | None = None
 
     @property
     def certified(self) -> bool:
@@ -116,6 +124,13 @@ class ContactSolution:
         """Rotation beyond the first contact of the rigid bodies [rad], free of the cancellation in the difference."""
         return self._proved.elastic_rotation
 
+    @cached_property
+    def energy(self) -> float:
+        """Deformation energy 1/2 F'C F of the forces [N mm]; NaN unless certified."""
+        if self.problem is None or not self.certified:
+            return math.nan
+        return 0.5 * float(self.force @ self.problem.deflection(self.force))
+
     @property
     def certificate(self) -> Certificate:
         """Certificate of the answer, also of one that was refused."""
@@ -138,6 +153,7 @@ def judged(
     method: str = "",
     polished: bool = False,
     message: str = "",
+    problem: ContactProblem | None = None,
 ) -> ContactSolution:
     """Return the solution with the status that the certificate of an answer gives it.
 
@@ -153,7 +169,7 @@ def judged(
         The status of a refused answer; `Status.NOT_CERTIFIED` by default.
     claim
         The solver's own report; by default that of the certificate.
-    iterations, method, polished, message
+    iterations, method, polished, message, problem
         Passed on to the solution.
     """
     status = Status.NOT_CERTIFIED if suspicion is None else suspicion
@@ -171,6 +187,7 @@ def judged(
         polished=polished,
         tolerance=tolerance,
         message=message,
+        problem=problem,
     )
 
 
