@@ -19,6 +19,7 @@ from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from . import native
+from .active_set.polish import PolishRule
 from .backend import FORMS, chosen_form
 from .backend_solution import adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
@@ -85,8 +86,9 @@ def solve(
     solver
         One of `available_solvers`, or ``"auto"``.
     polish
-        Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
-        `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
+        Make the answer of a backend exact by a solve on the active set it found, with up to `MAX_EXCHANGES` exchanges
+        of segments; its certificate must then reach `EXACT_TOLERANCE`. The result says whether this was done, and with
+        how many exchanges. The native solver needs none.
     initial_active
         Segments assumed in contact, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
         native solver, ignored by the others.
@@ -179,7 +181,8 @@ def _solved(
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
     keywords, own = {**SOLVERS[name].settings, **settings}, tuple(settings)
-    solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=polish, own=own)
+    rule = PolishRule() if polish else None
+    solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=rule, own=own)
     if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")

@@ -40,6 +40,34 @@ class Status(StoredStatus):
     NOT_CONVERGED = 8
 
 
+@dataclass(frozen=True)
+class CallTimes:
+    """Times of the parts of a call of a backend [s]; NaN where unknown.
+
+    Attributes
+    ----------
+    call
+        Wall time of the backend, from its data in its form to its answer.
+    setup, solve
+        Set-up and solve, in the backend's own measurement, or else measured around them.
+    measured_by
+        Who measured these two: ``solver``, ``interface``, or nobody: an empty text.
+    polish
+        Wall time of the polish and the certificates it takes.
+
+    Examples
+    --------
+    >>> CallTimes(call=2e-3).call
+    0.002
+    """
+
+    call: float = math.nan
+    setup: float = math.nan
+    solve: float = math.nan
+    measured_by: str = ""
+    polish: float = math.nan
+
+
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
     """Forces, rotation and gaps of one contact problem, with proof.
@@ -68,8 +96,9 @@ class ContactSolution:
     message
         The method and what happened, in a few words.
     exchanges
-        Segments that the polish moved into or out of the active set that the solver had found: 0 where that set was
-        right, or nothing was polished.
+        Exchanges of segments that the polish made: zero if the active set of the solver was right.
+    times
+        Times of the parts of a call of a backend.
     problem
         The contact problem that was solved; with load-dependent line contact that of the secant compliance.
 
@@ -93,6 +122,7 @@ class ContactSolution:
     tolerance: float = 0.0
     message: str = ""
     exchanges: int = 0
+    times: CallTimes = CallTimes()
     problem: ContactProblem | None = None
 
     @property
