@@ -139,7 +139,10 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         Time at which the call began [s].
     """
     found = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
-    if found is None or not found.answer.certificate.worst <= ROUNDING_LEVEL:
+    if found is None:
+        return None
+    certificate = found.answer.certificate
+    if not (certificate.worst <= ROUNDING_LEVEL and certificate.passes()):
         return None
     return ContactSolution(
         found.answer,
