@@ -134,9 +134,8 @@ def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Fou
         iterations=found.iterations,
         method="modal",
         message=f"modal, {found.iterations} steps",
-        problem=(secant := bending.with_secant(found.secant)),
     )
-    return solution, secant
+    return solution, found.answer.problem or bending.with_secant(found.secant)
 
 
 def newton_answers(

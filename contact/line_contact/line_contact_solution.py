@@ -163,7 +163,6 @@ def certified_on_secant(
         polished=polished,
         message=message,
         suspicion=Status.NOT_CONVERGED,
-        problem=problem,
     )
     return solution, problem
 

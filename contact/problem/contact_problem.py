@@ -22,12 +22,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, read_only
+from ...core.checks import array
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
 from .modal_basis import ModalBasis
 from .operator_compliance import OperatorCompliance
 from .problem_dataset import problem_data, problem_dataset
+from .proof.first_contact import FirstContact, first_contact
 from .scaled_problem import ScaledProblem
 from .scaling import Scaling
 
@@ -150,33 +151,44 @@ class ContactProblem:
         """
         return self.compliance_matrix.is_positive_semidefinite
 
+    @cached_property
+    def first_contact(self) -> FirstContact:
+        """First contact of the rigid bodies: its rotation to twice the digits of a double, the separations there."""
+        return first_contact(self.separation, self.lever_arm)
+
     @property
     def first_contact_rotation(self) -> float:
         """Rotation at which the rigid bodies touch first, min S/r over r > 0 [rad]: theta as the torque vanishes."""
-        return self._first_contact[0]
+        return self.first_contact.rotation
 
     @property
     def separation_at_first_contact(self) -> Array:
-        """S - r theta at first contact [mm], (n). Not negative where r > 0; computed so that this holds to the bit."""
-        return self._first_contact[1]
+        """S - r theta at first contact [mm], (n), each rounded once, however large S and r theta are.
 
-    @cached_property
-    def _first_contact(self) -> tuple[float, Array]:
-        positive = (self.lever_arm > 0.0).nonzero()[0]
-        rotation = self.separation[positive] / self.lever_arm[positive]
-        first = int(rotation.argmin())
-        shifted = self.separation - rotation[first] * self.lever_arm
-        shifted[positive] = np.maximum(shifted[positive], 0.0)
-        shifted[positive[first]] = 0.0
-        return float(rotation[first]), read_only(shifted)
+        Not negative where r > 0; computed so that this holds to the bit.
+        """
+        return self.first_contact.separation
+
+    def whole_rotation(self, elastic_rotation: float) -> float:
+        """Return the rotation theta [rad] of a rotation beyond first contact [rad], rounded."""
+        contact = self.first_contact
+        return contact.rotation + (contact.remainder + elastic_rotation)
+
+    def elastic_rotation(self, rotation: float) -> float:
+        """Return the rotation beyond first contact [rad] of a rotation theta [rad]."""
+        contact = self.first_contact
+        return (rotation - contact.rotation) - contact.remainder
 
     @cached_property
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
-        rotation, separation = self._first_contact
+        contact = self.first_contact
         # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Scaling.of(separation, self.lever_arm, self.torque, self.compliance_matrix, rotation)
+            return Scaling.of(
+                contact.separation, self.lever_arm, self.torque, self.compliance_matrix,
+                contact.rotation, contact.remainder,
+            )  # fmt: skip
 
     def scaled(self, *, clip: bool = True) -> ScaledProblem:
         """Return the problem in scaled numbers, see `scaling`.
@@ -195,8 +207,8 @@ class ContactProblem:
 
     def gap(self, force: Array, rotation: float) -> Array:
         """Y = C F + S - r theta [mm], (n), under the forces F [N] at the rotation theta [rad]."""
-        elastic_rotation = rotation - self.first_contact_rotation
-        return self.deflection(force) + self.separation_at_first_contact - elastic_rotation * self.lever_arm
+        turned = self.elastic_rotation(rotation) * self.lever_arm
+        return self.deflection(force) + self.separation_at_first_contact - turned
 
     def with_torque(self, torque: float) -> ContactProblem:
         """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
@@ -210,8 +222,8 @@ class ContactProblem:
         own["separation"], own["lever_arm"], own["torque"], own["compliance_matrix"] = (
             self.separation, self.lever_arm, torque, matrix,
         )  # fmt: skip
-        if "_first_contact" in self.__dict__:
-            own["_first_contact"] = self.__dict__["_first_contact"]
+        if "first_contact" in self.__dict__:
+            own["first_contact"] = self.__dict__["first_contact"]
         return changed
 
     def with_secant(self, secant: Array) -> ContactProblem:

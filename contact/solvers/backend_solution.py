@@ -96,7 +96,6 @@ def backend_solution(
             method=method,
             polished=found.polished,
             message=given.message,
-            problem=problem,
         )
         solution = replace(solution, exchanges=found.exchanges, times=times)
     except InputError:

@@ -141,7 +141,10 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         Time at which the call began [s].
     """
     found = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
-    if found is None or not found.answer.certificate.worst <= ROUNDING_LEVEL:
+    if found is None:
+        return None
+    certificate = found.answer.certificate
+    if not (certificate.worst <= ROUNDING_LEVEL and certificate.passes()):
         return None
     return ContactSolution(
         found.answer,
@@ -154,7 +157,6 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         False,
         EXACT_TOLERANCE,
         "modal",
-        problem=problem,
     )
 
 
@@ -170,7 +172,7 @@ def _solved(
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
         touching = with_certificate(problem, np.zeros(problem.size), 0.0)
         message = "no torque: the bodies touch where they meet first"
-        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message=message, problem=problem)
+        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message=message)
     scaled = problem.scaled()
     if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
@@ -219,7 +221,6 @@ def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) ->
         iterations=answer.iterations,
         method=method,
         message=answer.message,
-        problem=problem,
     )
 
 

@@ -99,8 +99,6 @@ class ContactSolution:
         Exchanges of segments that the polish made: zero if the active set of the solver was right.
     times
         Times of the parts of a call of a backend.
-    problem
-        The contact problem that was solved; with load-dependent line contact that of the secant compliance.
 
     Examples
     --------
@@ -123,7 +121,6 @@ class ContactSolution:
     message: str = ""
     exchanges: int = 0
     times: CallTimes = CallTimes()
-    problem: ContactProblem | None = None
 
     @property
     def certified(self) -> bool:
@@ -154,6 +151,11 @@ class ContactSolution:
         """Rotation beyond the first contact of the rigid bodies [rad], free of the cancellation in the difference."""
         return self._proved.elastic_rotation
 
+    @property
+    def problem(self) -> ContactProblem | None:
+        """The problem solved, of load-dependent line contact with the secant compliance; None without an answer."""
+        return self.answer.problem
+
     @cached_property
     def energy(self) -> float:
         """Deformation energy 1/2 F'C F of the forces [N mm]; NaN unless certified."""
@@ -183,7 +185,6 @@ def judged(
     method: str = "",
     polished: bool = False,
     message: str = "",
-    problem: ContactProblem | None = None,
 ) -> ContactSolution:
     """Return the solution with the status that the certificate of an answer gives it.
 
@@ -199,7 +200,7 @@ def judged(
         The status of a refused answer; `Status.NOT_CERTIFIED` by default.
     claim
         The solver's own report; by default that of the certificate.
-    iterations, method, polished, message, problem
+    iterations, method, polished, message
         Passed on to the solution.
     """
     status = Status.NOT_CERTIFIED if suspicion is None else suspicion
@@ -217,7 +218,6 @@ def judged(
         polished=polished,
         tolerance=tolerance,
         message=message,
-        problem=problem,
     )
 
 
