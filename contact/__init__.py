@@ -27,7 +27,16 @@ if TYPE_CHECKING:
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .problem.modal_basis import ModalBasis
     from .problem.operator_compliance import OperatorCompliance
-    from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
+    from .solvers import (
+        SOLVERS,
+        ContactSolution,
+        ContactSolutions,
+        Solver,
+        Status,
+        available_solvers,
+        solve,
+        solve_many,
+    )
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
@@ -51,6 +60,7 @@ __all__ = [
     "ModalCompliance",
     "OperatorCompliance",
     "Shell",
+    "Solver",
     "Status",
     "ToothDimensions",
     "WeberLineContact",
@@ -101,6 +111,7 @@ _ORIGINS = {
         "SOLVERS",
         "ContactSolution",
         "ContactSolutions",
+        "Solver",
         "Status",
         "available_solvers",
         "solve",

@@ -74,10 +74,7 @@ def rounded_residuals(
     """
     contact, matrix, size = problem.first_contact, problem.compliance_matrix, force.size
     separation, arm_size, magnitude = contact.separation, np.abs(problem.lever_arm), np.abs(force)
-    if isinstance(matrix, ModalCompliance):
-        terms = size + matrix.factor.shape[1] + 6
-    else:
-        terms = size + 4
+    terms = size + (matrix.factor.shape[1] + 6 if isinstance(matrix, ModalCompliance) else 4)
     if isinstance(matrix, OperatorCompliance):
         terms, sizes = 1, np.full(size, PRODUCT_ROUNDING / UNIT_ROUNDOFF * float(np.abs(deflection).max()))
     elif not sharp:
