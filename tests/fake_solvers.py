@@ -45,6 +45,31 @@ def lie(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     return ScaledAnswer(force, 1.0, 7, "solved")
 
 
+def zero(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Do nothing, and say that this is the solution."""
+    return ScaledAnswer(np.zeros(problem.separation.size), 0.0, 1, "solved")
+
+
+def start(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Give the start back, at the rotation that its forces ask for."""
+    force = np.array(settings.get("initvals", np.zeros(problem.separation.size)))
+    work = force @ (problem.compliance @ force) + force @ problem.separation
+    return ScaledAnswer(force, float(work / problem.torque) if problem.torque else 0.0, 1, "solved")
+
+
+_kept: dict[int, ScaledAnswer] = {}
+
+
+def stale(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
+    """Give the right answer to the call before with as many segments, and keep that to this one."""
+    size = problem.separation.size
+    right = primal_dual_active_set(problem, np.ones(size, dtype=bool))
+    answer = _kept.get(size) or lie(problem, settings)
+    if right is not None:
+        _kept[size] = right
+    return answer
+
+
 def deny(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     """Print a lot, give the right answer, and say that there is none."""
     print("noise " * 1000)  # noqa: T201

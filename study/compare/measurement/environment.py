@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import importlib.metadata
 import importlib.util
 import os
@@ -10,20 +11,49 @@ import platform
 import sys
 from importlib.machinery import ModuleSpec
 from pathlib import Path
+from typing import Any
 
-from ...contact.solvers import SOLVERS
+from ....contact.solvers import SOLVERS
+from ....core.compiled.compiled_use import is_used
 
 
-def machine() -> dict[str, str]:
-    """Processor, cores, system, and versions of Python and the numerical packages, by name."""
+def machine(threads: int = 1) -> dict[str, str]:
+    """Processor, cores, threads, system, and versions of Python, the numerical packages and their linear algebra."""
     versions = {name: _version(name) for name in ("numpy", "scipy", "qpsolvers", "easeoff")}
     return {
         "processor": processor(),
         "cores": str(os.cpu_count() or "unknown"),
+        "threads": f"{threads} for linear algebra",
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "Python": f"{platform.python_implementation()} {platform.python_version()}",
         **versions,
+        "code of easeoff": _code_digest(),
+        "numba": _version("numba", "not installed"),
+        "compiled code": compiled_code(),
+        "BLAS of numpy": _linear_algebra("numpy"),
+        "BLAS of scipy": _linear_algebra("scipy"),
     }
+
+
+def compiled_code() -> str:
+    """Whether the native solver runs compiled, in the words of the report."""
+    if not is_used():
+        return "switched off"
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return "not compiled"
+    return "used" if importlib.util.find_spec("numba") is not None else "not installed"
+
+
+def _linear_algebra(package: str) -> str:
+    """Name and version of the BLAS that a package was built with, with the kernels chosen by the environment."""
+    try:
+        found: Any = importlib.import_module(package).show_config(mode="dicts")
+        library = found["Build Dependencies"]["blas"]
+        name = f"{library['name']} {library['version']}"
+    except Exception:  # of another build or version, which may tell nothing
+        name = "unknown"
+    kernels = os.environ.get("OPENBLAS_CORETYPE", "")
+    return f"{name}, kernels {kernels}" if kernels else name
 
 
 def processor() -> str:
@@ -59,8 +89,19 @@ def find_module(module: str) -> ModuleSpec | None:
         sys.path[:] = before
 
 
-def _version(package: str) -> str:
+def _version(package: str, missing: str = "unknown") -> str:
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
-        return "unknown"
+        return missing
+
+
+def _code_digest() -> str:
+    """Digest of the package's code that an attempt runs through."""
+    digest = hashlib.sha256()
+    root = Path(__file__).parents[3]
+    for folder in (root / "contact", Path(__file__).parent):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.relative_to(root).as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
