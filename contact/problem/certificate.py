@@ -231,9 +231,7 @@ def _relative_to_scales(problem: ContactProblem, force: Array, left: Residuals) 
     )
 
 
-def _gap_scale(
-    problem: ContactProblem, magnitude: Array, total: float, deflection: Array
-) -> tuple[float, float]:
+def _gap_scale(problem: ContactProblem, magnitude: Array, total: float, deflection: Array) -> tuple[float, float]:
     """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves.
 
     And that cancellation: its mean if no terms cancelled, which is a bound, over this mean.

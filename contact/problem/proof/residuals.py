@@ -57,7 +57,13 @@ class Residuals:
 
 
 def rounded_residuals(
-    problem: ContactProblem, force: Array, elastic_rotation: float, deflection: Array, gap: Array, *, sharp: bool = False
+    problem: ContactProblem,
+    force: Array,
+    elastic_rotation: float,
+    deflection: Array,
+    gap: Array,
+    *,
+    sharp: bool = False,
 ) -> Residuals:
     """Return the residuals in double precision.
 

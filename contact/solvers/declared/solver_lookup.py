@@ -62,10 +62,9 @@ def entry_point_names() -> list[str]:
     return sorted({point.name for point in _entry_points()} - {*SOLVERS, "auto"})
 
 
-def entry_point_version(name: str) -> str | None:
-    """Distribution that brings a solver, and its version; None if none does."""
-    found = next((point.dist for point in _entry_points() if point.name == name), None)
-    return None if found is None else f"{found.name} {found.version}"
+def entry_point(name: str) -> importlib.metadata.EntryPoint | None:
+    """The entry point that brings a solver, with its distribution; None if none does."""
+    return next((point for point in _entry_points() if point.name == name), None)
 
 
 @contextlib.contextmanager
@@ -115,7 +114,7 @@ def _solver_at(text: str) -> Solver:
             found = getattr(found, name)
     except Exception as error:  # a foreign module may raise anything
         raise InputError(
-            f"solver = {text!r}: must be MODULE:FUNCTION of a module that can be imported: {error}"
+            f"solver = {text!r}: must be MODULE:FUNCTION of a module that can be imported; it cannot be loaded: {error}"
         ) from error
     return _named(text, found, text)
 
