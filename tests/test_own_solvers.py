@@ -339,7 +339,15 @@ def test_solver_is_found_in_the_current_folder_by_its_text(module: Path, monkeyp
 
 @pytest.mark.parametrize(
     "text",
-    ["no_such_module_at_all:function", "numpy:no_such_function", "numpy:pi", ":function", "numpy:", "a b:c", "os:path:x"],
+    [
+        "no_such_module_at_all:function",
+        "numpy:no_such_function",
+        "numpy:pi",
+        ":function",
+        "numpy:",
+        "a b:c",
+        "os:path:x",
+    ],
 )
 def test_place_without_a_solver_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="solver = "):
@@ -347,7 +355,9 @@ def test_place_without_a_solver_is_refused(text: str) -> None:
 
 
 def test_value_that_names_no_solver_is_refused() -> None:
-    with pytest.raises(InputError, match=r"solver = 3: must be a name, MODULE:FUNCTION, a function or a Solver"):
+    with pytest.raises(
+        InputError, match=r"solver = 3: must be the name of a solver, MODULE:FUNCTION, a function or a Solver"
+    ):
         solve(PROBLEM, 3)  # type: ignore[arg-type]
 
 

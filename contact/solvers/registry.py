@@ -277,8 +277,9 @@ def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
         return best
     met = None if budget is None else budget.met
     if met is not None:
-        limit = f"{limits.time_limit:g} s" if met is Status.TIME_LIMIT else f"{limits.max_iterations} steps"
-        return _no_native_solution(problem, met, f"ended at the limit of {limit}", best)
+        limit = f"time limit of {limits.time_limit:g} s" if met is Status.TIME_LIMIT else "step limit"
+        limit += f" of {limits.max_iterations}" if met is Status.NOT_CONVERGED else ""
+        return _no_native_solution(problem, met, f"ended at the {limit}", best)
     if _is_unbounded(scaled):
         reason = "segments without compliance penetrate at every rotation, no force can part them"
         return _no_native_solution(problem, Status.UNBOUNDED, reason, best)

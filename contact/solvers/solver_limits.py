@@ -93,7 +93,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
         ratio = (limits.tolerance / entry.tolerance) ** entry.tolerance_power
         least, most = OWN_TOLERANCE_RANGE
         for key in entry.tolerance_settings:
-            found[key] = min(max(keywords[key] * ratio, least, entry.least_tolerance), most)
+            found[key] = min(max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance), most)
     for word, value, key in (
         ("time_limit", limits.time_limit, entry.time_setting),
         ("max_iterations", limits.max_iterations, entry.step_setting),
@@ -134,7 +134,7 @@ def limit_met(name: str, settings: Mapping[str, Any], elapsed: float) -> Status 
 
 def _able(word: str) -> str:
     key = {"time_limit": "time_setting", "max_iterations": "step_setting"}[word]
-    return ", ".join(["native", *(name for name, entry in SOLVERS.items() if getattr(entry, key))])
+    return ", ".join(name for name, entry in SOLVERS.items() if getattr(entry, key))
 
 
 class StepBudget:

@@ -269,6 +269,7 @@ SOLVERS: dict[str, SolverSettings] = {
         definite=True,
         settings={"tolerance": 1e-14, "max_iter": 10_000},
         step_setting="max_iter",
+        tolerance_settings=("tolerance",),
     ),
     "qpalm": SolverSettings(
         "qpalm",
