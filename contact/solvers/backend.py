@@ -61,7 +61,8 @@ def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]
     if options.pop("form", "dense") == "lifted":
         programme = lifted_programme(problem, compress=True)
         if start is not None:
-            start = np.concatenate([start, programme.A[1:, : start.size] @ start])
+            equalities: Any = programme.A  # the modal amplitudes of the start: V'F - z = 0
+            start = np.concatenate([start, equalities[1:, : start.size] @ start])
     else:
         programme = problem.as_qp(sparse=SOLVERS[name].sparse)
     begin = perf_counter()

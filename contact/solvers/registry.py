@@ -19,9 +19,8 @@ from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from . import native
-from .active_set.polish import PolishRule
 from .backend import FORMS, chosen_form
-from .backend_solution import Adapter, adapter_of, backend_solution
+from .backend_solution import DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
 from .declared.solver_declaration import Solver
 from .declared.solver_lookup import SolverChoice, declared_solver, entry_point_names
@@ -256,7 +255,7 @@ def _solve_backend(request: _Request, name: str, declared: Solver | None) -> Con
         adapter,
         {**keywords, **start},
         form=request.form,
-        polish=PolishRule() if request.polish else None,
+        polish=DEFAULT_POLISH if request.polish else None,
         own=tuple(settings),
         limits=limits,
     )

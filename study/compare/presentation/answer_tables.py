@@ -87,9 +87,7 @@ def residual_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[Report
     conditions = [name.replace("_", " ") for name in RESIDUALS]
     return [
         ReportTable("residuals", head, rows, note),
-        ReportTable(
-            "violations", [*METHOD_COLUMNS, *conditions], parts, "", "Which condition is violated, at worst:"
-        ),
+        ReportTable("violations", [*METHOD_COLUMNS, *conditions], parts, "", "Which condition is violated, at worst:"),
     ]
 
 

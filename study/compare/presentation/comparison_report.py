@@ -64,7 +64,9 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
     named = methods(problems, float(dataset.attrs["time_limit_s"]))
     failures = failure_table(dataset, named)
     sections = [
-        Section("Answers", [*success_tables(dataset, problems, named), success_note(dataset), kind_table(problems, named)]),
+        Section(
+            "Answers", [*success_tables(dataset, problems, named), success_note(dataset), kind_table(problems, named)]
+        ),
         Section("Run time", [run_time_summary(dataset, problems, named)]),
         Section("Parts of the run time", [time_parts(problems, named, time_sources(dataset, named))]),
         Section("Cold and warm starts", [start_table(problems, named)]),
@@ -92,7 +94,9 @@ def comparison_report(dataset: xr.Dataset, pictures: Sequence[Picture] = ()) -> 
     for section in report_sections(dataset):
         lines.append(f"## {section.heading}\n")
         lines += [f"![{one.caption}]({one.file})\n" for one in pictures if one.section == section.heading]
-        lines += [part.markdown if isinstance(part, ReportTable) else part for part in section.parts if part is not None]
+        lines += [
+            part.markdown if isinstance(part, ReportTable) else part for part in section.parts if part is not None
+        ]
     return "\n".join(lines)
 
 
@@ -125,8 +129,8 @@ def _made_with(dataset: xr.Dataset) -> str:
     return (
         f"{table.markdown}\nA process for each solver, up to {dataset.attrs['repetitions']} repetitions, time limit "
         f"{dataset.attrs['time_limit_s']:g} s an attempt. Each call gets the separations and the torque multiplied by "
-        "another factor between 1 and 1.5 (`load_factor`), so that an answer kept from an earlier call is wrong. `native` is measured "
-        "with its own answer alone, and is the reference of the error of rotation.\n"
+        "another factor between 1 and 1.5 (`load_factor`), so that an answer kept from an earlier call is wrong. "
+        "`native` is measured with its own answer alone, and is the reference of the error of rotation.\n"
     )
 
 

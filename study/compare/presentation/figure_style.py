@@ -1,4 +1,4 @@
-"""Style of the comparison's figures: a colour a solver, panels with legends ordered by merit, plain logarithmic axes."""
+"""Style of the comparison's figures: a colour a solver, legends ordered by merit, plain logarithmic axes."""
 
 from __future__ import annotations
 
@@ -27,10 +27,17 @@ Array = NDArray[Any]
 
 def panels(problems: Any, time_limit: float) -> list[tuple[str, list[MethodName]]]:
     """Settings and cold methods of each panel, the best first; the native solver is in all of them."""
-    named = [method for method in methods(problems, time_limit) if method[2] == COLD]  # not every problem has a warm one
+    named = [
+        method for method in methods(problems, time_limit) if method[2] == COLD
+    ]  # not every problem has a warm one
     used = [name for name in SETTINGS if any(method[1] == name for method in named)]
     return [
-        (name, sorted((m for m in named if m[1] == name or m[0] == "native"), key=lambda m: merit(problems, m, time_limit)))
+        (
+            name,
+            sorted(
+                (m for m in named if m[1] == name or m[0] == "native"), key=lambda m: merit(problems, m, time_limit)
+            ),
+        )
         for name in used
     ]
 

@@ -1,4 +1,4 @@
-"""Time tables: run time, its parts, cold and warm starts, pairs of solvers, growth with size, work against precision."""
+"""Time tables: run time, its parts, starts, pairs of solvers, growth with size, work against precision."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName,
     head = ["whole [ms]", "processor [ms]", "bare call [ms]", "set-up [ms]", "solve [ms]", "polish [ms]"]
     note = (
         "Medians over certified problems. *Whole*: wall time of the call through the package, with check, scaling, "
-        "conversion, polish and certificate; *processor*: its processor time; *bare call*: wall time of the solver with "
-        "its data in its form; *whole / bare*: median of their ratio. Set-up and solve are in the solver's own "
+        "conversion, polish and certificate; *processor*: its processor time; *bare call*: wall time of the solver "
+        "with its data in its form; *whole / bare*: median of their ratio. Set-up and solve are in the solver's own "
         "measurement where it has one (*by* solver), or else measured around them (interface)."
     )
     return ReportTable("time_parts", [*METHOD_COLUMNS, *head, "whole / bare", "by"], rows, note)
@@ -84,7 +84,7 @@ def start_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     rows = []
     for solver, settings, _ in warm_methods:
         pair = [of_method(problems, (solver, settings, start)).set_index(PROBLEM_COLUMNS) for start in (COLD, WARM)]
-        both = pair[1].join(pair[0], rsuffix="_cold", how="inner")
+        both = pair[1].join(pair[0].add_suffix("_cold"), how="inner")
         solved = both[both["certified"] & both["certified_cold"]]
         iterations = [median(solved[name][solved[name] >= 0]) for name in ("iterations_cold", "iterations")]
         rows.append(
@@ -125,9 +125,9 @@ def pair_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     ]
     head = ["solver", "against", *(f"within {factor:g} [%]" for factor in PAIR_FACTORS)]
     note = (
-        "Share of problems that the row certifies in at most the time of the column; what it alone certifies counts for "
-        "it. Two solvers compare the same whichever others are in the comparison. `tables/pairs.csv` has the shares "
-        "within half, twice and ten times that time, too."
+        "Share of problems that the row certifies in at most the time of the column; what it alone certifies counts "
+        "for it. Two solvers compare the same whichever others are in the comparison. `tables/pairs.csv` has the "
+        "shares within half, twice and ten times that time, too."
     )
     return ReportTable("pairs", head, rows, note, in_report=False)
 
@@ -146,8 +146,8 @@ def growth_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     if not any(cell != NOTHING for row in rows for cell in row[1:]):
         return None
     note = (
-        "Power of the number of segments with which the run time grows within one kind of problem, over the larger half "
-        "of its sizes; a dash where they are too few or too close together."
+        "Power of the number of segments with which the run time grows within one kind of problem, over the larger "
+        "half of its sizes; a dash where they are too few or too close together."
     )
     return ReportTable("growth", ["solver", *groups], rows, note)
 
@@ -199,8 +199,8 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
             "sweep",
             [*columns_of_points, "median time [ms]"],
             points,
-            f"Certificates by the tolerance given to the solver; *table*: its settings of `{HEADLINE}`. Solvers without "
-            "a tolerance have that row alone.",
+            f"Certificates by the tolerance given to the solver; *table*: its settings of `{HEADLINE}`. Solvers "
+            "without a tolerance have that row alone.",
             "Outcome at each tolerance:",
         ),
     ]

@@ -114,4 +114,4 @@ def pairwise_matrix(run_time: Array, factor: float = 1.0) -> Array:
 def _shares(values: Array, limits: Array) -> Array:
     """Share of each row of values (methods, n) that does not exceed each limit (m): (methods, m)."""
     counts = [np.searchsorted(np.sort(row), limits, side="right") for row in values]
-    return np.array(counts) / max(values.shape[1], 1)
+    return np.asarray(np.array(counts) / max(values.shape[1], 1))

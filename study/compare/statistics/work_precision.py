@@ -80,7 +80,7 @@ def has_sweep(dataset: xr.Dataset) -> bool:
 
 
 def work_precision(dataset: xr.Dataset) -> list[WorkPrecision]:
-    """Work and precision of every solver of a comparison, in the order of the table; its headline runs count as well."""
+    """Work and precision of every solver of a comparison, in the order of the table, its headline runs included."""
     runs = _runs(dataset)
     result = []
     for solver in dict.fromkeys(runs["solver"]):
