@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from .contact_problem import ContactProblem
 from .proof.error_free import UNIT_ROUNDOFF
-from .proof.residuals import Residuals, exact_residuals, rounded_residuals
+from .proof.residuals import Residuals, Sizes, exact_residuals, rounded_residuals
 
 Array = NDArray[np.float64]
 
@@ -183,63 +183,59 @@ def violations(
     deflection, gap
         Of these forces, at this rotation (n) [mm].
     """
-    if not (np.isfinite(gap).all() and np.isfinite(force).all()):
+    if not (_finite(gap) and _finite(force)):
         return NO_CERTIFICATE
     with np.errstate(over="ignore", invalid="ignore"):
-        rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap)
-        found = _relative_to_scales(problem, force, rounded)
+        sizes = Sizes.of(problem, force, deflection)
+        rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes)
+        found = _relative_to_scales(problem, force, sizes, rounded)
         if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf:
             return found
-        sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sharp=True)
-        found = _relative_to_scales(problem, force, sharp)
+        sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes, sharp=True)
+        found = _relative_to_scales(problem, force, sizes, sharp)
         if found.resolution <= RESOLUTION_LIMIT:
             return found
         try:
-            return _relative_to_scales(problem, force, exact_residuals(problem, force, elastic_rotation))
+            exact = exact_residuals(problem, force, elastic_rotation)
         except (OverflowError, ValueError):
             return found
+        return _relative_to_scales(problem, force, sizes, exact)
 
 
-def _relative_to_scales(problem: ContactProblem, force: Array, left: Residuals) -> Certificate:
-    separation = problem.separation_at_first_contact
-    magnitude = np.abs(force)
-    total, force_scale = float(magnitude.sum()), float(magnitude.max())
-    moments = float(magnitude @ np.abs(problem.lever_arm))
-    moment_scale = max(problem.torque, CANCELLATION_FLOOR * moments)
-    gap_scale, cancellation = _gap_scale(problem, magnitude, total, left.deflection)
-    energy_scale = total * gap_scale + float(magnitude @ np.abs(separation))
-    shared = np.minimum(_ratio(force, force_scale), left.gap / gap_scale)
-    # The gap of a segment without force matters only where it may be none.
-    unknown = left.gap_error[(force != 0.0) | (left.gap <= left.gap_error)]
-    resolution = float(unknown.max()) / gap_scale if unknown.size else 0.0
+def _finite(numbers: Array) -> bool:
+    return math.isfinite(float(numbers.sum())) or bool(np.isfinite(numbers).all())
+
+
+def _relative_to_scales(problem: ContactProblem, force: Array, sizes: Sizes, left: Residuals) -> Certificate:
+    moment_scale = max(problem.torque, CANCELLATION_FLOOR * sizes.moment)
+    gap_scale, cancellation = _gap_scale(problem, sizes)
+    energy_scale = sizes.total * gap_scale + sizes.preload
     if problem.torque > 0.0:
-        cancellation = max(cancellation, moments / problem.torque)
+        cancellation = max(cancellation, sizes.moment / problem.torque)
+    shared = np.minimum(_ratio(force, sizes.largest_force), left.gap / gap_scale)
+    resolution = left.gap_error / gap_scale
+    if sizes.total > 0.0:
+        of_balance = _relative(left.imbalance_error, moment_scale)
+        resolution = max(resolution, of_balance, _relative(left.surplus_error, energy_scale))
     return Certificate(
-        equilibrium=_relative(abs(left.imbalance), moment_scale),
-        negative_force=_relative(max(-float(force.min()), 0.0), force_scale),
-        negative_gap=max(-float(left.gap.min()), 0.0) / gap_scale,
-        complementarity=max(float(shared.max()), 0.0),
-        duality_gap=_relative(abs(left.surplus), energy_scale),
-        resolution=max(
-            resolution,
-            _relative(left.imbalance_error, moment_scale),
-            _relative(left.surplus_error, energy_scale) if total > 0.0 else 0.0,
-        ),
-        cancellation=cancellation,
+        _relative(abs(left.imbalance), moment_scale),
+        _relative(max(-sizes.least_force, 0.0), sizes.largest_force),
+        max(-float(left.gap.min()), 0.0) / gap_scale,
+        max(float(shared.max()), 0.0),
+        _relative(abs(left.surplus), energy_scale),
+        resolution,
+        cancellation,
     )
 
 
-def _gap_scale(
-    problem: ContactProblem, magnitude: Array, total: float, deflection: Array
-) -> tuple[float, float]:
+def _gap_scale(problem: ContactProblem, sizes: Sizes) -> tuple[float, float]:
     """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves.
 
     And that cancellation: its mean if no terms cancelled, which is a bound, over this mean.
     """
-    if total > 0.0:
-        mean = float(magnitude @ np.abs(deflection)) / total
-        root = np.sqrt(problem.compliance_diagonal)
-        without_cancellation = float(magnitude @ root) * float(magnitude @ root) / total  # bounds F'|C|F / sum F
+    if sizes.total > 0.0:
+        mean = sizes.strain / sizes.total
+        without_cancellation = sizes.roots * sizes.roots / sizes.total  # bounds F'|C|F / sum F
         scale = max(mean, CANCELLATION_FLOOR * without_cancellation)
         if scale > 0.0:
             return scale, without_cancellation / mean if mean > 0.0 else math.inf
