@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
+    from .problem.proof.conditioning import Conditioning
     from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
@@ -35,6 +36,7 @@ __all__ = [
     "SOLVERS",
     "STEEL",
     "Certificate",
+    "Conditioning",
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
@@ -88,6 +90,7 @@ _ORIGINS = {
     ".problem.contact_problem": ["ContactProblem"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
+    ".problem.proof.conditioning": ["Conditioning"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
     ".tooth_root_stress": ["root_stress"],

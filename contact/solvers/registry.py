@@ -17,6 +17,7 @@ from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
+from ..problem.proof.unboundedness import is_unbounded
 from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
@@ -181,6 +182,8 @@ def _solved(
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
     keywords, own = {**SOLVERS[name].settings, **settings}, tuple(settings)
     solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=polish, own=own)
+    if solution.status is Status.INFEASIBLE or (solution.status is Status.UNBOUNDED and not is_unbounded(problem)):
+        solution = replace(solution, status=Status.NOT_CERTIFIED)  # its claim stays: some segment carries any torque
     if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")
@@ -201,7 +204,7 @@ def _solve_native(
     if best is None:
         message = "no method had an answer"
         best = no_solution(problem.size, Status.NOT_CONVERGED, "native", message=message, tolerance=EXACT_TOLERANCE)
-    if not best.certified and _is_unbounded(scaled):
+    if not best.certified and is_unbounded(problem):
         message = "segments without compliance penetrate at every rotation: no force can part them"
         return no_solution(problem.size, Status.UNBOUNDED, "native", certificate=best.certificate, message=message)
     return best
@@ -218,17 +221,6 @@ def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) ->
         method=method,
         message=answer.message,
     )
-
-
-def _is_unbounded(problem: ScaledProblem) -> bool:
-    """Whether some combination of forces meets no compliance, has no moment, and closes penetration for ever."""
-    if problem.separation.min() >= 0.0:
-        return False  # then the energy of every admissible load is bounded below by zero
-    from scipy.optimize import linprog
-
-    rows = np.vstack([problem.compliance, problem.lever_arm[np.newaxis, :]])
-    result = linprog(problem.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
-    return result.status == 0 and float(result.fun or 0.0) < -1e-6 * float(np.abs(problem.separation).max())
 
 
 def _is_definite(matrix: NDArray[np.float64]) -> bool:

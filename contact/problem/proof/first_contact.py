@@ -64,11 +64,12 @@ def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
 
     Examples
     --------
-    At 10^7 rad the plain difference would leave a separation of 0.01300 mm in steps of 6e-8 mm:
+    Ten million thirds of a radian, and 2^-20 mm more on the second segment:
 
-    >>> arm = np.array([40.0, 41.7])
-    >>> first_contact(np.array([0.0, 0.013]) + 1e7 * arm, arm).separation
-    array([0.        , 0.01300001])
+    >>> separation = np.array([1e7, 2e7 + 2.0**-20])
+    >>> found = first_contact(separation, np.array([3.0, 6.0]))
+    >>> (found.separation * 2.0**20).tolist(), found.rotation
+    ([0.0, 1.0], 3333333.3333333335)
     """
     signs = not lever_arm.min() > 0.0
     if not signs:
