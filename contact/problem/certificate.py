@@ -28,8 +28,8 @@ EXACT_TOLERANCE = 1e-9
 
 #: Largest rounding with which violations are accepted as they are; else they are evaluated with more care.
 RESOLUTION_LIMIT = 1e-10
-#: Cancellation in C F or r'F beyond this factor leaves fewer than the digits that EXACT_TOLERANCE asks for: violations
-#: then count relative to this part of the terms, not to what is left of them.
+#: Cancellation in r'F, C F or C F + S - r theta beyond this factor leaves fewer than the digits that EXACT_TOLERANCE
+#: asks for: violations then count relative to this part of the terms, not to the torque or the deflection.
 CANCELLATION_FLOOR = 1e-5
 
 
@@ -52,8 +52,8 @@ class Certificate:
     resolution
         Bound of the rounding in these five, relative to the same scales.
     cancellation
-        Sum of the sizes of the terms of C F, or of r'F, over the size of the sum, whichever is more; an upper bound.
-        Beyond 10^5 the scales of the deflection and of the torque are 10^-5 of the terms.
+        Size of the terms of r'F over the torque, or of the terms of loaded gaps over the deflection, whichever is
+        more; an upper bound. Beyond 10^5 the scales of torque and deflection are 10^-5 of the terms.
 
     Examples
     --------
@@ -85,7 +85,7 @@ class Certificate:
 
     @property
     def digits(self) -> float:
-        """Decimal digits that double precision has of C F and r'F after cancellation, at least; 15.95 without any."""
+        """Decimal digits of torque and deflection that cancellation leaves in double precision, at least; at most 15.95."""
         return max(0.0, -math.log10(UNIT_ROUNDOFF * max(self.cancellation, 1.0)))
 
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
@@ -188,27 +188,29 @@ def violations(
     with np.errstate(over="ignore", invalid="ignore"):
         sizes = Sizes.of(problem, force, deflection)
         rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes)
-        found = _relative_to_scales(problem, force, sizes, rounded)
+        found = _relative_to_scales(problem, force, elastic_rotation, sizes, rounded)
         if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf:
             return found
         sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes, sharp=True)
-        found = _relative_to_scales(problem, force, sizes, sharp)
+        found = _relative_to_scales(problem, force, elastic_rotation, sizes, sharp)
         if found.resolution <= RESOLUTION_LIMIT:
             return found
         try:
             exact = exact_residuals(problem, force, elastic_rotation)
         except (OverflowError, ValueError):
             return found
-        return _relative_to_scales(problem, force, sizes, exact)
+        return _relative_to_scales(problem, force, elastic_rotation, sizes, exact)
 
 
 def _finite(numbers: Array) -> bool:
     return math.isfinite(float(numbers.sum())) or bool(np.isfinite(numbers).all())
 
 
-def _relative_to_scales(problem: ContactProblem, force: Array, sizes: Sizes, left: Residuals) -> Certificate:
+def _relative_to_scales(
+    problem: ContactProblem, force: Array, elastic_rotation: float, sizes: Sizes, left: Residuals
+) -> Certificate:
     moment_scale = max(problem.torque, CANCELLATION_FLOOR * sizes.moment)
-    gap_scale, cancellation = _gap_scale(problem, sizes)
+    gap_scale, cancellation = _gap_scale(problem, sizes, abs(elastic_rotation))
     energy_scale = sizes.total * gap_scale + sizes.preload
     if problem.torque > 0.0:
         cancellation = max(cancellation, sizes.moment / problem.torque)
@@ -228,17 +230,17 @@ def _relative_to_scales(problem: ContactProblem, force: Array, sizes: Sizes, lef
     )
 
 
-def _gap_scale(problem: ContactProblem, sizes: Sizes) -> tuple[float, float]:
+def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[float, float]:
     """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves.
 
-    And that cancellation: its mean if no terms cancelled, which is a bound, over this mean.
+    And that cancellation: the mean of the terms of their gaps, which is a bound, over the mean deflection.
     """
     if sizes.total > 0.0:
         mean = sizes.strain / sizes.total
-        without_cancellation = sizes.roots * sizes.roots / sizes.total  # bounds F'|C|F / sum F
-        scale = max(mean, CANCELLATION_FLOOR * without_cancellation)
-        if scale > 0.0:
-            return scale, without_cancellation / mean if mean > 0.0 else math.inf
+        cancelled = sizes.roots * sizes.roots / sizes.total  # bounds F'|C|F / sum F
+        if max(mean, cancelled) > 0.0:
+            terms = max(cancelled, sizes.preload / sizes.total, turned * sizes.moment / sizes.total)
+            return max(mean, CANCELLATION_FLOOR * terms), max(terms / mean, 1.0) if mean > 0.0 else math.inf
     largest = float(np.abs(problem.separation_at_first_contact).max())  # no load or no compliance
     return (largest if largest > 0.0 else 1.0), 1.0
 

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from ..compliance_matrix import ModalCompliance
 from ..contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF
-from .residuals import UNDERFLOW, exact_residuals
+from .residuals import exact_gap_error, exact_residuals
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -155,9 +155,8 @@ class _Split:
     @classmethod
     def of(cls, problem: ContactProblem, given: Array, elastic_rotation: float) -> _Split | None:
         """Split an answer; None where no part of its forces balances the torque."""
-        contact, arm = problem.first_contact, np.abs(problem.lever_arm)
         gap = exact_residuals(problem, given, elastic_rotation).gap
-        unknown = 2.0 * UNIT_ROUNDOFF * np.abs(gap) + arm * (contact.error * abs(contact.rotation)) + UNDERFLOW
+        unknown = exact_gap_error(problem, gap)
         root = np.sqrt(problem.compliance_diagonal)
         # A small force beside a larger gap counts as a force in error, else the gap does.
         loaded = (given > 0.0) & ~(gap > root**2 * given)

@@ -35,6 +35,8 @@ class FirstContact:
 
     Attributes
     ----------
+    segment
+        The number f.
     rotation
         S_f / r_f of the segment that touches first, rounded [rad].
     remainder
@@ -47,6 +49,7 @@ class FirstContact:
         Whether some lever arm is not positive; else no separation is negative.
     """
 
+    segment: int
     rotation: float
     remainder: float
     separation: Array
@@ -85,7 +88,8 @@ def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
     rotation = own / arm
     product, low = two_product(rotation, arm)
     remainder = ((own - product) - low) / arm
-    return FirstContact(rotation, remainder if math.isfinite(remainder) else 0.0, read_only(shifted), error, signs)
+    remainder = remainder if math.isfinite(remainder) else 0.0
+    return FirstContact(first, rotation, remainder, read_only(shifted), error, signs)
 
 
 def _corrected(separation: Array, lever_arm: Array, shifted: Array) -> tuple[int, Array, float]:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ..compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
 from ..contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
+from .first_contact import ERROR_FREE
 
 Array = NDArray[np.float64]
 
@@ -172,20 +173,37 @@ def exact_residuals(problem: ContactProblem, force: Array, elastic_rotation: flo
     OverflowError, ValueError
         Numbers near 10^300.
     """
-    contact, arm = problem.first_contact, problem.lever_arm
-    angles = (contact.rotation, contact.remainder, elastic_rotation)
-    turned = [dot_terms(arm, np.full(arm.size, -angle)).reshape(2, -1) for angle in angles]
-    rigid = np.concatenate([problem.separation[np.newaxis], *turned]).T.tolist()  # S - r theta as terms (n, 7)
+    arm, turned = problem.lever_arm, dot_terms(problem.lever_arm, np.full(force.size, -elastic_rotation))
+    rigid = np.vstack([*_exact_separation(problem), turned.reshape(2, -1)]).T.tolist()  # S - r theta as terms (n, 4)
     rows = zip(_deflection_terms(problem, force), rigid, strict=True)
     gap = np.array([math.fsum([*row, *own]) for row, own in rows])
     imbalance = math.fsum([*dot_terms(force, arm), -problem.torque])
-    bound = np.abs(arm) * (contact.error * abs(contact.rotation)) + UNIT_ROUNDOFF * np.abs(gap) + UNDERFLOW
+    bound = exact_gap_error(problem, gap)
     bound = np.where((force != 0.0) | (gap <= bound), bound, 0.0)
     # F'C F + S'F - theta T = F'Y + theta (r'F - T), the gaps being rounded already.
     of_gaps, of_balance = math.fsum(dot_terms(force, gap)), elastic_rotation * imbalance
     rounding = float(np.abs(force) @ bound) + 4.0 * UNIT_ROUNDOFF * (abs(of_gaps) + abs(of_balance))
     largest = float(bound.max())
     return Residuals(gap, largest, imbalance, UNIT_ROUNDOFF * abs(imbalance), of_gaps + of_balance, rounding)
+
+
+def exact_gap_error(problem: ContactProblem, gap: Array) -> Array:
+    """Return the bound of the error (n) of the gaps of `exact_residuals`."""
+    return UNIT_ROUNDOFF * np.abs(gap) + ERROR_FREE * np.abs(problem.separation_at_first_contact) + UNDERFLOW
+
+
+def _exact_separation(problem: ContactProblem) -> tuple[Array, Array]:
+    """S - r S_f / r_f to twice the digits of a double: rounded, and what this lacks (n), see ``first_contact``."""
+    first = problem.first_contact.segment
+    own, lever = float(problem.separation[first]), float(problem.lever_arm[first])
+    scale = math.ldexp(1.0, -math.frexp(lever)[1])
+    size, lever = problem.size, lever * scale
+    products = np.concatenate([
+        dot_terms(problem.separation, np.full(size, lever)), dot_terms(problem.lever_arm * scale, np.full(size, -own)),
+    ]).reshape(4, -1).T  # fmt: skip
+    rounded = np.array([math.fsum(row) for row in products]) / lever
+    left = np.column_stack([products, dot_terms(rounded, np.full(size, -lever)).reshape(2, -1).T])
+    return rounded, np.array([math.fsum(row) for row in left]) / lever
 
 
 def _deflection_terms(problem: ContactProblem, force: Array) -> Iterator[list[float]]:

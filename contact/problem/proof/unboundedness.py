@@ -50,30 +50,44 @@ def is_unbounded(problem: ContactProblem) -> bool:
     if found.status != 0 or not float(found.fun or 0.0) < least:
         return False
     support = np.flatnonzero(found.x > SUPPORT_TOLERANCE * found.x.max())
-    return support.size <= SUPPORT_LIMIT and _is_proved(problem, support)
+    return support.size <= SUPPORT_LIMIT and _is_proved(problem, support.tolist(), found.x)
 
 
-def _is_proved(problem: ContactProblem, support: NDArray[np.intp]) -> bool:
-    """Whether exactly one direction on some segments has neither moment nor deflection, and gains energy."""
+def _is_proved(problem: ContactProblem, support: list[int], near: Array) -> bool:
+    """Whether a direction on some segments, near a given one, has neither moment nor deflection, and gains energy.
+
+    Where there are several directions, segments leave until there is one.
+    """
     matrix = problem.compliance_matrix
-    if isinstance(matrix, ModalCompliance):
-        if matrix.local[support].any():
+    while support:
+        if isinstance(matrix, ModalCompliance):
+            support = [number for number in support if matrix.local[number] == 0.0]
+            rows = matrix.factor[support].T
+        else:
+            rows = matrix.dense[np.ix_(support, support)]
+        given = np.vstack([rows, problem.lever_arm[support]])
+        direction = _null_vector([[Fraction(value) for value in row] for row in given.tolist()], len(support))
+        if direction is None:
             return False
-        rows = matrix.factor[support].T
-    else:
-        rows = matrix.dense[np.ix_(support, support)]
-    exact = [[Fraction(value) for value in row] for row in np.vstack([rows, problem.lever_arm[support]]).tolist()]
-    direction = _null_vector(exact, support.size)
-    if direction is None:
-        return False
-    if min(direction) < 0:
-        direction = [-part for part in direction]
-    gain = sum(part * Fraction(own) for part, own in zip(direction, problem.separation[support].tolist(), strict=True))
-    return min(direction) >= 0 and gain < 0
+        separation = problem.separation[support].tolist()
+        gain = sum(part * Fraction(own) for part, own in zip(direction, separation, strict=True))
+        if gain > 0 or (gain == 0 and min(direction) >= 0):
+            gain, direction = -gain, [-part for part in direction]
+        if min(direction) >= 0:
+            return gain < 0
+        steps = {
+            number: near[number] / -float(part) for number, part in zip(support, direction, strict=True) if part < 0
+        }
+        near = near.copy()
+        step = min(steps.values())
+        for number, part in zip(support, direction, strict=True):
+            near[number] += step * float(part)
+        support = [number for number in support if number != min(steps, key=lambda number: steps[number])]
+    return False
 
 
 def _null_vector(rows: list[Row], size: int) -> Row | None:
-    """The vector that a rational matrix takes to zero; None unless there is one, up to its length."""
+    """A vector, not zero, that a rational matrix takes to zero; None if there is none."""
     pivots: list[int] = []
     for column in range(size):
         done = len(pivots)
@@ -89,7 +103,7 @@ def _null_vector(rows: list[Row], size: int) -> Row | None:
                 rows[i] = [value - factor * own for value, own in zip(row, rows[done], strict=True)]
         pivots.append(column)
     free = [column for column in range(size) if column not in pivots]
-    if len(free) != 1:
+    if not free:
         return None
     vector = [Fraction(0)] * size
     vector[free[0]] = Fraction(1)

@@ -715,10 +715,10 @@ def _certificate(
         return
     scale, cancellation = 0.0, 1.0
     if total > 0.0:
-        uncancelled = rooted * rooted / total
-        scale = max(strain / total, CANCELLATION_FLOOR * uncancelled)
-        if scale > 0.0:
-            cancellation = uncancelled / (strain / total)
+        mean, uncancelled = strain / total, rooted * rooted / total
+        if max(mean, uncancelled) > 0.0:
+            uncancelled = max(uncancelled, preload / total, abs(elastic) * size_of_moment / total)
+            scale, cancellation = max(mean, CANCELLATION_FLOOR * uncancelled), max(uncancelled / mean, 1.0)
     if not scale > 0.0:
         scale = far if far > 0.0 else 1.0
     penetration, shared = 0.0, 0.0
