@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .problem.modal_basis import ModalBasis
     from .problem.operator_compliance import OperatorCompliance
+    from .problem.proof.conditioning import Conditioning
     from .solvers import (
         SOLVERS,
         ContactSolution,
@@ -46,6 +47,7 @@ __all__ = [
     "SOLVERS",
     "STEEL",
     "Certificate",
+    "Conditioning",
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
@@ -104,6 +106,7 @@ _ORIGINS = {
     ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
+    ".problem.proof.conditioning": ["Conditioning"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
     ".tooth_root_stress": ["root_stress"],

@@ -17,6 +17,7 @@ from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
 from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
 from ..problem.contact_problem import ContactProblem
+from ..problem.proof.unboundedness import is_unbounded
 from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
@@ -233,6 +234,10 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)
     declared = declared_solver(solver)
     solution = _solve_backend(request, name, declared)
+    if solution.status is Status.INFEASIBLE or (
+        solution.status is Status.UNBOUNDED and scaled.has_matrix and not is_unbounded(problem)
+    ):
+        solution = replace(solution, status=Status.NOT_CERTIFIED)  # its claim stays: some segment carries any torque
     definite = SOLVERS[name].definite if declared is None else declared.definite
     if definite and scaled.has_matrix and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
@@ -279,7 +284,7 @@ def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
         limit = f"time limit of {limits.time_limit:g} s" if met is Status.TIME_LIMIT else "step limit"
         limit += f" of {limits.max_iterations}" if met is Status.NOT_CONVERGED else ""
         return _no_native_solution(problem, met, f"ended at the {limit}", best)
-    if _is_unbounded(scaled):
+    if is_unbounded(problem):
         reason = "segments without compliance penetrate at every rotation, no force can part them"
         return _no_native_solution(problem, Status.UNBOUNDED, reason, best)
     if best is None:
@@ -320,17 +325,6 @@ def _active(problem: ContactProblem, active: ArrayLike | None, force: ArrayLike 
 
 def _start_force(force: ArrayLike, size: int) -> NDArray[np.float64]:
     return array("initial_force", force, "N", ndim=1, size=size)
-
-
-def _is_unbounded(problem: ScaledProblem) -> bool:
-    """Whether some combination of forces meets no compliance, has no moment, and closes penetration for ever."""
-    if problem.separation.min() >= 0.0:
-        return False  # then the energy of every admissible load is bounded below by zero
-    from scipy.optimize import linprog
-
-    rows = np.vstack([problem.compliance, problem.lever_arm[np.newaxis, :]])
-    result = linprog(problem.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
-    return result.status == 0 and float(result.fun or 0.0) < -1e-6 * float(np.abs(problem.separation).max())
 
 
 def _is_definite(matrix: NDArray[np.float64]) -> bool:

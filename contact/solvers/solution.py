@@ -13,6 +13,7 @@ from ...core.stored_status import StoredStatus
 from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
 from ..problem.contact_problem import ContactProblem
+from ..problem.proof.conditioning import Conditioning, conditioning, unknown_conditioning
 
 Array = NDArray[np.float64]
 
@@ -170,6 +171,14 @@ class ContactSolution:
     def certificate(self) -> Certificate:
         """Certificate of the answer, also of one that was refused."""
         return self.answer.certificate
+
+    @cached_property
+    def conditioning(self) -> Conditioning:
+        """Whether the forces are the only ones, and bounds of the errors; computed when it is first asked for."""
+        answer = self.answer
+        if answer.problem is None:
+            return unknown_conditioning(answer.force.size)
+        return conditioning(answer.problem, answer.force, answer.elastic_rotation)
 
     @property
     def active(self) -> NDArray[np.bool_]:
