@@ -20,8 +20,14 @@ if TYPE_CHECKING:
     from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
     from .problem.compliance_matrix import ModalCompliance
     from .problem.contact_problem import ContactProblem
+    from .problem.exchange.fclib_file import read_fclib, write_fclib
+    from .problem.exchange.matlab_file import read_mat, write_mat
     from .problem.exchange.problem_file import read_labels, read_problems, write_problems
+    from .problem.exchange.problem_formats import export_problems, import_problems
+    from .problem.exchange.problem_set import ProblemSet
     from .problem.exchange.programme_file import read_npz, write_npz
+    from .problem.exchange.qps_file import read_qps, write_qps
+    from .problem.exchange.reference_solutions import read_references
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
@@ -46,6 +52,7 @@ __all__ = [
     "MeshCycle",
     "MeshLines",
     "ModalCompliance",
+    "ProblemSet",
     "Shell",
     "Status",
     "ToothDimensions",
@@ -53,16 +60,22 @@ __all__ = [
     "available_solvers",
     "certify",
     "dual_qp",
+    "export_problems",
     "harmonics",
+    "import_problems",
     "lcp",
     "lifted_qp",
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
     "peak_to_peak",
+    "read_fclib",
     "read_labels",
+    "read_mat",
     "read_npz",
     "read_problems",
+    "read_qps",
+    "read_references",
     "rms",
     "root_stress",
     "solid_shells",
@@ -70,8 +83,11 @@ __all__ = [
     "solve_line_contact",
     "solve_many",
     "unloaded_contact",
+    "write_fclib",
+    "write_mat",
     "write_npz",
     "write_problems",
+    "write_qps",
 ]
 
 _ORIGINS = {
@@ -89,7 +105,13 @@ _ORIGINS = {
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
+    ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
+    ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
+    ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
+    ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
+    ".problem.exchange.qps_file": ["read_qps", "write_qps"],
+    ".problem.exchange.reference_solutions": ["read_references"],
     ".tooth_root_stress": ["root_stress"],
     ".solvers": [
         "SOLVERS",
