@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .problem.contact_problem import ContactProblem
     from .problem.exchange.fclib_file import read_fclib, write_fclib
     from .problem.exchange.matlab_file import read_mat, write_mat
+    from .problem.exchange.problem_checksum import problem_checksum
     from .problem.exchange.problem_file import read_labels, read_problems, write_problems
     from .problem.exchange.problem_formats import export_problems, import_problems
     from .problem.exchange.problem_set import ProblemSet
@@ -69,6 +70,7 @@ __all__ = [
     "loaded_contact",
     "loaded_splines",
     "peak_to_peak",
+    "problem_checksum",
     "read_fclib",
     "read_labels",
     "read_mat",
@@ -107,6 +109,7 @@ _ORIGINS = {
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
     ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
+    ".problem.exchange.problem_checksum": ["problem_checksum"],
     ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
     ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],

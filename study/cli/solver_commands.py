@@ -78,16 +78,23 @@ def problems(
 
 @click.command(cls=Command)
 @folder_option("library")
-@click.option("--parts", metavar="A,B,...", show_default="all", help="Parts to make, of small, medium and large.")
+@click.option(
+    "--parts",
+    metavar="A,B,...",
+    show_default="small,medium,large",
+    help="Parts to make, of small, medium, large, sequences, pairs, huge and giant; or all.",
+)
 def library(output: Path, parts: str | None) -> None:
     """Make the library of contact problems, a file a part.
 
     Every problem is solved, and its solution compared with the reference answer.
     """
-    from ..library import entries, write_library
+    from ..library import PARTS, USUAL_PARTS, entries, write_library
 
-    chosen = None if parts is None else [part.strip() for part in parts.split(",")]
-    total = sum(chosen is None or entry.part in chosen for entry in entries())
+    chosen = list(USUAL_PARTS) if parts is None else [part.strip() for part in parts.split(",")]
+    if chosen == ["all"]:
+        chosen = list(PARTS)
+    total = sum(entry.part in chosen for entry in entries())
     bar: Any
     with terminal_bar(total=total, desc="library", unit="problem") as bar:
         written = write_library(output, chosen, progress=bar.update)
