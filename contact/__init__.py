@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
+    from .problem.modal_basis import ModalBasis
+    from .problem.operator_compliance import OperatorCompliance
     from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
@@ -52,7 +54,9 @@ __all__ = [
     "Material",
     "MeshCycle",
     "MeshLines",
+    "ModalBasis",
     "ModalCompliance",
+    "OperatorCompliance",
     "ProblemSet",
     "Shell",
     "Status",
@@ -104,6 +108,8 @@ _ORIGINS = {
     ".problem.forms.complementarity_form": ["LCP", "lcp"],
     ".problem.compliance_matrix": ["ModalCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
+    ".problem.modal_basis": ["ModalBasis"],
+    ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],

@@ -135,7 +135,7 @@ def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Fou
         method="modal",
         message=f"modal, {found.iterations} steps",
     )
-    return solution, bending.with_secant(found.secant)
+    return solution, found.answer.problem or bending.with_secant(found.secant)
 
 
 def newton_answers(

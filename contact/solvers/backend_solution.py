@@ -13,10 +13,10 @@ from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
-from .active_set.polish import polished_answer
+from .active_set.polish import Polish, PolishRule, polished_answer
 from .backend import NoAnswerError, chosen_form
 from .scaled_answer import ScaledAnswer
-from .solution import RAISED, SOLVED, ContactSolution, Status, judged, no_solution
+from .solution import RAISED, SOLVED, CallTimes, ContactSolution, Status, judged, no_solution
 from .solver_table import SOLVERS
 
 #: Function that calls a backend: takes the scaled problem and the settings of the backend.
@@ -36,7 +36,7 @@ def backend_solution(
     settings: Mapping[str, Any],
     *,
     form: str = "auto",
-    polish: bool = True,
+    polish: PolishRule | None = PolishRule(),
     raw: bool = False,
     own: tuple[str, ...] = (),
 ) -> ContactSolution:
@@ -55,7 +55,7 @@ def backend_solution(
     form
         As in `chosen_form`.
     polish
-        Make the answer exact on the active set that it shows.
+        What may be done to make the answer exact on the active set that it shows; None to leave it as it is.
     raw
         Give the backend the problem in mm and N as it is, and leave its answer as it is.
     own
@@ -76,22 +76,28 @@ def backend_solution(
         scaled = problem.scaled()
         method = chosen_form(solver, scaled, form) if solver in SOLVERS else "dense"
     try:
+        begin = perf_counter()
         given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
+        answered = perf_counter()
+        times = given.times or CallTimes(call=answered - begin)
         if raw:
-            answer, exact = of_whole_rotation(problem, given.force, float(given.rotation)), False
+            found = Polish(of_whole_rotation(problem, given.force, float(given.rotation)), False, 0)
         else:
-            answer, exact = polished_answer(problem, scaled, given, polish=polish)
+            found = polished_answer(problem, scaled, given, polish)
+            if polish is not None:
+                times = replace(times, polish=perf_counter() - answered)
         solution = judged(
             solver,
-            answer,
-            tolerance=EXACT_TOLERANCE if exact else tolerance,
+            found.answer,
+            tolerance=EXACT_TOLERANCE if found.polished else tolerance,
             suspicion=given.suspicion,
             claim=SOLVED if given.suspicion is None else given.suspicion.name.lower(),
             iterations=int(given.iterations),
             method=method,
-            polished=exact,
+            polished=found.polished,
             message=given.message,
         )
+        solution = replace(solution, exchanges=found.exchanges, times=times)
     except InputError:
         raise
     except NoAnswerError as error:

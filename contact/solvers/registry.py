@@ -19,6 +19,7 @@ from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from . import native
+from .active_set.polish import PolishRule
 from .backend import FORMS, chosen_form
 from .backend_solution import adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
@@ -85,8 +86,9 @@ def solve(
     solver
         One of `available_solvers`, or ``"auto"``.
     polish
-        Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
-        `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
+        Make the answer of a backend exact by a solve on the active set it found, with up to `MAX_EXCHANGES` exchanges
+        of segments; its certificate must then reach `EXACT_TOLERANCE`. The result says whether this was done, and with
+        how many exchanges. The native solver needs none.
     initial_active
         Segments assumed in contact, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
         native solver, ignored by the others.
@@ -139,7 +141,10 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         Time at which the call began [s].
     """
     found = linear_answer(problem, None if initial is None else as_mask(initial, problem.size))
-    if found is None or not found.answer.certificate.worst <= ROUNDING_LEVEL:
+    if found is None:
+        return None
+    certificate = found.answer.certificate
+    if not (certificate.worst <= ROUNDING_LEVEL and certificate.passes()):
         return None
     return ContactSolution(
         found.answer,
@@ -166,7 +171,8 @@ def _solved(
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
         touching = with_certificate(problem, np.zeros(problem.size), 0.0)
-        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact")
+        message = "no torque: the bodies touch where they meet first"
+        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message=message)
     scaled = problem.scaled()
     if not scaled.is_finite:
         return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
@@ -177,7 +183,8 @@ def _solved(
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
     keywords, own = {**SOLVERS[name].settings, **settings}, tuple(settings)
-    solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=polish, own=own)
+    rule = PolishRule() if polish else None
+    solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=rule, own=own)
     if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...core.stored_status import StoredStatus
 from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
+from ..problem.contact_problem import ContactProblem
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,34 @@ class Status(StoredStatus):
     SOLVER_FAILED = 6
     TIME_LIMIT = 7
     NOT_CONVERGED = 8
+
+
+@dataclass(frozen=True)
+class CallTimes:
+    """Times of the parts of a call of a backend [s]; NaN where unknown.
+
+    Attributes
+    ----------
+    call
+        Wall time of the backend, from its data in its form to its answer.
+    setup, solve
+        Set-up and solve, in the backend's own measurement, or else measured around them.
+    measured_by
+        Who measured these two: ``solver``, ``interface``, or nobody: an empty text.
+    polish
+        Wall time of the polish and the certificates it takes.
+
+    Examples
+    --------
+    >>> CallTimes(call=2e-3).call
+    0.002
+    """
+
+    call: float = math.nan
+    setup: float = math.nan
+    solve: float = math.nan
+    measured_by: str = ""
+    polish: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +94,19 @@ class ContactSolution:
     tolerance
         Largest violation that the certificate may have.
     message
-        Course of the solve in a few words.
+        The method and what happened, in a few words.
+    exchanges
+        Exchanges of segments that the polish made: zero if the active set of the solver was right.
+    times
+        Times of the parts of a call of a backend.
 
     Examples
     --------
     >>> import numpy as np
     >>> from easeoff.contact import ContactProblem, solve
     >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
-    >>> solution.certified, solution.claim, solution.force.tolist()
-    (True, 'solved', [1000.0, 1000.0])
+    >>> solution.certified, solution.claim, solution.force.tolist(), solution.energy
+    (True, 'solved', [1000.0, 1000.0], 1.0)
     """
 
     answer: Answer
@@ -86,6 +119,8 @@ class ContactSolution:
     polished: bool = False
     tolerance: float = 0.0
     message: str = ""
+    exchanges: int = 0
+    times: CallTimes = CallTimes()
 
     @property
     def certified(self) -> bool:
@@ -115,6 +150,18 @@ class ContactSolution:
     def elastic_rotation(self) -> float:
         """Rotation beyond the first contact of the rigid bodies [rad], free of the cancellation in the difference."""
         return self._proved.elastic_rotation
+
+    @property
+    def problem(self) -> ContactProblem | None:
+        """The problem solved, of load-dependent line contact with the secant compliance; None without an answer."""
+        return self.answer.problem
+
+    @cached_property
+    def energy(self) -> float:
+        """Deformation energy 1/2 F'C F of the forces [N mm]; NaN unless certified."""
+        if self.problem is None or not self.certified:
+            return math.nan
+        return 0.5 * float(self.force @ self.problem.deflection(self.force))
 
     @property
     def certificate(self) -> Certificate:

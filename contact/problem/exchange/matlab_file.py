@@ -142,7 +142,7 @@ def _fields(problems: ProblemSet, i: int) -> dict[str, Any]:
         fields["compliance_diagonal"] = problem.compliance[0][:, np.newaxis]
         fields["compliance_factor"] = problem.compliance[1]
     else:
-        fields["compliance"] = problem.compliance
+        fields["compliance"] = problem.dense_compliance
     if answer is not None:
         fields["reference_force"], fields["reference_gap"] = answer.force[:, np.newaxis], answer.gap[:, np.newaxis]
         fields["reference_rotation"] = answer.rotation

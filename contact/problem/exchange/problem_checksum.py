@@ -22,7 +22,7 @@ def problem_checksum(problem: ContactProblem) -> str:
     >>> problem_checksum(springs)[:8]
     'cf7e0c8f'
     """
-    parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
+    parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.dense_compliance,)
     digest = hashlib.sha256()
     for array in (problem.torque, problem.separation, problem.lever_arm, *parts):
         digest.update((np.ascontiguousarray(array, dtype="<f8") + 0.0).tobytes())

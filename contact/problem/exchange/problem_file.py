@@ -199,7 +199,7 @@ def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
             data["compliance_diagonal"][1][i, :n] = problem.compliance[0]
             data["compliance_factor"][1][i, :n, : modes[i]] = problem.compliance[1]
         else:
-            data["compliance"][1][i, :n, :n] = problem.compliance
+            data["compliance"][1][i, :n, :n] = problem.dense_compliance
     dataset = xr.Dataset(
         {name: (dims, values, ATTRIBUTES[name]) for name, (dims, values) in data.items()},
         attrs={"format": FORMAT, "format_version": FORMAT_VERSION, "Conventions": "CF-1.11"},

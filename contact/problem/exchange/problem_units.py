@@ -80,7 +80,8 @@ class ProblemUnits:
 
 def problem_data(problem: ContactProblem) -> tuple[Array, Array, float, Any]:
     """Return separation, lever arm, torque and compliance as it was given."""
-    return problem.separation, problem.lever_arm, problem.torque, problem.compliance
+    compliance = problem.compliance if isinstance(problem.compliance, tuple) else problem.dense_compliance
+    return problem.separation, problem.lever_arm, problem.torque, compliance
 
 
 def _scaled(compliance: Any, factor: float) -> Any:

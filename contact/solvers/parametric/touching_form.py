@@ -1,0 +1,40 @@
+"""Choice of the form in which the system of the touching segments is solved."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...problem.compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
+from ..modal_newton import LARGEST_PADDING, SMALLEST_LOCAL_FRACTION
+from .dense_touching import DenseTouching
+from .modal_touching import ModalTouching
+from .touching_system import TouchingSystem
+
+Array = NDArray[np.float64]
+
+
+def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> TouchingSystem:
+    """Return the system of a set of touching segments: in the modes where the compliance has them, else dense.
+
+    Parameters
+    ----------
+    matrix
+        C [mm/N].
+    lever_arm
+        r (n) [mm].
+    active
+        Touching segments (n), some with a lever arm. Those whose forces would not be unique are left out.
+    """
+    if isinstance(matrix, ModalCompliance) and matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
+        basis = matrix.modes.basis
+        if basis.modes.size <= LARGEST_PADDING * matrix.factor.size + matrix.local.size:
+            return ModalTouching(matrix.local, basis, lever_arm, active)
+    return DenseTouching(matrix.dense, lever_arm, active)
+
+
+def part_of(matrix: ComplianceMatrix, segments: NDArray[np.intp]) -> Array | tuple[Array, Array]:
+    """Return the compliance among some segments [mm/N], in the form of the whole."""
+    if isinstance(matrix, DenseCompliance):
+        return np.asarray(matrix.dense[np.ix_(segments, segments)])
+    return matrix.local[segments], matrix.factor[segments]

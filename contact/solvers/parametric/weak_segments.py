@@ -1,0 +1,109 @@
+"""Segments that touch without a force: which of them carry load when the data change in a given direction.
+
+Where F = Y = 0 the solution has a kink. Its change in a direction solves a contact problem of its own: the loaded
+segments keep contact, with forces of any sign of change, the open ones stay open, and for the weak ones
+
+    dY >= 0,    dF >= 0,    dF'dY = 0.
+
+With the loaded segments eliminated that is a linear complementarity problem in the weak ones alone, mostly one or two.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...problem.compliance_matrix import ComplianceMatrix
+from ...problem.contact_problem import ContactProblem
+from ..adapters.lemke import lemke
+from ..registry import solve
+from .touching_form import part_of, touching_system
+from .touching_system import TouchingSystem
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: A change of force of a weak segment below this, relative to the largest, is rounding.
+SMALLEST_CHANGE = 1e-12
+
+
+def loaded_and_weak(force: Array, gap: Array, force_scale: float, gap_scale: float, tolerance: float) -> tuple[Mask, Mask]:
+    """Return which segments carry load and which neither carry load nor are open, (n) each.
+
+    Parameters
+    ----------
+    force, gap
+        F [N] and Y [mm], (n).
+    force_scale, gap_scale
+        What they are compared with [N], [mm].
+    tolerance
+        Largest force and gap, relative to the scales, that count as none.
+    """
+    none = force <= tolerance * force_scale
+    shut = gap <= tolerance * gap_scale
+    return np.asarray(~none & (force * gap_scale > gap * force_scale)), np.asarray(none & shut)
+
+
+def system_in_direction(
+    matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask, weak: Mask, closing: Array, torque: float
+) -> TouchingSystem | None:
+    """Return the system of the segments that carry load when the data begin to change in a direction.
+
+    Parameters
+    ----------
+    matrix, lever_arm
+        C and r.
+    loaded, weak
+        See `loaded_and_weak`.
+    closing, torque
+        Right-hand sides g (n) and T of the direction, see `touching_system`.
+
+    Returns
+    -------
+    TouchingSystem or None
+        None where there is no such change, or it cannot be found.
+    """
+    segments = np.flatnonzero(weak)
+    if not lever_arm[loaded].any():
+        return _of_first_contact(matrix, lever_arm, segments, closing, torque)
+    system = touching_system(matrix, lever_arm, loaded)
+    return _with_weak(system, lever_arm, segments, closing, torque)
+
+
+def _with_weak(
+    system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp], closing: Array, torque: float
+) -> TouchingSystem | None:
+    """Let those of the weak segments enter that carry load."""
+    if not segments.size:
+        return system
+    columns = system.columns(segments)
+    sides = np.column_stack([closing, -columns]), np.concatenate([[torque], -lever_arm[segments]])
+    gap = system.solve(*sides).gap[segments]
+    own = np.sqrt(columns[segments, np.arange(segments.size)])
+    unit = 1.0 / np.where(own > 0.0, own, 1.0)
+    vector, yielding = gap[:, 0] * unit, 0.5 * (gap[:, 1:] + gap[:, 1:].T) * np.outer(unit, unit)
+    level = float(np.abs(vector).max())
+    if level == 0.0:
+        return system
+    result = lemke(yielding, vector / level)
+    if result.ended != "solved":
+        return None
+    for segment in segments[result.z > SMALLEST_CHANGE * max(float(result.z.max()), 1.0)]:
+        if not system.enter(int(segment)):
+            return None
+    return system
+
+
+def _of_first_contact(
+    matrix: ComplianceMatrix, lever_arm: Array, segments: NDArray[np.intp], closing: Array, torque: float
+) -> TouchingSystem | None:
+    """The system where nothing carries load yet: a contact problem of the weak segments."""
+    arm = lever_arm[segments]
+    if torque < 0.0 or not segments.size or not arm.max() > 0.0:
+        return None
+    solution = solve(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
+    if not solution.certified or not solution.active.any():
+        return None
+    active = np.zeros(lever_arm.size, dtype=np.bool_)
+    active[segments] = solution.active
+    return touching_system(matrix, lever_arm, active)
