@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
+    from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions, WeberLineContact
     from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
     from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
@@ -50,6 +50,7 @@ __all__ = [
     "DualQP",
     "ElasticFoundation",
     "ElasticModel",
+    "HalfSpaceCompliance",
     "LiftedQP",
     "Material",
     "MeshCycle",
@@ -97,7 +98,14 @@ __all__ = [
 ]
 
 _ORIGINS = {
-    ".compliance": ["ElasticFoundation", "Material", "Shell", "ToothDimensions", "WeberLineContact"],
+    ".compliance": [
+        "ElasticFoundation",
+        "HalfSpaceCompliance",
+        "Material",
+        "Shell",
+        "ToothDimensions",
+        "WeberLineContact",
+    ],
     ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
     ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],

@@ -21,6 +21,7 @@ from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
 from .active_set.primal_active_set import primal_active_set
 from .active_set.primal_dual_active_set import primal_dual_active_set
+from .active_set.projected_conjugate_gradients import projected_conjugate_gradients
 from .modal_newton import has_modal_form, modal_newton
 from .scaled_answer import ScaledAnswer
 
@@ -40,6 +41,7 @@ METHODS: dict[str, Callable[[ScaledProblem, Mask], ScaledAnswer | None]] = {
     "modal": _modal,
     "primal_dual_active_set": primal_dual_active_set,
     "primal_active_set": _primal,
+    "projected_conjugate_gradients": projected_conjugate_gradients,
 }
 #: Number of segments up to which the dense active set is faster than the modal method, whether or not the modes have to
 #: be compressed first.
@@ -72,7 +74,9 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
 
 
 def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
-    modal, dense, *others = METHODS
+    modal, dense, *others, products = METHODS
+    if not problem.has_matrix:
+        return (products,)
     if problem.modal is None:
         return (dense, *others)
     if problem.separation.size <= DENSE_FIRST_SIZE:
