@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
+    from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions, WeberLineContact
     from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
     from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
@@ -20,8 +20,15 @@ if TYPE_CHECKING:
     from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
     from .problem.compliance_matrix import ModalCompliance
     from .problem.contact_problem import ContactProblem
+    from .problem.exchange.fclib_file import read_fclib, write_fclib
+    from .problem.exchange.matlab_file import read_mat, write_mat
+    from .problem.exchange.problem_checksum import problem_checksum
     from .problem.exchange.problem_file import read_labels, read_problems, write_problems
+    from .problem.exchange.problem_formats import export_problems, import_problems
+    from .problem.exchange.problem_set import ProblemSet
     from .problem.exchange.programme_file import read_npz, write_npz
+    from .problem.exchange.qps_file import read_qps, write_qps
+    from .problem.exchange.reference_solutions import read_references
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
@@ -54,6 +61,7 @@ __all__ = [
     "DualQP",
     "ElasticFoundation",
     "ElasticModel",
+    "HalfSpaceCompliance",
     "LiftedQP",
     "Material",
     "MeshCycle",
@@ -61,6 +69,7 @@ __all__ = [
     "ModalBasis",
     "ModalCompliance",
     "OperatorCompliance",
+    "ProblemSet",
     "Shell",
     "Solver",
     "Status",
@@ -69,16 +78,23 @@ __all__ = [
     "available_solvers",
     "certify",
     "dual_qp",
+    "export_problems",
     "harmonics",
+    "import_problems",
     "lcp",
     "lifted_qp",
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
     "peak_to_peak",
+    "problem_checksum",
+    "read_fclib",
     "read_labels",
+    "read_mat",
     "read_npz",
     "read_problems",
+    "read_qps",
+    "read_references",
     "rms",
     "root_stress",
     "solid_shells",
@@ -86,12 +102,22 @@ __all__ = [
     "solve_line_contact",
     "solve_many",
     "unloaded_contact",
+    "write_fclib",
+    "write_mat",
     "write_npz",
     "write_problems",
+    "write_qps",
 ]
 
 _ORIGINS = {
-    ".compliance": ["ElasticFoundation", "Material", "Shell", "ToothDimensions", "WeberLineContact"],
+    ".compliance": [
+        "ElasticFoundation",
+        "HalfSpaceCompliance",
+        "Material",
+        "Shell",
+        "ToothDimensions",
+        "WeberLineContact",
+    ],
     ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
     ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
@@ -108,7 +134,14 @@ _ORIGINS = {
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.proof.conditioning": ["Conditioning"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
+    ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
+    ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
+    ".problem.exchange.problem_checksum": ["problem_checksum"],
+    ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
+    ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
+    ".problem.exchange.qps_file": ["read_qps", "write_qps"],
+    ".problem.exchange.reference_solutions": ["read_references"],
     ".tooth_root_stress": ["root_stress"],
     ".solvers": [
         "SOLVERS",

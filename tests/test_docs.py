@@ -22,7 +22,7 @@ from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.schema_table import Table
-from easeoff.contact import SOLVERS, read_problems, solve
+from easeoff.contact import SOLVERS, ContactProblem, read_problems, solve
 from easeoff.geometry import FREE_SETTINGS, MachineSettings, ease_off, machine_pose
 from easeoff.geometry.cutting.machine import IncrementSense
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
@@ -141,7 +141,8 @@ def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch:
 
 def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
     named = re.findall(r"`(\w+)`", " ".join(row[0] for row in rows(text("problem_library"), "## A file")))
-    assert named == list(labels([entries()[0]], reference_answers()))
+    springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.eye(2))
+    assert named == list(labels([entries()[0]], reference_answers(), [springs]))
 
 
 def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,7 @@ from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
 from .active_set.primal_active_set import primal_active_set
 from .active_set.primal_dual_active_set import primal_dual_active_set
+from .active_set.projected_conjugate_gradients import projected_conjugate_gradients
 from .modal_newton import has_modal_form, modal_newton
 from .scaled_answer import ScaledAnswer
 from .solver_limits import StepBudget
@@ -46,6 +47,7 @@ METHODS: dict[str, Callable[[ScaledProblem, Mask, StepBudget | None], ScaledAnsw
     "modal": _modal,
     "primal_dual_active_set": _primal_dual,
     "primal_active_set": _primal,
+    "projected_conjugate_gradients": projected_conjugate_gradients,
 }
 #: Methods in words, for messages.
 METHOD_WORDS = {
@@ -88,7 +90,9 @@ def answers(
 
 
 def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
-    modal, dense, *others = METHODS
+    modal, dense, *others, products = METHODS
+    if not problem.has_matrix:
+        return (products,)
     if problem.modal is None:
         return (dense, *others)
     if problem.separation.size <= DENSE_FIRST_SIZE:
