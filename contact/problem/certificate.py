@@ -86,7 +86,7 @@ class Certificate:
 
     @property
     def digits(self) -> float:
-        """Decimal digits of torque and deflection that cancellation leaves in double precision, at least; at most 15.95."""
+        """Decimal digits of torque and deflection that cancellation leaves in doubles, at least; 15.95 without any."""
         return max(0.0, -math.log10(UNIT_ROUNDOFF * max(self.cancellation, 1.0)))
 
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
