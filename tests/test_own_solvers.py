@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
+from click.testing import CliRunner
 from scipy.sparse.linalg import aslinearoperator
 
-from easeoff import InputError, analyze, read_case
+from easeoff import InputError, analyze, read_case, read_result
 from easeoff.contact import (
     ContactProblem,
     OperatorCompliance,
@@ -22,11 +24,13 @@ from easeoff.contact import (
     available_solvers,
     solve,
     solve_line_contact,
+    write_problems,
 )
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.solvers.adapters.lemke import lemke
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.study.cli import main
 from easeoff.verification import problems
 
 PROBLEM = next(iter(problems("realistic", 1)))
@@ -432,6 +436,7 @@ def test_line_contacts_are_solved_by_a_function() -> None:
 COARSE = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
 
 
+@pytest.mark.thorough
 def test_analysis_takes_a_solver_of_ones_own() -> None:
     case = read_case("nasa-12x36")
     case = case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})
@@ -443,3 +448,39 @@ def test_analysis_takes_a_solver_of_ones_own() -> None:
     assert error < 1e-6 * np.abs(reference["loaded/transmission_error"]).max()
     limited = analyze(case, torques=[100.0], max_iterations=1)
     assert (limited["loaded/status"] == Status.NOT_CONVERGED).all()
+
+
+# In comparisons and commands
+
+
+@pytest.mark.thorough
+def test_comparison_takes_texts_and_names_of_entry_points(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from easeoff.study.compare import compare
+
+    monkeypatch.chdir(installed)
+    two = [problem for problem in problems("realistic", 30, 1) if problem.size == 21][:2]
+    write_problems(two or [PROBLEM], installed / "problems.nc")
+    chosen = ["native", "mine", "declared", "a_solver_of_mine:function"]
+    table = compare(["problems.nc"], "study", solvers=chosen, repetitions=1)
+    assert set(table["solver"].values) == set(chosen)
+    assert table["certified"].values.all()
+    assert (table["rotation_error"] < 1e-9).all()
+    versions = json.loads(table.attrs["solver_versions"])
+    assert versions["mine"].startswith("solvers-of-mine 1.2, file ")
+    assert versions["a_solver_of_mine:function"].startswith("file ")
+
+
+@pytest.mark.thorough
+def test_commands_take_solvers_of_ones_own(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(installed)
+    for name in ("mine", "a_solver_of_mine:declared"):
+        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", "100", "--solver", name, "-o", "out.nc"])
+        assert said.exit_code == 0, said.output
+        result = read_result("out.nc")
+        assert result.attrs["solver"] == name
+        assert (result["loaded/status"] == 0).all()
+        Path("out.nc").unlink()
+    for name in ("no_such_solver", "no_such_module_at_all:solve"):
+        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--solver", name, "-o", "out.nc"])
+        assert said.exit_code == 2
+        assert name in said.output
