@@ -12,6 +12,8 @@ from ..core.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
     from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
+    from .line_contact.line_contact_path import LineContactPath, line_contact_path
+    from .line_contact.line_contact_sensitivity import line_contact_sensitivity
     from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .loaded import loaded_contact, loaded_splines
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
+    from .solvers.parametric.problem_gradient import ProblemGradient
+    from .solvers.parametric.sensitivity import Differentiability, Sensitivity, SolutionChange, sensitivity
+    from .solvers.parametric.torque_path import TorquePath, torque_path
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
@@ -38,17 +43,23 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
+    "Differentiability",
     "DualQP",
     "ElasticFoundation",
     "ElasticModel",
     "LiftedQP",
+    "LineContactPath",
     "Material",
     "MeshCycle",
     "MeshLines",
     "ModalCompliance",
+    "ProblemGradient",
+    "Sensitivity",
     "Shell",
+    "SolutionChange",
     "Status",
     "ToothDimensions",
+    "TorquePath",
     "WeberLineContact",
     "available_solvers",
     "certify",
@@ -56,6 +67,8 @@ __all__ = [
     "harmonics",
     "lcp",
     "lifted_qp",
+    "line_contact_path",
+    "line_contact_sensitivity",
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
@@ -65,10 +78,12 @@ __all__ = [
     "read_problems",
     "rms",
     "root_stress",
+    "sensitivity",
     "solid_shells",
     "solve",
     "solve_line_contact",
     "solve_many",
+    "torque_path",
     "unloaded_contact",
     "write_npz",
     "write_problems",
@@ -77,6 +92,8 @@ __all__ = [
 _ORIGINS = {
     ".compliance": ["ElasticFoundation", "Material", "Shell", "ToothDimensions", "WeberLineContact"],
     ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
+    ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path"],
+    ".line_contact.line_contact_sensitivity": ["line_contact_sensitivity"],
     ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
     ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
@@ -90,6 +107,9 @@ _ORIGINS = {
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
+    ".solvers.parametric.problem_gradient": ["ProblemGradient"],
+    ".solvers.parametric.sensitivity": ["Differentiability", "Sensitivity", "SolutionChange", "sensitivity"],
+    ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".tooth_root_stress": ["root_stress"],
     ".solvers": [
         "SOLVERS",

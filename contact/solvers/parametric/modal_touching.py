@@ -83,16 +83,12 @@ class ModalTouching:
         gap[self._index] = np.where(weight > 0.0, 0.0, closed)
         return TouchingAnswer(force[:-1], rotation, gap[:-1])
 
-    def solve_held(self, closing: Array) -> Array:
+    def yielding(self) -> Array:
         """See `TouchingSystem`."""
-        wide = np.zeros((self._arm.size + 1, closing.shape[1]))
-        wide[:-1] = closing
-        there, weight = wide[self._index], self._weight[..., None]
         modes = self._rows[..., :-1]
-        amplitudes = self._inverse @ (modes.swapaxes(1, 2) @ (weight * there))
-        force = np.zeros_like(wide)
-        force[self._index] = weight * (there - modes @ amplitudes)
-        return force[:-1]
+        own = np.zeros(self._arm.size + 1)
+        own[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
+        return np.where(self._active, 0.0, self._local + own[:-1])
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
         """See `TouchingSystem`."""
@@ -103,11 +99,6 @@ class ModalTouching:
             wide[self._index[block], number] = own @ own[self._place[segment]]
             wide[segment, number] += self._local[segment]
         return wide[:-1]
-
-    @property
-    def stiffness(self) -> float:
-        """Torque that turns the gear by one radian [N mm/rad]."""
-        return float(self._pivot)
 
     def _closed(self, amplitudes: Array, rotation: Array) -> Array:
         """U z - r theta in blocks (p, m, q)."""
