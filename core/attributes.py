@@ -322,7 +322,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "event_torque": ("N mm", "torque about the gear axis at which the segment enters or leaves the contact"),
     "event_segment": ("1", "segment that enters or leaves the contact"),
     "event_enters": ("1", "1 where the segment enters the contact, 0 where it leaves"),
-    "path_torque": ("N mm", "torque about the gear axis at the breakpoints, between which all is linear"),
+    "path_torque": ("N mm", "torque about the gear axis at the breakpoints of the path"),
     "path_rotation": ("rad", "rotation of the gear at the breakpoints"),
     "path_force": ("N", "normal force on a segment at the breakpoints"),
     "path_gap": ("mm", "gap left at a segment at the breakpoints"),

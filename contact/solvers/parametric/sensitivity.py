@@ -27,7 +27,7 @@ from ..solution import ContactSolution
 from .problem_gradient import ProblemGradient
 from .touching_form import touching_system
 from .touching_system import TouchingSystem
-from .weak_segments import loaded_and_weak, system_in_direction
+from .weak_segments import dependent_segments, loaded_and_weak, system_in_direction
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -94,7 +94,7 @@ class Sensitivity:
     force, gap, rotation
         Its solution F (n) [N], Y (n) [mm], theta [rad].
     loaded
-        Segments that carry load (n).
+        Segments that carry load, or could at no cost (n).
     weak
         Segments that touch without a force (n).
 
@@ -298,16 +298,22 @@ def sensitivity(
 
     Examples
     --------
-    The rotation that an increase of the torque by 1 N mm brings, and by which data the largest force changes most:
+    Forces in proportion: torque and separations twice as large make all forces twice as large.
 
     >>> import numpy as np
     >>> from easeoff.contact import ContactProblem, solve
     >>> problem = ContactProblem([0.0, 1e-3, 2e-3], [40.0, 41.0, 42.0], 4e5, np.diag([1e-6, 2e-6, 2e-6]) + 1e-7)
-    >>> slope = sensitivity(problem, solve(problem))
-    >>> round(slope.forward(torque=1.0).rotation * 1e10, 4)
-    3.5053
-    >>> slope.adjoint(force=[1.0, 0.0, 0.0]).separation.round(-3).tolist()
-    [-488000.0, 235000.0, 241000.0]
+    >>> solution = solve(problem)
+    >>> slope = sensitivity(problem, solution)
+    >>> change = slope.forward(torque=problem.torque, separation=problem.separation)
+    >>> np.allclose(change.force, solution.force), bool(np.isclose(change.rotation, solution.rotation))
+    (True, True)
+
+    All data that the force of the first segment depends on, by one more linear system:
+
+    >>> gradient = slope.adjoint(force=[1.0, 0.0, 0.0])
+    >>> bool(np.isclose(gradient.torque, slope.forward(torque=1.0).force[0])), gradient.compliance.shape
+    (True, (3, 3))
     """
     _require_solution(problem, solution)
     deflection = problem.deflection(solution.force)
@@ -335,6 +341,8 @@ def sensitivity_of(
     scale = abs(solution.elastic_rotation) * float(np.abs(problem.lever_arm[solution.active]).max(initial=0.0))
     force, gap = solution.force, solution.gap
     loaded, weak = loaded_and_weak(force, gap, float(force.max()), scale, tolerance)
+    dependent = dependent_segments(tangent, problem.lever_arm, loaded, weak)
+    loaded, weak = loaded | dependent, weak & ~dependent
     return Sensitivity(problem, force, gap, solution.rotation, loaded, weak, tangent, deflection)
 
 
