@@ -200,7 +200,7 @@ def test_set_is_sought_beyond_an_event_that_leaves_it_open(step: float, monkeypa
     whole = torque_path(problem, 1e5, 5e5)
 
     def sought(problem: ContactProblem, point: path_following._Point, _: object, step: float) -> object:
-        return path_following._sought(problem, point.torque + step)
+        return path_following._sought(problem, point.torque + step, point.torque + step)
 
     monkeypatch.setattr(path_following, "_beyond", sought)
     monkeypatch.setattr(path_following, "STEPS_BEYOND", (step,))

@@ -21,11 +21,13 @@ from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
 from .line_contact_law import LineContacts, solve_line_contacts
 from .line_contact_newton import LineContact
-from .line_contact_sensitivity import line_contact_sensitivity
+from .line_contact_sensitivity import tangent_sensitivity
 from .line_contact_solution import solve_on_bending
 
 Array = NDArray[np.float64]
 
+#: A force and a gap that are both below this part of their scales are rounding.
+WEAK_TOLERANCE = 1e-13
 #: First step, as a part of the greatest torque, and the greatest growth of the torque in a step.
 FIRST_STEP, LARGEST_GROWTH = 1e-3, 1.5
 #: A step goes so many times the way to the first change that the derivatives foretell.
@@ -130,7 +132,7 @@ def _node(bending: ContactProblem, line_contact: LineContact, torque: float, sta
     if not solution.certified:
         name = solution.status.name.lower()
         raise _NotFollowedError(f"no certified solution at {torque:.6g} N mm: {name}; {solution.message}")
-    slope = line_contact_sensitivity(bending.with_torque(torque), line_contact, solution)
+    slope = tangent_sensitivity(bending.with_torque(torque), line_contact, solution, WEAK_TOLERANCE)
     change = slope.forward(torque=1.0)
     if not np.isfinite(change.force).all():
         raise _NotFollowedError(f"no derivative by the torque at {torque:.6g} N mm: {change.message}")

@@ -67,5 +67,14 @@ def line_contact_sensitivity(
     secant = bending.with_added_compliance(line_contact.secant(force))
     if not certify(secant, force, solution.rotation, solution.elastic_rotation).passes(solution.tolerance):
         raise InputError("solution: must be that of this problem; its forces and rotation do not solve it")
+    return tangent_sensitivity(bending, line_contact, solution, tolerance)
+
+
+def tangent_sensitivity(
+    bending: ContactProblem, line_contact: LineContact, solution: ContactSolution, tolerance: float
+) -> Sensitivity:
+    """As `line_contact_sensitivity`, for a solution that is known to be that of the problem."""
+    force = solution.force
     tangent = bending.compliance_matrix.with_added(line_contact.tangent(force))
-    return sensitivity_of(bending, solution, tangent, secant.deflection(force), tolerance)
+    deflection = bending.deflection(force) + line_contact.deflection(force)
+    return sensitivity_of(bending, solution, tangent, deflection, tolerance)

@@ -20,8 +20,8 @@ from .touching_system import TouchingAnswer
 
 Array = NDArray[np.float64]
 
-#: What is left of a segment's own compliance when the touching ones may yield, relative to it: below this the forces
-#: are taken for not unique.
+#: Compliance of a segment while the touching ones may yield, relative to the terms it is the difference of: below this
+#: the forces are taken for not unique.
 DEPENDENCE_TOLERANCE = 1e-11
 #: Updates after which the inverse is made anew.
 MAX_UPDATES = 100
@@ -68,8 +68,9 @@ class DenseTouching:
         side = np.append(self._arm[segment], self._compliance[self._index, segment])
         solved = self._inverse @ side
         own = float(self._compliance[segment, segment])
-        pivot = own - float(side @ solved)
-        if not pivot > DEPENDENCE_TOLERANCE * own:
+        yielded = float(side @ solved)
+        pivot = own - yielded
+        if not pivot > DEPENDENCE_TOLERANCE * max(own, abs(yielded)):
             return False
         size = solved.size
         inverse = np.empty((size + 1, size + 1))

@@ -34,6 +34,8 @@ Mask = NDArray[np.bool_]
 
 #: A force and a gap that are both below this part of their scales count as none.
 DEGENERACY_TOLERANCE = 1e-10
+#: Deflection, relative to what the most compliant segment has under the largest force, that is taken for rounding.
+RIGID_FRACTION = 1e-12
 #: Gap that opens at segments whose forces are not unique, relative to the largest, that is taken for rounding.
 CONSISTENCY_TOLERANCE = 1e-9
 
@@ -338,8 +340,11 @@ def sensitivity_of(
     deflection
         Deflections under the forces of the solution (n) [mm].
     """
-    scale = abs(solution.elastic_rotation) * float(np.abs(problem.lever_arm[solution.active]).max(initial=0.0))
     force, gap = solution.force, solution.gap
+    scale = abs(solution.elastic_rotation) * float(np.abs(problem.lever_arm[solution.active]).max(initial=0.0))
+    yielding = float(force.max()) * float(tangent.diagonal.max())
+    if scale <= RIGID_FRACTION * yielding:  # what touches is rigid
+        scale = yielding or float(np.abs(problem.separation_at_first_contact).max()) or 1.0
     loaded, weak = loaded_and_weak(force, gap, float(force.max()), scale, tolerance)
     dependent = dependent_segments(tangent, problem.lever_arm, loaded, weak)
     loaded, weak = loaded | dependent, weak & ~dependent

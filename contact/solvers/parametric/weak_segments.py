@@ -108,10 +108,11 @@ def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask,
 
 
 def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Compliance among some open segments (w, w) while the touching ones yield, and their own by themselves (w)."""
+    """Compliance among some open segments while the touching ones yield (w, w), and the size of its terms (w)."""
     columns = system.columns(segments)
     gap = system.solve(-columns, -lever_arm[segments]).gap[segments]
-    return 0.5 * (gap + gap.T), columns[segments, np.arange(segments.size)]
+    own = columns[segments, np.arange(segments.size)]
+    return 0.5 * (gap + gap.T), np.maximum(own, np.abs(own - gap.diagonal()))
 
 
 def _of_first_contact(
