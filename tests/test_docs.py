@@ -37,6 +37,7 @@ WITH_CODE = (
     "index",
     "results",
     "contact_problems",
+    "parametric",
     "python",
     "cad",
     "compare",

@@ -172,7 +172,7 @@ def _reach(
         changed = np.flatnonzero(left.touching ^ right.touching)
         zero = _first_zero(left, right)
         if zero is None or width <= nearest:
-            path.changes += sorted((_crossing(left, right, i), int(i), bool(right.touching[i])) for i in changed)
+            path.changes += sorted((_crossing(left, right, int(i)), int(i), bool(right.touching[i])) for i in changed)
             path.nodes.append(waiting.pop())
             divisions = 0
             continue

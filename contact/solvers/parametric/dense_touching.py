@@ -215,4 +215,4 @@ def _inverse_of_border(block: Array, arm: Array) -> Array | None:
     except np.linalg.LinAlgError:
         return None
     condition = float(np.abs(system).sum(axis=0).max()) * float(np.abs(inverse).sum(axis=0).max())
-    return inverse * np.outer(scale, scale) if condition * DEPENDENCE_TOLERANCE < 1.0 else None
+    return np.asarray(inverse * np.outer(scale, scale)) if condition * DEPENDENCE_TOLERANCE < 1.0 else None

@@ -103,7 +103,7 @@ class ModalTouching:
     def _closed(self, amplitudes: Array, rotation: Array) -> Array:
         """U z - r theta in blocks (p, m, q)."""
         turn = np.broadcast_to(-rotation, (amplitudes.shape[0], 1, rotation.size))
-        return self._rows @ np.concatenate([amplitudes, turn], axis=1)
+        return np.asarray(self._rows @ np.concatenate([amplitudes, turn], axis=1))
 
     def _step(self, loads: Array, imbalance: Array) -> tuple[Array, Array]:
         """Changes of amplitudes (p, k, q) and rotations (q) for residuals of the two equations."""
