@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
     from .solvers.parametric.problem_gradient import ProblemGradient
-    from .solvers.parametric.sensitivity import Differentiability, Sensitivity, SolutionChange, sensitivity
+    from .solvers.parametric.sensitivity import Sensitivity
+    from .solvers.parametric.solution_change import Differentiability, SolutionChange
+    from .solvers.parametric.solution_sensitivity import sensitivity
     from .solvers.parametric.torque_path import TorquePath, torque_path
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
@@ -108,7 +110,9 @@ _ORIGINS = {
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
     ".solvers.parametric.problem_gradient": ["ProblemGradient"],
-    ".solvers.parametric.sensitivity": ["Differentiability", "Sensitivity", "SolutionChange", "sensitivity"],
+    ".solvers.parametric.sensitivity": ["Sensitivity"],
+    ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
+    ".solvers.parametric.solution_sensitivity": ["sensitivity"],
     ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".tooth_root_stress": ["root_stress"],
     ".solvers": [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,11 +52,15 @@ class Springs:
         return self.compliance + 0.0 * force
 
 
+def steel_line(length: Array, radius: float) -> WeberLineContact:
+    return WeberLineContact(length, *(np.array(value) for value in (radius, 3.0, 4.0)), STEEL, STEEL)
+
+
 def line_of_contact(size: int = 15) -> tuple[ContactProblem, WeberLineContact]:
     """A crowned, tilted line on two bending modes."""
     x = np.linspace(-1.0, 1.0, size)
     bending = 1e-3 * np.column_stack([np.ones(size), 0.5 * x])
-    contact = WeberLineContact(np.full(size, 30.0 / size), 30.0, 3.0, 4.0, STEEL, STEEL)
+    contact = steel_line(np.full(size, 30.0 / size), 30.0)
     return ContactProblem(0.02 * (x - 0.1) ** 2, np.full(size, 50.0), 0.0, (np.zeros(size), bending)), contact
 
 
@@ -144,7 +149,7 @@ def test_derivatives_are_those_of_central_differences(data: str) -> None:
     bending = bending.with_torque(2e5)
     assert isinstance(bending.compliance, tuple)
     rng, (local, factor) = np.random.default_rng(1), bending.compliance
-    change = {
+    change: Any = {
         "torque": 1e5,
         "separation": 1e-2 * rng.normal(size=15),
         "lever_arm": 5.0 * rng.normal(size=15),
@@ -164,7 +169,7 @@ def test_derivatives_are_those_of_central_differences(data: str) -> None:
 
     slope = line_contact_sensitivity(bending, contact, at(0.0)[0])
     assert slope.status is Differentiability.DIFFERENTIABLE
-    found = slope.forward(**{data: change})  # type: ignore[arg-type]
+    found = slope.forward(**{data: change})
     (ahead, more), (behind, less) = at(1e-5), at(-1e-5)
     np.testing.assert_array_equal(ahead.active, behind.active)
     rate = (ahead.force - behind.force) / 2e-5
@@ -183,10 +188,7 @@ def test_parameter_of_the_line_contact_acts_as_a_separation() -> None:
     bending = bending.with_torque(2e5)
     solution = solved(bending, contact, 2e5)
 
-    def with_radius(radius: float) -> WeberLineContact:
-        return WeberLineContact(contact.length, radius, 3.0, 4.0, STEEL, STEEL)
-
-    ahead, behind = (with_radius(30.0 + step) for step in (1e-3, -1e-3))
+    ahead, behind = (steel_line(contact.length, 30.0 + step) for step in (1e-3, -1e-3))
     moved = (ahead.deflection(solution.force) - behind.deflection(solution.force)) / 2e-3
     found = line_contact_sensitivity(bending, contact, solution).forward(separation=moved).rotation
     rate = (solved(bending, ahead, 2e5).rotation - solved(bending, behind, 2e5).rotation) / 2e-3

@@ -174,7 +174,8 @@ def test_identities(name: str) -> None:
         assert turned.rotation == pytest.approx(1.0, rel=1e-9)
         loaded = slope.forward(torque=1.0)
         work = loaded.energy + problem.separation @ loaded.force
-        assert work == pytest.approx(rotation, rel=1e-9, abs=1e-12 * np.abs(problem.separation) @ np.abs(loaded.force))
+        terms = float(np.abs(problem.separation) @ np.abs(loaded.force))
+        assert work == pytest.approx(rotation, rel=1e-9, abs=1e-12 * terms)
 
 
 @pytest.mark.parametrize("form", ["modal", "dense"])

@@ -11,7 +11,8 @@ from ...core.errors import InputError
 from ..problem.certificate import certify
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
-from ..solvers.parametric.sensitivity import DEGENERACY_TOLERANCE, Sensitivity, sensitivity_of
+from ..solvers.parametric.sensitivity import Sensitivity
+from ..solvers.parametric.solution_sensitivity import DEGENERACY_TOLERANCE, sensitivity_of
 from .line_contact_newton import LineContact
 
 

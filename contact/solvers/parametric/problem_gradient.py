@@ -29,6 +29,15 @@ class ProblemGradient:
     one_sided
         Whether some segment touches without a force, so that J has a kink here and these are the derivatives on one
         side of it.
+
+    Examples
+    --------
+    How the rotation of two equal springs depends on the compliance of each:
+
+    >>> from easeoff.contact import ContactProblem, sensitivity, solve
+    >>> springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8e4, ([1e-6, 1e-6], [[0.0], [0.0]]))
+    >>> sensitivity(springs, solve(springs)).adjoint(rotation=1.0).local.round(6).tolist()
+    [12.5, 12.5]
     """
 
     torque: float

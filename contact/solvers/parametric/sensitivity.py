@@ -12,77 +12,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ....core.checks import array
 from ....core.errors import InputError
-from ....core.stored_status import StoredStatus
-from ...problem.certificate import certify
-from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
+from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
-from ..solution import ContactSolution
+from .data_direction import bending_change, given
 from .problem_gradient import ProblemGradient
+from .solution_change import Differentiability, SolutionChange
 from .touching_form import touching_system
 from .touching_system import TouchingSystem
-from .weak_segments import dependent_segments, loaded_and_weak, system_in_direction
+from .weak_segments import system_in_direction
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-#: A force and a gap that are both below this part of their scales count as none.
-DEGENERACY_TOLERANCE = 1e-10
-#: Deflection, relative to what the most compliant segment has under the largest force, that is taken for rounding.
-RIGID_FRACTION = 1e-12
 #: Gap that opens at segments whose forces are not unique, relative to the largest, that is taken for rounding.
 CONSISTENCY_TOLERANCE = 1e-9
-
-
-class Differentiability(StoredStatus):
-    """What derivatives a solution has.
-
-    Examples
-    --------
-    >>> Differentiability(1).name
-    'ONE_SIDED'
-    """
-
-    DIFFERENTIABLE = 0
-    ONE_SIDED = 1
-    FORCES_NOT_UNIQUE = 2
-
-
-@dataclass(frozen=True, eq=False)
-class SolutionChange:
-    """Derivative of a solution in one direction of its data; NaN where there is none.
-
-    Attributes
-    ----------
-    force
-        dF (n) [N].
-    rotation
-        dtheta [rad].
-    gap
-        dY (n) [mm].
-    energy
-        Change of the deformation energy 1/2 F'CF [N mm].
-    active
-        Segments that touch just beyond, in this direction (n).
-    one_sided
-        Whether the derivative holds in this direction alone, and not against it.
-    message
-        Why there is none, if so.
-    """
-
-    force: Array
-    rotation: float
-    gap: Array
-    energy: float
-    active: Mask
-    one_sided: bool
-    message: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,9 +111,9 @@ class Sensitivity:
         """
         size = self.problem.size
         turn = float(array("torque", torque, "N mm", ndim=0))
-        gap = _given("separation", separation, "mm", size)
-        arm = _given("lever_arm", lever_arm, "mm", size)
-        bent = self._bent(local, factor, compliance)
+        gap = given("separation", separation, "mm", size)
+        arm = given("lever_arm", lever_arm, "mm", size)
+        bent = bending_change(self.problem, self.force, local, factor, compliance)
         closing, moment = self.rotation * arm - gap - bent, turn - float(arm @ self.force)
         moving = bool(arm.any() or bent.any())
         system = self._toward(closing, moment)
@@ -211,7 +160,7 @@ class Sensitivity:
             A wrong shape, or a number that is not finite.
         """
         size = self.problem.size
-        by_force, by_gap = _given("force", force, "", size), _given("gap", gap, "", size)
+        by_force, by_gap = given("force", force, "", size), given("gap", gap, "", size)
         by_rotation = float(array("rotation", rotation, ndim=0))
         by_energy = float(array("energy", energy, ndim=0))
         system = self._smooth if active is None else self._side(active)
@@ -231,26 +180,6 @@ class Sensitivity:
         arm = -self.rotation * separation - torque * self.force
         one_sided = bool(self.weak.any())
         return ProblemGradient(torque, separation, arm, one_sided, self.problem, self.force, energy)
-
-    def _bent(self, local: ArrayLike | None, factor: ArrayLike | None, compliance: ArrayLike | None) -> Array:
-        """The change of the deflections under the same forces, dC F (n) [mm]."""
-        size, bent = self.problem.size, np.zeros(self.problem.size)
-        if local is not None:
-            bent += _given("local", local, "mm/N", size) * self.force
-        if factor is not None:
-            matrix = self.problem.compliance_matrix
-            if not isinstance(matrix, ModalCompliance):
-                raise InputError("factor: must be left out where the compliance is dense; give compliance instead")
-            change = array("factor", factor, "(mm/N)^0.5", ndim=2)
-            if change.shape != matrix.factor.shape:
-                raise InputError(f"factor = array of shape {change.shape}: must have the shape {matrix.factor.shape}")
-            bent += change @ (matrix.factor.T @ self.force) + matrix.factor @ (change.T @ self.force)
-        if compliance is not None:
-            whole = array("compliance", compliance, "mm/N", ndim=2)
-            if whole.shape != (size, size) or not np.allclose(whole, whole.T, rtol=1e-10, atol=0.0):
-                raise InputError(f"compliance: must be a symmetric array of shape ({size}, {size})")
-            bent += whole @ self.force
-        return bent
 
     def _toward(self, closing: Array, moment: float) -> TouchingSystem | None:
         """The system on the side of a kink to which a direction leads."""
@@ -276,88 +205,3 @@ class Sensitivity:
     def _none(self, message: str) -> SolutionChange:
         nothing = np.full(self.problem.size, np.nan)
         return SolutionChange(nothing, np.nan, nothing, np.nan, self.loaded, bool(self.weak.any()), message)
-
-
-def sensitivity(
-    problem: ContactProblem, solution: ContactSolution, *, tolerance: float = DEGENERACY_TOLERANCE
-) -> Sensitivity:
-    """Return the derivatives of a certified solution by the data of its contact problem.
-
-    Parameters
-    ----------
-    problem
-        The contact problem.
-    solution
-        Its certified solution, of any solver.
-    tolerance
-        A force and a gap that are both below this part of the largest force and of the closed way count as none: the
-        segment then touches without a force, and derivatives are one-sided.
-
-    Raises
-    ------
-    InputError
-        The solution is not certified, or is that of another problem.
-
-    Examples
-    --------
-    Forces in proportion: torque and separations twice as large make all forces twice as large.
-
-    >>> import numpy as np
-    >>> from easeoff.contact import ContactProblem, solve
-    >>> problem = ContactProblem([0.0, 1e-3, 2e-3], [40.0, 41.0, 42.0], 4e5, np.diag([1e-6, 2e-6, 2e-6]) + 1e-7)
-    >>> solution = solve(problem)
-    >>> slope = sensitivity(problem, solution)
-    >>> change = slope.forward(torque=problem.torque, separation=problem.separation)
-    >>> np.allclose(change.force, solution.force), bool(np.isclose(change.rotation, solution.rotation))
-    (True, True)
-
-    All data that the force of the first segment depends on, by one more linear system:
-
-    >>> gradient = slope.adjoint(force=[1.0, 0.0, 0.0])
-    >>> bool(np.isclose(gradient.torque, slope.forward(torque=1.0).force[0])), gradient.compliance.shape
-    (True, (3, 3))
-    """
-    _require_solution(problem, solution)
-    deflection = problem.deflection(solution.force)
-    return sensitivity_of(problem, solution, problem.compliance_matrix, deflection, tolerance)
-
-
-def sensitivity_of(
-    problem: ContactProblem,
-    solution: ContactSolution,
-    tangent: ComplianceMatrix,
-    deflection: Array,
-    tolerance: float = DEGENERACY_TOLERANCE,
-) -> Sensitivity:
-    """Return the derivatives where the compliance depends on the load.
-
-    Parameters
-    ----------
-    problem, solution, tolerance
-        As of `sensitivity`.
-    tangent
-        Derivative of the deflections by the forces [mm/N].
-    deflection
-        Deflections under the forces of the solution (n) [mm].
-    """
-    force, gap = solution.force, solution.gap
-    scale = abs(solution.elastic_rotation) * float(np.abs(problem.lever_arm[solution.active]).max(initial=0.0))
-    yielding = float(force.max()) * float(tangent.diagonal.max())
-    if scale <= RIGID_FRACTION * yielding:  # what touches is rigid
-        scale = yielding or float(np.abs(problem.separation_at_first_contact).max()) or 1.0
-    loaded, weak = loaded_and_weak(force, gap, float(force.max()), scale, tolerance)
-    dependent = dependent_segments(tangent, problem.lever_arm, loaded, weak)
-    loaded, weak = loaded | dependent, weak & ~dependent
-    return Sensitivity(problem, force, gap, solution.rotation, loaded, weak, tangent, deflection)
-
-
-def _require_solution(problem: ContactProblem, solution: ContactSolution) -> None:
-    if not solution.certified:
-        raise InputError(f"solution = {solution.status.name.lower()}: must be certified to have derivatives")
-    certificate = certify(problem, solution.force, solution.rotation, solution.elastic_rotation)
-    if not certificate.passes(solution.tolerance):
-        raise InputError("solution: must be that of this problem; its forces and rotation do not solve it")
-
-
-def _given(name: str, values: Any, unit: str, size: int) -> Array:
-    return np.zeros(size) if values is None else array(name, values, unit, ndim=1, size=size)
