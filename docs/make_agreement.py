@@ -70,7 +70,7 @@ def agreement(name: str, chosen: Iterable[ContactProblem], form: str = "auto") -
             answer = adapter.solve_scaled(scaled, settings)
         except NoAnswerError:
             continue
-        found, _ = polished_answer(problem, scaled, answer, polish=False)
+        found = polished_answer(problem, scaled, answer, None).answer
         if not found.certificate.passes(entry.tolerance):
             continue
         rotation = reference.elastic_rotation / problem.scaling.rotation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...problem.compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
+from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..modal_newton import LARGEST_PADDING, SMALLEST_LOCAL_FRACTION
 from ..native import DENSE_FIRST_SIZE
 from .dense_touching import DenseTouching
@@ -37,6 +37,6 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
 
 def part_of(matrix: ComplianceMatrix, segments: NDArray[np.intp]) -> Array | tuple[Array, Array]:
     """Return the compliance among some segments [mm/N], in the form of the whole."""
-    if isinstance(matrix, DenseCompliance):
-        return np.asarray(matrix.dense[np.ix_(segments, segments)])
-    return matrix.local[segments], matrix.factor[segments]
+    if isinstance(matrix, ModalCompliance):
+        return matrix.local[segments], matrix.factor[segments]
+    return np.asarray(matrix.dense[np.ix_(segments, segments)])
