@@ -38,6 +38,7 @@ WITH_CODE = (
     "index",
     "results",
     "contact_problems",
+    "parametric",
     "python",
     "cad",
     "compare",
