@@ -34,7 +34,17 @@ if TYPE_CHECKING:
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
     from .problem.modal_basis import ModalBasis
     from .problem.operator_compliance import OperatorCompliance
-    from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
+    from .problem.proof.conditioning import Conditioning
+    from .solvers import (
+        SOLVERS,
+        ContactSolution,
+        ContactSolutions,
+        Solver,
+        Status,
+        available_solvers,
+        solve,
+        solve_many,
+    )
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
@@ -44,6 +54,7 @@ __all__ = [
     "SOLVERS",
     "STEEL",
     "Certificate",
+    "Conditioning",
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
@@ -60,6 +71,7 @@ __all__ = [
     "OperatorCompliance",
     "ProblemSet",
     "Shell",
+    "Solver",
     "Status",
     "ToothDimensions",
     "WeberLineContact",
@@ -120,6 +132,7 @@ _ORIGINS = {
     ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
+    ".problem.proof.conditioning": ["Conditioning"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
     ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
@@ -134,6 +147,7 @@ _ORIGINS = {
         "SOLVERS",
         "ContactSolution",
         "ContactSolutions",
+        "Solver",
         "Status",
         "available_solvers",
         "solve",

@@ -106,7 +106,7 @@ def assert_same(problem: ContactProblem, answer: Answer, tolerance: float = 1e-9
     assert np.abs(answer.gap - reference.gap).max() <= tolerance * gap
     turn = (answer.elastic_rotation - reference.elastic_rotation) * np.abs(problem.lever_arm).max()
     assert abs(turn) <= tolerance * gap
-    assert answer.rotation == problem.first_contact_rotation + answer.elastic_rotation
+    assert answer.rotation == problem.whole_rotation(answer.elastic_rotation)
     assert answer.certificate.passes(tolerance)
 
 

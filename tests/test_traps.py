@@ -19,7 +19,7 @@ from solver_choice import (
 
 from easeoff.contact import SOLVERS, ContactProblem, Status, available_solvers, certify, solve
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.study.compare.worker import Request, workers
+from easeoff.study.compare.measurement.worker import Request, workers
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 

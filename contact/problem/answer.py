@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ class Answer:
     gap: Array
     elastic_rotation: float
     certificate: Certificate
-    problem: ContactProblem | None = None
+    problem: ContactProblem | None = field(default=None, repr=False)
 
 
 def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:

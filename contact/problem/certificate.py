@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .contact_problem import ContactProblem
 from .operator_compliance import OperatorCompliance
 from .proof.error_free import UNIT_ROUNDOFF
-from .proof.residuals import Residuals, exact_residuals, rounded_residuals
+from .proof.residuals import Residuals, Sizes, exact_residuals, rounded_residuals
 
 Array = NDArray[np.float64]
 
@@ -29,8 +29,8 @@ EXACT_TOLERANCE = 1e-9
 
 #: Largest rounding with which violations are accepted as they are; else they are evaluated with more care.
 RESOLUTION_LIMIT = 1e-10
-#: Cancellation in C F or r'F beyond this factor leaves fewer than the digits that EXACT_TOLERANCE asks for: violations
-#: then count relative to this part of the terms, not to what is left of them.
+#: Cancellation in r'F, C F or C F + S - r theta beyond this factor leaves fewer than the digits that EXACT_TOLERANCE
+#: asks for: violations then count relative to this part of the terms, not to the torque or the deflection.
 CANCELLATION_FLOOR = 1e-5
 
 
@@ -53,8 +53,8 @@ class Certificate:
     resolution
         Bound of the rounding in these five, relative to the same scales.
     cancellation
-        Sum of the sizes of the terms of C F, or of r'F, over the size of the sum, whichever is more; an upper bound.
-        Beyond 10^5 the scales of the deflection and of the torque are 10^-5 of the terms.
+        Size of the terms of r'F over the torque, or of the terms of loaded gaps over the deflection, whichever is
+        more; an upper bound. Beyond 10^5 the scales of torque and deflection are 10^-5 of the terms.
 
     Examples
     --------
@@ -86,7 +86,7 @@ class Certificate:
 
     @property
     def digits(self) -> float:
-        """Decimal digits that double precision has of C F and r'F after cancellation, at least; 15.95 without any."""
+        """Decimal digits of torque and deflection that cancellation leaves in double precision, at least; at most 15.95."""
         return max(0.0, -math.log10(UNIT_ROUNDOFF * max(self.cancellation, 1.0)))
 
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
@@ -184,67 +184,65 @@ def violations(
     deflection, gap
         Of these forces, at this rotation (n) [mm].
     """
-    if not (np.isfinite(gap).all() and np.isfinite(force).all()):
+    if not (_finite(gap) and _finite(force)):
         return NO_CERTIFICATE
     with np.errstate(over="ignore", invalid="ignore"):
-        rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap)
-        found = _relative_to_scales(problem, force, rounded)
+        sizes = Sizes.of(problem, force, deflection)
+        rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes)
+        found = _relative_to_scales(problem, force, elastic_rotation, sizes, rounded)
         known = not isinstance(problem.compliance_matrix, OperatorCompliance)
         if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf or not known:
             return found
-        sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sharp=True)
-        found = _relative_to_scales(problem, force, sharp)
+        sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes, sharp=True)
+        found = _relative_to_scales(problem, force, elastic_rotation, sizes, sharp)
         if found.resolution <= RESOLUTION_LIMIT:
             return found
         try:
-            return _relative_to_scales(problem, force, exact_residuals(problem, force, elastic_rotation))
+            exact = exact_residuals(problem, force, elastic_rotation)
         except (OverflowError, ValueError):
             return found
+        return _relative_to_scales(problem, force, elastic_rotation, sizes, exact)
 
 
-def _relative_to_scales(problem: ContactProblem, force: Array, left: Residuals) -> Certificate:
-    separation = problem.separation_at_first_contact
-    magnitude = np.abs(force)
-    total, force_scale = float(magnitude.sum()), float(magnitude.max())
-    moments = float(magnitude @ np.abs(problem.lever_arm))
-    moment_scale = max(problem.torque, CANCELLATION_FLOOR * moments)
-    gap_scale, cancellation = _gap_scale(problem, magnitude, total, left.deflection)
-    energy_scale = total * gap_scale + float(magnitude @ np.abs(separation))
-    shared = np.minimum(_ratio(force, force_scale), left.gap / gap_scale)
-    # The gap of a segment without force matters only where it may be none.
-    unknown = left.gap_error[(force != 0.0) | (left.gap <= left.gap_error)]
-    resolution = float(unknown.max()) / gap_scale if unknown.size else 0.0
+def _finite(numbers: Array) -> bool:
+    return math.isfinite(float(numbers.sum())) or bool(np.isfinite(numbers).all())
+
+
+def _relative_to_scales(
+    problem: ContactProblem, force: Array, elastic_rotation: float, sizes: Sizes, left: Residuals
+) -> Certificate:
+    moment_scale = max(problem.torque, CANCELLATION_FLOOR * sizes.moment)
+    gap_scale, cancellation = _gap_scale(problem, sizes, abs(elastic_rotation))
+    energy_scale = sizes.total * gap_scale + sizes.preload
     if problem.torque > 0.0:
-        cancellation = max(cancellation, moments / problem.torque)
+        cancellation = max(cancellation, sizes.moment / problem.torque)
+    shared = np.minimum(_ratio(force, sizes.largest_force), left.gap / gap_scale)
+    resolution = left.gap_error / gap_scale
+    if sizes.total > 0.0:
+        of_balance = _relative(left.imbalance_error, moment_scale)
+        resolution = max(resolution, of_balance, _relative(left.surplus_error, energy_scale))
     return Certificate(
-        equilibrium=_relative(abs(left.imbalance), moment_scale),
-        negative_force=_relative(max(-float(force.min()), 0.0), force_scale),
-        negative_gap=max(-float(left.gap.min()), 0.0) / gap_scale,
-        complementarity=max(float(shared.max()), 0.0),
-        duality_gap=_relative(abs(left.surplus), energy_scale),
-        resolution=max(
-            resolution,
-            _relative(left.imbalance_error, moment_scale),
-            _relative(left.surplus_error, energy_scale) if total > 0.0 else 0.0,
-        ),
-        cancellation=cancellation,
+        _relative(abs(left.imbalance), moment_scale),
+        _relative(max(-sizes.least_force, 0.0), sizes.largest_force),
+        max(-float(left.gap.min()), 0.0) / gap_scale,
+        max(float(shared.max()), 0.0),
+        _relative(abs(left.surplus), energy_scale),
+        resolution,
+        cancellation,
     )
 
 
-def _gap_scale(
-    problem: ContactProblem, magnitude: Array, total: float, deflection: Array
-) -> tuple[float, float]:
+def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[float, float]:
     """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves.
 
-    And that cancellation: its mean if no terms cancelled, which is a bound, over this mean.
+    And that cancellation: the mean of the terms of their gaps, which is a bound, over the mean deflection.
     """
-    if total > 0.0:
-        mean = float(magnitude @ np.abs(deflection)) / total
-        root = np.sqrt(problem.compliance_diagonal)
-        without_cancellation = float(magnitude @ root) * float(magnitude @ root) / total  # bounds F'|C|F / sum F
-        scale = max(mean, CANCELLATION_FLOOR * without_cancellation)
-        if scale > 0.0:
-            return scale, without_cancellation / mean if mean > 0.0 else math.inf
+    if sizes.total > 0.0:
+        mean = sizes.strain / sizes.total
+        cancelled = sizes.roots * sizes.roots / sizes.total  # bounds F'|C|F / sum F
+        if max(mean, cancelled) > 0.0:
+            terms = max(cancelled, sizes.preload / sizes.total, turned * sizes.moment / sizes.total)
+            return max(mean, CANCELLATION_FLOOR * terms), max(terms / mean, 1.0) if mean > 0.0 else math.inf
     largest = float(np.abs(problem.separation_at_first_contact).max())  # no load or no compliance
     return (largest if largest > 0.0 else 1.0), 1.0
 

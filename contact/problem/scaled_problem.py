@@ -163,6 +163,16 @@ class ScaledProblem:
         compliance = given if isinstance(given, np.ndarray) else given.whole_diagonal
         return bool(np.isfinite(self.separation).all() and np.isfinite(compliance).all() and math.isfinite(self.torque))
 
+    def as_products(self) -> qpsolvers.Problem:
+        """Return the qpsolvers problem with P as a `scipy.sparse.linalg.LinearOperator`."""
+        import qpsolvers
+        from scipy.sparse.linalg import LinearOperator
+
+        size = self.separation.size
+        product = LinearOperator((size, size), dtype=np.float64, matvec=lambda x: self.deflection(x.ravel()))
+        row, torque = self.lever_arm[np.newaxis, :].copy(), np.array([self.torque])
+        return qpsolvers.Problem(product, self.separation.copy(), A=row, b=torque, lb=np.zeros(size))
+
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the qpsolvers problem, with csc matrices if `sparse`."""
         import qpsolvers  # imports every installed solver: half a second, paid only here

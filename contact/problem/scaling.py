@@ -105,8 +105,11 @@ class Scaling:
         unit = power_of_two(float(diagonal.sum()) / size)
         mean_positive_arm = float(arm[positive].sum()) / int(np.count_nonzero(positive))
         force = torque / (mean_positive_arm * active_count)
+        largest = float(np.abs(separation).max())
         if force == 0.0:  # no load: let the separations set the scale
-            force = float(np.abs(separation).max()) / unit
+            force = largest / unit
+        elif not diagonal.any():  # no compliance: likewise
+            unit = power_of_two(largest / force)
 
         limit = np.full(size, math.inf)
         if torque > 0.0 and separation.min() >= 0.0:

@@ -13,6 +13,7 @@ from ...core.stored_status import StoredStatus
 from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
 from ..problem.contact_problem import ContactProblem
+from ..problem.proof.conditioning import Conditioning, conditioning, unknown_conditioning
 
 Array = NDArray[np.float64]
 
@@ -94,7 +95,9 @@ class ContactSolution:
     tolerance
         Largest violation that the certificate may have.
     message
-        The method and what happened, in a few words.
+        The method and what happened, in plain words.
+    words
+        The solver's own message, as it is.
     exchanges
         Exchanges of segments that the polish made: zero if the active set of the solver was right.
     times
@@ -121,6 +124,7 @@ class ContactSolution:
     message: str = ""
     exchanges: int = 0
     times: CallTimes = CallTimes()
+    words: str = ""
 
     @property
     def certified(self) -> bool:
@@ -167,6 +171,14 @@ class ContactSolution:
     def certificate(self) -> Certificate:
         """Certificate of the answer, also of one that was refused."""
         return self.answer.certificate
+
+    @cached_property
+    def conditioning(self) -> Conditioning:
+        """Whether the forces are the only ones, and bounds of the errors; computed when it is first asked for."""
+        answer = self.answer
+        if answer.problem is None:
+            return unknown_conditioning(answer.force.size)
+        return conditioning(answer.problem, answer.force, answer.elastic_rotation)
 
     @property
     def active(self) -> NDArray[np.bool_]:
@@ -242,3 +254,47 @@ def no_solution(
         tolerance=tolerance,
         message=message,
     )
+
+
+#: Ends of a solve in words, where there is no certified answer.
+_ENDS = {
+    Status.NOT_CERTIFIED: "refused",
+    Status.INFEASIBLE: "it reports that no forces satisfy the conditions",
+    Status.UNBOUNDED: "no forces satisfy the conditions",
+    Status.SOLVER_FAILED: "it failed",
+    Status.TIME_LIMIT: "ended at the time limit",
+    Status.NOT_CONVERGED: "ended before it converged",
+}
+
+
+def course(method: str, solution: ContactSolution, words: str = "") -> str:
+    """Return the method and what happened, in plain words.
+
+    Parameters
+    ----------
+    method
+        Solver and method.
+    solution
+        Its end.
+    words
+        The solver's own message.
+
+    Examples
+    --------
+    >>> from easeoff.contact import ContactProblem, solve
+    >>> springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8.0e4, [[1e-6, 0.0], [0.0, 1e-6]])
+    >>> course("two springs", solve(springs))
+    'two springs, 1 step: certified'
+    """
+    count = solution.iterations
+    steps = f", {count} step{'' if count == 1 else 's'}" if count >= 0 else ""
+    if solution.polished:
+        moved = f" after {solution.exchanges} exchange{'' if solution.exchanges == 1 else 's'} of segments"
+        end = f"made exact on the active set it found{moved if solution.exchanges else ''}"
+    else:
+        end = "certified" if solution.certified else _ENDS.get(solution.status, solution.status.name.lower())
+    worst = solution.certificate.worst
+    if not solution.certified and math.isfinite(worst):
+        end += f"; the certificate of its answer, {worst:.1e}, misses {solution.tolerance:.1e}"
+    said = f"; its own words: {words}" if words else ""
+    return f"{method}{steps}: {end}{said}"

@@ -20,6 +20,7 @@ from .options.shared_options import (
     problem_files,
     problem_format_options,
     solvers,
+    tolerances,
 )
 from .terminal_bar import terminal_bar
 
@@ -138,7 +139,17 @@ def library(output: Path, parts: str | None) -> None:
     show_default=True,
     help="Largest violation of a condition in a certified answer.",
 )
-@click.option("--raw", is_flag=True, help="Run the backends without polish, and without scaling, too.")
+@click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
+@click.option("--raw", is_flag=True, help="Also run the backends in mm and N, with their own settings.")
+@click.option(
+    "--tolerances",
+    callback=tolerances,
+    metavar="X,Y,...",
+    help="Also run the backends with these tolerances: time over certified accuracy.",
+)
+@click.option(
+    "--threads", type=int, metavar="N", default=1, show_default=True, help="Threads for linear algebra of each solver."
+)
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
 @click.option("--test-set", is_flag=True, help="Write the problems as a test set of qpbenchmark, too.")
 def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options: Any) -> None:
@@ -157,8 +168,14 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
             bar.update(done - bar.n)
 
         table = run_comparison(problems, output, progress=progress, **options)
+    folders: dict[Path, int] = {}
     for path in write_comparison(table, output):
-        echo(f"wrote {path}")
+        if path.parent == output:
+            echo(f"wrote {path}")
+        else:
+            folders[path.parent] = folders.get(path.parent, 0) + 1
+    for folder, count in folders.items():
+        echo(f"wrote {folder}: {count} files")
     if test_set:
         from ...contact.problem.exchange.problem_formats import import_problems
         from ...contact.problem.exchange.problem_set import joined

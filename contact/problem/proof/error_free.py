@@ -34,6 +34,13 @@ def two_sum(a: Number, b: Number) -> tuple[Number, Number]:
     return total, (a - (total - second)) + (b - second)
 
 
+def split(a: Number) -> tuple[Number, Number]:
+    """Return two numbers of at most 26 bits with the given sum."""
+    big = SPLITTER * a
+    high = big - (big - a)
+    return high, a - high
+
+
 def two_product(a: Number, b: Number) -> tuple[Number, Number]:
     """Return the rounded product and its rounding error.
 
@@ -44,9 +51,7 @@ def two_product(a: Number, b: Number) -> tuple[Number, Number]:
     (1.0, True)
     """
     product = a * b
-    big, other = SPLITTER * a, SPLITTER * b
-    high, high_other = big - (big - a), other - (other - b)
-    low, low_other = a - high, b - high_other
+    (high, low), (high_other, low_other) = split(a), split(b)
     return product, low * low_other - (((product - high * high_other) - low * high_other) - high * low_other)
 
 

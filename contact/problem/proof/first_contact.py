@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.checks import read_only
-from .error_free import SPLITTER, two_product
+from .error_free import split, two_product, two_sum
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,8 @@ class FirstContact:
 
     Attributes
     ----------
+    segment
+        The number f.
     rotation
         S_f / r_f of the segment that touches first, rounded [rad].
     remainder
@@ -43,12 +45,16 @@ class FirstContact:
         S - r S_f / r_f (n) [mm], rounded once. Not negative where r > 0, zero at the segment f.
     error
         Greatest error of these besides their rounding, relative to r S_f / r_f.
+    signs
+        Whether some lever arm is not positive; else no separation is negative.
     """
 
+    segment: int
     rotation: float
     remainder: float
     separation: Array
     error: float
+    signs: bool
 
 
 def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
@@ -61,52 +67,65 @@ def first_contact(separation: Array, lever_arm: Array) -> FirstContact:
 
     Examples
     --------
-    At 10^7 rad the plain difference would leave a separation of 0.01300 mm in steps of 6e-8 mm:
+    Ten million thirds of a radian, and 2^-20 mm more on the second segment:
 
-    >>> arm = np.array([40.0, 41.7])
-    >>> first_contact(np.array([0.0, 0.013]) + 1e7 * arm, arm).separation
-    array([0.        , 0.01300001])
+    >>> separation = np.array([1e7, 2e7 + 2.0**-20])
+    >>> found = first_contact(separation, np.array([3.0, 6.0]))
+    >>> (found.separation * 2.0**20).tolist(), found.rotation
+    ([0.0, 1.0], 3333333.3333333335)
     """
-    positive = (lever_arm > 0.0).nonzero()[0]
-    first = int(positive[(separation[positive] / lever_arm[positive]).argmin()])
-    shifted, error = _shifted(separation, lever_arm, first)
-    for _ in range(MAX_CHANGES):
-        if not shifted[positive].min() < 0.0:
-            break
-        first = int(positive[(shifted[positive] / lever_arm[positive]).argmin()])
+    signs = not lever_arm.min() > 0.0
+    if not signs:
+        first = int((separation / lever_arm).argmin())
         shifted, error = _shifted(separation, lever_arm, first)
-    shifted[positive] = np.maximum(shifted[positive], 0.0)
+        if shifted.min() < 0.0:
+            first, shifted, error = _corrected(separation, lever_arm, shifted)
+    else:
+        positive = (lever_arm > 0.0).nonzero()[0]
+        first = int(positive[(separation[positive] / lever_arm[positive]).argmin()])
+        first, shifted, error = _corrected(separation, lever_arm, _shifted(separation, lever_arm, first)[0])
     own, arm = float(separation[first]), float(lever_arm[first])
     rotation = own / arm
     product, low = two_product(rotation, arm)
     remainder = ((own - product) - low) / arm
-    return FirstContact(rotation, remainder if math.isfinite(remainder) else 0.0, read_only(shifted), error)
+    remainder = remainder if math.isfinite(remainder) else 0.0
+    return FirstContact(first, rotation, remainder, read_only(shifted), error, signs)
+
+
+def _corrected(separation: Array, lever_arm: Array, shifted: Array) -> tuple[int, Array, float]:
+    """Return the segment that touches first, the separations there and their `error`, from those at a near contact."""
+    positive = (lever_arm > 0.0).nonzero()[0]
+    for _ in range(MAX_CHANGES):
+        first = int(positive[(shifted[positive] / lever_arm[positive]).argmin()])
+        shifted, error = _shifted(separation, lever_arm, first)
+        if not shifted[positive].min() < 0.0:
+            break
+    shifted[positive] = np.maximum(shifted[positive], 0.0)
+    return first, shifted, error
 
 
 def _shifted(separation: Array, lever_arm: Array, first: int) -> tuple[Array, float]:
     """The separations at the contact of one segment (n), of any sign, its own being zero; and their `error`."""
-    own = float(separation[first])
+    size, own = separation.size, float(separation[first])
     if own == 0.0:
         return separation.copy(), ERROR_FREE
     # A power of two near its lever arm is taken out, so that no product overflows but where a number is near that.
     scale = math.ldexp(1.0, -math.frexp(float(lever_arm[first]))[1])
     arm = float(lever_arm[first]) * scale
+    (high_arm, low_arm), (high_own, low_own) = split(arm), split(-own)
     with np.errstate(over="ignore", invalid="ignore"):
-        factors = np.array([separation, lever_arm * scale])
-        others = np.array([[arm], [-own]])
-        # The products S_i r_f and -r_i S_f with their errors, see ``two_product``, both in one go.
+        # Both products S_i r_f and -r_i S_f in one go, and their errors: see ``two_product``.
+        factors = np.concatenate([separation, lever_arm * scale])
+        others, high_others, low_others = np.empty((3, 2 * size))
+        others[:size], high_others[:size], low_others[:size] = arm, high_arm, low_arm
+        others[size:], high_others[size:], low_others[size:] = -own, high_own, low_own
         product = factors * others
-        big, other = SPLITTER * factors, SPLITTER * others
-        high, high_other = big - (big - factors), other - (other - others)
-        low, low_other = factors - high, others - high_other
-        error = low * low_other - (((product - high * high_other) - low * high_other) - high * low_other)
-        a, b = product
-        total = a + b
-        second = total - a
-        rest = (a - (total - second)) + (b - second)
-        rest += error[0] + error[1]
+        high, low = split(factors)
+        error = low * low_others - (((product - high * high_others) - low * high_others) - high * low_others)
+        total, rest = two_sum(product[:size], product[size:])
+        rest += error[:size] + error[size:]
         shifted: Array = (total + rest) / arm
-        if np.isfinite(shifted).all():
+        if math.isfinite(float(shifted.sum())) or np.isfinite(shifted).all():
             return shifted, ERROR_FREE
         shifted = separation - own / float(lever_arm[first]) * lever_arm
         shifted[first] = 0.0

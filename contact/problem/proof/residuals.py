@@ -1,9 +1,9 @@
 """Residuals of the contact problem as given, each with a bound of its own rounding, in three degrees of care.
 
-1. In double precision. The rounding of a deflection is bounded by Cauchy and Schwarz, |C_ij| <= sqrt(C_ii C_jj), at the
-   price of a vector.
-2. The same numbers, their rounding bounded by |C| |F|, at the price of a product with C.
-3. Sums free of error, rounded once: some hundred times the price of a product with C.
+1. In double precision, the rounding bounded by Cauchy and Schwarz, |C_ij| <= sqrt(C_ii C_jj), for no more than a few
+   sums.
+2. The same numbers, the rounding bounded segment by segment with |C| |F|, for a product with C.
+3. Sums free of error, rounded once, for some hundred products with C.
 
 The bounds hold for sums taken in any order (Higham 2002, Accuracy and Stability of Numerical Algorithms, chapter 3).
 """
@@ -12,15 +12,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compliance_matrix import DenseCompliance, ModalCompliance
+from ..compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
 from ..contact_problem import ContactProblem
 from ..operator_compliance import OperatorCompliance
 from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
+from .first_contact import ERROR_FREE
 
 Array = NDArray[np.float64]
 
@@ -31,25 +32,75 @@ UNDERFLOW = 1e-318
 PRODUCT_ROUNDING = 1e-13
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Residuals:
-    """What forces and a rotation leave of the conditions.
+class Sizes(NamedTuple):
+    """Sizes of forces and of the terms of the residuals.
 
     Attributes
     ----------
-    deflection, gap
-        C F and Y = C F + S - r theta (n) [mm].
-    gap_error
-        Bound of the rounding of each gap (n) [mm].
-    imbalance, imbalance_error
-        r'F - T and the bound of its rounding [N mm].
-    surplus, surplus_error
-        F'C F + S'F - theta T, S and theta counted from first contact, and the bound of its rounding [N mm].
+    force
+        |F| (n) [N].
+    lever_arm
+        |r| (n) [mm].
+    least_force, largest_force, total
+        Least F, largest |F| and the sum of |F| [N].
+    moment, strain, preload
+        Sums of |F| |r|, |F| |C F| and |F| |S|, S from first contact [N mm].
+    roots
+        Sum of |F| over the roots of the diagonal of C.
+    root
+        Largest of these roots.
     """
 
-    deflection: Array
+    force: Array
+    lever_arm: Array
+    least_force: float
+    largest_force: float
+    total: float
+    moment: float
+    strain: float
+    preload: float
+    roots: float
+    root: float
+
+    @classmethod
+    def of(cls, problem: ContactProblem, force: Array, deflection: Array) -> Sizes:
+        """Gather them for forces (n) [N] and C F (n) [mm]."""
+        contact, arm = problem.first_contact, problem.lever_arm
+        separation, magnitude, least = contact.separation, force, float(force.min())
+        if contact.signs:
+            arm, separation = np.abs(arm), np.abs(separation)
+        if least < 0.0:
+            magnitude = np.abs(force)
+        root = np.sqrt(problem.compliance_matrix.diagonal)
+        return cls(
+            magnitude,
+            arm,
+            least,
+            float(magnitude.max()),
+            float(magnitude.sum()),
+            float(magnitude @ arm),
+            float(magnitude @ np.abs(deflection)),
+            float(magnitude @ separation),
+            float(magnitude @ root),
+            float(root.max()),
+        )
+
+
+class Residuals(NamedTuple):
+    """What forces and a rotation leave of the conditions, and bounds of the rounding in it.
+
+    Attributes
+    ----------
+    gap, gap_error
+        Y = C F + S - r theta (n), and the bound for segments that carry load or may touch [mm].
+    imbalance, imbalance_error
+        r'F - T [N mm].
+    surplus, surplus_error
+        F'C F + S'F - theta T, S and theta counted from first contact [N mm].
+    """
+
     gap: Array
-    gap_error: Array
+    gap_error: float
     imbalance: float
     imbalance_error: float
     surplus: float
@@ -57,7 +108,14 @@ class Residuals:
 
 
 def rounded_residuals(
-    problem: ContactProblem, force: Array, elastic_rotation: float, deflection: Array, gap: Array, *, sharp: bool = False
+    problem: ContactProblem,
+    force: Array,
+    elastic_rotation: float,
+    deflection: Array,
+    gap: Array,
+    sizes: Sizes,
+    *,
+    sharp: bool = False,
 ) -> Residuals:
     """Return the residuals in double precision.
 
@@ -69,41 +127,42 @@ def rounded_residuals(
         Forces (n) [N] and rotation beyond first contact [rad].
     deflection, gap
         C F and Y in double precision (n) [mm].
+    sizes
+        Of these forces and deflections.
     sharp
-        Bound the rounding of deflections by |C| |F|, not by the diagonal of C.
+        Bound the rounding segment by segment, with |C| |F|; else by the largest entries of the diagonal of C and of r.
     """
     contact, matrix, size = problem.first_contact, problem.compliance_matrix, force.size
-    separation, arm_size, magnitude = contact.separation, np.abs(problem.lever_arm), np.abs(force)
-    if isinstance(matrix, ModalCompliance):
-        terms = size + matrix.factor.shape[1] + 6
-    else:
-        terms = size + 4
+    modal = isinstance(matrix, ModalCompliance)
+    # A gap that may be none has |S| <= |C F| + |r theta|, and three times its rounding is within these terms.
+    terms = (size + matrix.factor.shape[1] + 10 if modal else size + 8) * UNIT_ROUNDOFF
+    of_arm = 6.0 * UNIT_ROUNDOFF * abs(elastic_rotation) + contact.error * abs(contact.rotation)
     if isinstance(matrix, OperatorCompliance):
-        terms, sizes = 1, np.full(size, PRODUCT_ROUNDING / UNIT_ROUNDOFF * float(np.abs(deflection).max()))
-    elif not sharp:
-        root = np.sqrt(matrix.diagonal)
-        sizes = float(magnitude @ root) * root
-    elif isinstance(matrix, ModalCompliance):
-        factor = np.abs(matrix.factor)
-        sizes = matrix.local * magnitude + factor @ (magnitude @ factor)
+        of_product = PRODUCT_ROUNDING * float(np.abs(deflection).max())
+        gap_error = of_product + of_arm * float(sizes.lever_arm.max()) + UNDERFLOW
+    elif sharp:
+        bound = terms * _term_sizes(matrix, sizes.force) + of_arm * sizes.lever_arm + UNDERFLOW
+        bound = bound[(force != 0.0) | (gap <= bound)]
+        gap_error = float(bound.max()) if bound.size else 0.0
     else:
-        sizes = np.abs(matrix.dense) @ magnitude
-    gap_error = (terms * UNIT_ROUNDOFF) * sizes
-    gap_error += arm_size * (3.0 * UNIT_ROUNDOFF * abs(elastic_rotation) + contact.error * abs(contact.rotation))
-    separation_size = np.abs(separation)
-    gap_error += 3.0 * UNIT_ROUNDOFF * separation_size + UNDERFLOW
-    work = float(force @ deflection + force @ separation)
-    work_size = float(magnitude @ np.abs(deflection)) + float(magnitude @ separation_size)
-    turned = elastic_rotation * problem.torque
+        gap_error = terms * sizes.roots * sizes.root + of_arm * float(sizes.lever_arm.max()) + UNDERFLOW
+    turned, rounding = elastic_rotation * problem.torque, (size + 4) * UNIT_ROUNDOFF
     return Residuals(
-        deflection,
         gap,
         gap_error,
         float(force @ problem.lever_arm) - problem.torque,
-        (size + 2) * UNIT_ROUNDOFF * float(magnitude @ arm_size),
-        work - turned,
-        float(magnitude @ gap_error) + (size + 4) * UNIT_ROUNDOFF * work_size + 2.0 * UNIT_ROUNDOFF * abs(turned),
+        rounding * sizes.moment,
+        float(force @ deflection) + float(force @ contact.separation) - turned,
+        sizes.total * gap_error + rounding * (sizes.strain + sizes.preload + abs(turned)),
     )
+
+
+def _term_sizes(matrix: ComplianceMatrix, magnitude: Array) -> Array:
+    """|C| |F| of the terms that are summed (n)."""
+    if isinstance(matrix, ModalCompliance):
+        factor = np.abs(matrix.factor)
+        return np.asarray(matrix.local * magnitude + factor @ (magnitude @ factor))
+    return np.asarray(np.abs(matrix.dense) @ magnitude)
 
 
 def exact_residuals(problem: ContactProblem, force: Array, elastic_rotation: float) -> Residuals:
@@ -121,28 +180,37 @@ def exact_residuals(problem: ContactProblem, force: Array, elastic_rotation: flo
     OverflowError, ValueError
         Numbers near 10^300.
     """
-    contact, arm = problem.first_contact, problem.lever_arm
-    angles = (contact.rotation, contact.remainder, elastic_rotation)
-    turned = [dot_terms(arm, np.full(arm.size, -angle)).reshape(2, -1) for angle in angles]
-    rigid = np.concatenate([problem.separation[np.newaxis], *turned]).T.tolist()  # S - r theta as terms (n, 7)
-    deflection, gap = np.empty((2, arm.size))
-    for number, (row, own) in enumerate(zip(_deflection_terms(problem, force), rigid, strict=True)):
-        deflection[number], gap[number] = math.fsum(row), math.fsum([*row, *own])
-    # F'C F + S'F - theta T = F'Y + theta (r'F - T): the first sum is over gaps that are rounded already.
+    arm, turned = problem.lever_arm, dot_terms(problem.lever_arm, np.full(force.size, -elastic_rotation))
+    rigid = np.vstack([*_exact_separation(problem), turned.reshape(2, -1)]).T.tolist()  # S - r theta as terms (n, 4)
+    rows = zip(_deflection_terms(problem, force), rigid, strict=True)
+    gap = np.array([math.fsum([*row, *own]) for row, own in rows])
     imbalance = math.fsum([*dot_terms(force, arm), -problem.torque])
-    gap_error = UNIT_ROUNDOFF * np.abs(gap) + UNDERFLOW
-    gap_error += np.abs(arm) * (contact.error * abs(contact.rotation))
-    shift = elastic_rotation * imbalance
-    surplus = math.fsum(dot_terms(force, gap)) + shift
-    return Residuals(
-        deflection,
-        gap,
-        gap_error,
-        imbalance,
-        UNIT_ROUNDOFF * abs(imbalance),
-        surplus,
-        float(np.abs(force) @ gap_error) + 4.0 * UNIT_ROUNDOFF * (abs(surplus) + abs(shift)),
-    )
+    bound = exact_gap_error(problem, gap)
+    bound = np.where((force != 0.0) | (gap <= bound), bound, 0.0)
+    # F'C F + S'F - theta T = F'Y + theta (r'F - T), the gaps being rounded already.
+    of_gaps, of_balance = math.fsum(dot_terms(force, gap)), elastic_rotation * imbalance
+    rounding = float(np.abs(force) @ bound) + 4.0 * UNIT_ROUNDOFF * (abs(of_gaps) + abs(of_balance))
+    largest = float(bound.max())
+    return Residuals(gap, largest, imbalance, UNIT_ROUNDOFF * abs(imbalance), of_gaps + of_balance, rounding)
+
+
+def exact_gap_error(problem: ContactProblem, gap: Array) -> Array:
+    """Return the bound of the error (n) of the gaps of `exact_residuals`."""
+    return UNIT_ROUNDOFF * np.abs(gap) + ERROR_FREE * np.abs(problem.separation_at_first_contact) + UNDERFLOW
+
+
+def _exact_separation(problem: ContactProblem) -> tuple[Array, Array]:
+    """S - r S_f / r_f to twice the digits of a double: rounded, and what this lacks (n), see ``first_contact``."""
+    first = problem.first_contact.segment
+    own, lever = float(problem.separation[first]), float(problem.lever_arm[first])
+    scale = math.ldexp(1.0, -math.frexp(lever)[1])
+    size, lever = problem.size, lever * scale
+    products = np.concatenate([
+        dot_terms(problem.separation, np.full(size, lever)), dot_terms(problem.lever_arm * scale, np.full(size, -own)),
+    ]).reshape(4, -1).T  # fmt: skip
+    rounded = np.array([math.fsum(row) for row in products]) / lever
+    left = np.column_stack([products, dot_terms(rounded, np.full(size, -lever)).reshape(2, -1).T])
+    return rounded, np.array([math.fsum(row) for row in left]) / lever
 
 
 def _deflection_terms(problem: ContactProblem, force: Array) -> Iterator[list[float]]:

@@ -10,11 +10,13 @@ F_P = (theta r_P - S_P - U_P c) / d_P. What is left is small: the amplitudes, th
 
 (the Woodbury identity with two borders). It costs O(a m^2) for a active segments and m modes. Digits lost where d is
 small come back by iterative refinement, whose residual takes O(n m). Where more segments without local compliance touch
-than there are modes, this matrix is singular: then the block C_AA of the active segments is factored instead.
+than there are modes, this matrix is singular: then the block C_AA of the active segments is factored instead, as it is
+where few segments touch.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,8 +34,10 @@ SMALLEST_LOCAL_FRACTION = 1e-4
 REFINEMENTS, SHIFTED_REFINEMENTS = 2, 8
 #: Gap of a touching segment, relative to the largest term of the gaps, beyond which a system counts as singular.
 RESIDUAL_LIMIT = 1e-12
-#: Touching segments up to which their block of C is formed.
-LARGEST_BLOCK = 4000
+#: Touching segments up to which their block of C is formed first, and up to which it is formed at all.
+SMALL_BLOCK, LARGEST_BLOCK = 150, 4000
+#: Segments up to which modes are not compressed: that costs more than it saves.
+SMALL_PROBLEM = 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +51,7 @@ class ModalProblem:
     local
         d, (n).
     modes
-        U with weight one, compressed (n, m).
+        U, compressed where there are many segments (n, m).
     rigid
         Segments whose local compliance is not divided by (n).
     """
@@ -64,7 +68,9 @@ class ModalProblem:
         if modal is None:
             return None
         rigid = ~(modal.diagonal > SMALLEST_LOCAL_FRACTION * modal.whole_diagonal)
-        return cls(problem, modal.diagonal, modal.basis.factor, rigid)
+        small = modal.diagonal.size <= SMALL_PROBLEM
+        modes = math.sqrt(modal.weight) * modal.factor if small else modal.basis.factor
+        return cls(problem, modal.diagonal, modes, rigid)
 
     def gap(self, force: Array, rotation: float) -> Array:
         """Return C F + S - r theta, (n)."""
@@ -190,9 +196,10 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Moda
         None where no factor gives a solution, or the block of that many segments without local compliance is too large.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        point = _refined(modal, index, _BorderedSystem(modal, index), REFINEMENTS)
-        if _is_solved(point) or index.size > LARGEST_BLOCK:
-            return point
+        if index.size > SMALL_BLOCK:
+            point = _refined(modal, index, _BorderedSystem(modal, index), REFINEMENTS)
+            if _is_solved(point) or index.size > LARGEST_BLOCK:
+                return point
         block = _BlockSystem(modal, index)
         return _refined(modal, index, block, SHIFTED_REFINEMENTS if block.is_shifted else REFINEMENTS)
 

@@ -46,9 +46,9 @@ class PolishRule:
     roughest: float = math.inf
 
 
-#: Polish in a comparison: the active set was right or it was not, and the answer was at least roughly right. Without the
-#: second condition whoever says that every segment touches would be right wherever that is so.
-STRICT_POLISH = PolishRule(exchanges=0, roughest=1e-2)
+#: Polish in a comparison: the active set was right or it was not, and the answer was at least roughly right. Without
+#: the second condition whoever says that every segment touches would be right wherever that is so.
+STRICT_POLISH = PolishRule(exchanges=0, roughest=1e-3)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

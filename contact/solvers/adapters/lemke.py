@@ -12,8 +12,10 @@ at n = 400, two seconds at n = 1000. Conry and Seireg (1971) solved the contact 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any, Literal
 
 import numpy as np
@@ -44,19 +46,20 @@ class LemkeResult:
     pivots
         Number of pivots.
     ended
-        ``"solved"``, ``"ray"`` (there is no solution, if M is positive semidefinite) or ``"pivot limit"``.
+        ``"solved"``, ``"ray"`` (there is no solution, if M is positive semidefinite), ``"pivot limit"`` or
+        ``"time limit"``.
     """
 
     z: NDArray[np.float64]
     pivots: int
-    ended: Literal["solved", "ray", "pivot limit"]
+    ended: Literal["solved", "ray", "pivot limit", "time limit"]
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
-    """Solve the scaled problem; the only setting is ``max_pivots``."""
-    unknown = sorted(set(settings) - {"max_pivots"})
+    """Solve the scaled problem; the settings are ``max_pivots`` and ``time_limit`` [s]."""
+    unknown = sorted(set(settings) - {"max_pivots", "time_limit"})
     if unknown:
-        raise InputError(f"settings = {', '.join(unknown)}: must be max_pivots, the only one of lemke")
+        raise InputError(f"settings = {', '.join(unknown)}: must be max_pivots or time_limit, the settings of lemke")
     size = problem.separation.size
     if size > LARGEST_PIVOTING:
         raise InputError(f"size = {size}: must be at most {LARGEST_PIVOTING} segments for lemke")
@@ -66,13 +69,17 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
         raise NoAnswerError("ended on a ray: no forces satisfy all conditions", Status.UNBOUNDED)
     if result.ended == "pivot limit":
         raise NoAnswerError(f"not at the end after {result.pivots} pivots", Status.NOT_CONVERGED)
+    if result.ended == "time limit":
+        raise NoAnswerError(f"time limit met after {result.pivots} pivots", Status.TIME_LIMIT)
     force, rotation = forces_and_rotation(problem, eliminated, result.z)
     gap = matrix @ result.z + vector  # w, in which the eliminated segment has its force
     gap[eliminated] = result.z[eliminated]
     return ScaledAnswer(force, rotation, result.pivots, "solved", gap=gap)
 
 
-def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int = 10_000) -> LemkeResult:
+def lemke(
+    matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int = 10_000, time_limit: float = math.inf
+) -> LemkeResult:
     """Solve w = M z + q >= 0, z >= 0, w'z = 0.
 
     Parameters
@@ -83,8 +90,10 @@ def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: 
         q (n).
     max_pivots
         Pivots before giving up.
+    time_limit
+        Wall time before giving up [s].
     """
-    size = vector.size
+    size, start = vector.size, perf_counter()
     if vector.min() >= 0.0:
         return LemkeResult(np.zeros(size), 0, "solved")
     # Columns: w (they hold the inverse basis), z, z0, right side.
@@ -95,6 +104,8 @@ def lemke(matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: 
     row = int(np.flatnonzero(vector <= vector.min())[-1])
     entering = artificial
     for pivots in range(1, max_pivots + 1):
+        if perf_counter() - start >= time_limit:
+            return LemkeResult(np.full(size, np.nan), pivots - 1, "time limit")
         leaving = int(basis[row])
         _pivot(tableau, row, entering)
         basis[row] = entering

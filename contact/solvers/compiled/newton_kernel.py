@@ -693,7 +693,7 @@ def _certificate(
     terms, shift_error = known
     elastic = numbers[ELASTIC]
     total = moment = size_of_moment = strain = work = preload = rooted = 0.0
-    largest, least_force, far = 0.0, np.inf, 0.0
+    largest, least_force, far, softest, longest = 0.0, np.inf, 0.0, 0.0, 0.0
     finite = math.isfinite(numbers[ROTATION])
     for i in range(force.size):
         own = abs(force[i])
@@ -708,37 +708,36 @@ def _certificate(
         largest = max(largest, own)
         least_force = min(least_force, force[i])
         far = max(far, abs(shifted[i]))
+        softest, longest = max(softest, whole[i]), max(longest, abs(arm[i]))
         finite = finite and math.isfinite(gap[i]) and math.isfinite(force[i])
     if not finite:
         numbers[EQUILIBRIUM : CANCELLATION + 1] = np.inf
         return
     scale, cancellation = 0.0, 1.0
     if total > 0.0:
-        uncancelled = rooted * rooted / total
-        scale = max(strain / total, CANCELLATION_FLOOR * uncancelled)
-        if scale > 0.0:
-            cancellation = uncancelled / (strain / total)
+        mean, uncancelled = strain / total, rooted * rooted / total
+        if max(mean, uncancelled) > 0.0:
+            uncancelled = max(uncancelled, preload / total, abs(elastic) * size_of_moment / total)
+            scale, cancellation = max(mean, CANCELLATION_FLOOR * uncancelled), max(uncancelled / mean, 1.0)
     if not scale > 0.0:
         scale = far if far > 0.0 else 1.0
-    penetration, shared, unknown, sum_unknown = 0.0, 0.0, 0.0, 0.0
-    of_sums, of_arm = terms * UNIT_ROUNDOFF * rooted, 3.0 * UNIT_ROUNDOFF * abs(elastic) + shift_error
+    penetration, shared = 0.0, 0.0
     for i in range(force.size):
-        error = of_sums * math.sqrt(whole[i]) + of_arm * abs(arm[i]) + 3.0 * UNIT_ROUNDOFF * abs(shifted[i]) + UNDERFLOW
         penetration = max(penetration, -gap[i])
         shared = max(shared, min(force[i] / largest if largest > 0.0 else force[i], gap[i] / scale))
-        sum_unknown += abs(force[i]) * error
-        if force[i] != 0.0 or gap[i] <= error:
-            unknown = max(unknown, error)
     moment_scale, energy_scale = max(torque, CANCELLATION_FLOOR * size_of_moment), total * scale + preload
     numbers[EQUILIBRIUM] = _relative(abs(moment - torque), moment_scale)
     numbers[NEGATIVE_FORCE] = _relative(max(-least_force, 0.0), largest)
     numbers[NEGATIVE_GAP] = penetration / scale
     numbers[COMPLEMENTARITY] = shared
     numbers[DUALITY] = _relative(abs(work - elastic * torque), energy_scale)
-    count = force.size + 4
-    of_work = sum_unknown + count * UNIT_ROUNDOFF * (strain + preload) + 2.0 * UNIT_ROUNDOFF * abs(elastic * torque)
-    resolution = max(unknown / scale, _relative(count * UNIT_ROUNDOFF * size_of_moment, moment_scale))
-    numbers[RESOLUTION] = max(resolution, of_work / energy_scale if total > 0.0 else 0.0)
+    # Rounding: see ``residuals.rounded_residuals``.
+    unknown = terms * UNIT_ROUNDOFF * rooted * math.sqrt(softest) + UNDERFLOW
+    unknown += (6.0 * UNIT_ROUNDOFF * abs(elastic) + shift_error) * longest
+    rounding = (force.size + 4) * UNIT_ROUNDOFF
+    of_work = total * unknown + rounding * (strain + preload + abs(elastic * torque))
+    resolution = max(unknown / scale, _relative(rounding * size_of_moment, moment_scale))
+    numbers[RESOLUTION] = max(resolution, _relative(of_work, energy_scale) if total > 0.0 else 0.0)
     numbers[CANCELLATION] = max(cancellation, size_of_moment / torque if torque > 0.0 else 1.0)
 
 
@@ -918,5 +917,5 @@ def solve_batch(
         numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + (remainder + rotation), rotation
         for i in range(size):
             gaps[i] = pull[i] + shifted[i] - rotation * arm[i]
-        known = (size + wide + 6.0, shift_error * abs(first_contact))
+        known = (size + wide + 10.0, shift_error * abs(first_contact))
         _certificate(forces, pull, gaps, shifted, arm, lever, torque[b], known, numbers[b])

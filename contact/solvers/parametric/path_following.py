@@ -224,7 +224,9 @@ def _sought(problem: ContactProblem, torque: float) -> _Point | None:
     for step in STEPS_BEYOND:
         solution = solve(problem.with_torque(torque * (1.0 + step)))
         if solution.certified and problem.lever_arm[solution.active].any():
-            point = _Point(problem, touching_system(problem.compliance_matrix, problem.lever_arm, solution.active), torque)
+            point = _Point(
+                problem, touching_system(problem.compliance_matrix, problem.lever_arm, solution.active), torque
+            )
             if point.holds():
                 return point
     return None

@@ -107,7 +107,9 @@ class TorquePath:
         low, high = self.covered
         if not low <= given <= high:
             reason = f"; {self.message}" if self.message else ""
-            raise InputError(f"torque = {given:g}: must be from {low:g} to {high:g} N mm, where the path is known{reason}")
+            raise InputError(
+                f"torque = {given:g}: must be from {low:g} to {high:g} N mm, where the path is known{reason}"
+            )
         piece = self._pieces[max(bisect_right(self._torques, given) - 1, 0)]
         answer = piece.answer(self.problem, given)
         solution = judged("native", answer, tolerance=EXACT_TOLERANCE, iterations=0, method=METHOD, message=METHOD)
@@ -186,7 +188,9 @@ def torque_path(problem: ContactProblem, start: float, end: float) -> TorquePath
     >>> torque_path(bed, 4e5, 2e5).enters.tolist()
     [False]
     """
-    first, last = (float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end)))
+    first, last = (
+        float(array(name, value, "N mm", ndim=0, least=0.0)) for name, value in (("start", start), ("end", end))
+    )
     if not problem.is_positive_semidefinite:
         raise InputError("compliance: must be positive semidefinite")
     found = follow(problem, min(first, last), max(first, last))

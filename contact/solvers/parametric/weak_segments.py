@@ -27,7 +27,9 @@ Mask = NDArray[np.bool_]
 SMALLEST_CHANGE = 1e-12
 
 
-def loaded_and_weak(force: Array, gap: Array, force_scale: float, gap_scale: float, tolerance: float) -> tuple[Mask, Mask]:
+def loaded_and_weak(
+    force: Array, gap: Array, force_scale: float, gap_scale: float, tolerance: float
+) -> tuple[Mask, Mask]:
     """Return which segments carry load and which neither carry load nor are open, (n) each.
 
     Parameters

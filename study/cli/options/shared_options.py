@@ -229,6 +229,11 @@ def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Pat
     return paths
 
 
+def tolerances(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[float]:
+    """Tolerances of a sweep; none if it is not wanted."""
+    return [] if text is None else number_list(text, "tolerances separated by commas, such as 1e-3,1e-6,1e-9")
+
+
 def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:
     """Numbers separated by commas, or FROM:TO:COUNT, evenly spaced."""
     if text is None:
