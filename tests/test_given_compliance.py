@@ -14,6 +14,7 @@ from easeoff.contact import (
     ContactProblem,
     ModalBasis,
     OperatorCompliance,
+    Status,
     certify,
     dual_qp,
     lcp,
@@ -159,16 +160,31 @@ def test_what_needs_the_matrix_says_so() -> None:
         lambda: lifted_qp(problem),
         lambda: write_problems([problem], "nowhere.nc"),
         lambda: write_npz(problem, "nowhere.npz"),
-        lambda: solve(problem),
-        lambda: solve(problem, "native"),
+        lambda: solve(problem, method="primal_active_set"),
         lambda: solve(problem, "clarabel"),
         lambda: solve(problem, "lemke"),
-        lambda: solve_many([problem]),
-        lambda: solve_many(problem, torque=[1.0, 2.0]),
     ]
     for call in calls:
         with pytest.raises(InputError, match="LinearOperator"):
             call()
+
+
+def test_native_solver_takes_products_and_says_what_it_assumes() -> None:
+    problem, reference = with_compliance(operator(STRUCTURED)), solve(STRUCTURED)
+    solution = solve(problem)
+    assert solution.certified
+    assert "positive semidefinite is assumed" in solution.message
+    assert np.abs(solution.force - reference.force).max() < 1e-8 * reference.force.max()
+    assert solution.energy == pytest.approx(reference.energy, rel=1e-9)
+    assert solution.conditioning.unique is None
+    assert solve_many([problem])[0].certified
+    assert solve_many(problem, torque=[problem.torque, 2.0 * problem.torque]).certified.all()
+    needed = solution.iterations
+    assert solve(problem, max_iterations=needed).certified
+    assert solve(problem, max_iterations=needed - 1).status is Status.NOT_CONVERGED
+    assert solve(problem, time_limit=0.0).status is Status.TIME_LIMIT
+    indefinite = OperatorCompliance(aslinearoperator(-STRUCTURED.dense_compliance), STRUCTURED.compliance_diagonal)
+    assert solve(with_compliance(indefinite)).status is Status.NOT_POSITIVE_SEMIDEFINITE
 
 
 def test_products_that_no_contact_has_are_refused() -> None:

@@ -117,10 +117,10 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
         An unknown form, or one that the backend or the problem cannot have.
     """
     one_of("form", form, ("auto", "dense", "lifted"))
-    if not problem.has_matrix:
+    if not problem.has_matrix and name != "native":
         raise InputError(
-            f"compliance = LinearOperator: must be a matrix for {name}; a solver of your own that declares the form "
-            "'products' takes it, and operator @ numpy.eye(n) forms the matrix"
+            f"compliance = LinearOperator: must be a matrix for {name}; native takes it, and a solver of your own that "
+            "declares the form 'products'; operator @ numpy.eye(n) forms the matrix"
         )
     least = SOLVERS[name].lifted_from
     if form == "lifted":

@@ -21,6 +21,8 @@ from .solution import RAISED, SOLVED, CallTimes, ContactSolution, Status, course
 from .solver_limits import Limits
 from .solver_table import SOLVERS
 
+#: What is said of a compliance that is known by its products alone.
+ASSUMED = "that the compliance is positive semidefinite is assumed, products cannot prove it"
 #: Polish of `solve`, and no limits.
 DEFAULT_POLISH, NO_LIMITS = PolishRule(), Limits()
 #: Function that calls a backend: takes the scaled problem and the settings of the backend.
@@ -123,7 +125,7 @@ def backend_solution(
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
     if not scaled.has_matrix and solution.certified:
-        message += "; that the compliance is positive semidefinite is assumed, products cannot prove it"
+        message += f"; {ASSUMED}"
     return replace(solution, message=message, run_time=perf_counter() - start)
 
 

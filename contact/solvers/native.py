@@ -54,6 +54,7 @@ METHOD_WORDS = {
     "modal": "Newton's method in the space of the modes",
     "primal_dual_active_set": "primal-dual active set",
     "primal_active_set": "primal active set",
+    "projected_conjugate_gradients": "projected conjugate gradients",
 }
 #: Number of segments up to which the dense active set is faster than the modal method, whether or not the modes have to
 #: be compressed first.

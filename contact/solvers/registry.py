@@ -21,7 +21,7 @@ from ..problem.proof.unboundedness import is_unbounded
 from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
-from .backend_solution import DEFAULT_POLISH, Adapter, adapter_of, backend_solution
+from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
 from .declared.solver_declaration import Solver
 from .declared.solver_lookup import SolverChoice, declared_solver, entry_point_names
@@ -278,13 +278,13 @@ def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
         if best.certificate.worst <= min(ROUNDING_LEVEL, limits.exact_tolerance) and best.certified:
             break
     if best is not None and best.certified:
-        return best
+        return best if scaled.has_matrix else replace(best, message=f"{best.message}; {ASSUMED}")
     met = None if budget is None else budget.met
     if met is not None:
         limit = f"time limit of {limits.time_limit:g} s" if met is Status.TIME_LIMIT else "step limit"
         limit += f" of {limits.max_iterations}" if met is Status.NOT_CONVERGED else ""
         return _no_native_solution(problem, met, f"ended at the {limit}", best)
-    if is_unbounded(problem):
+    if scaled.has_matrix and is_unbounded(problem):
         reason = "segments without compliance penetrate at every rotation, no force can part them"
         return _no_native_solution(problem, Status.UNBOUNDED, reason, best)
     if best is None:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...problem.scaled_problem import ScaledProblem
 from ..scaled_answer import ScaledAnswer
 from ..solution import Status
+from ..solver_limits import StepBudget
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -31,7 +32,9 @@ STEP_LIMIT_FACTOR, LEAST_STEP_LIMIT = 20.0, 2000
 RENEWAL_INTERVAL = 50
 
 
-def projected_conjugate_gradients(problem: ScaledProblem, active: Mask) -> ScaledAnswer | None:
+def projected_conjugate_gradients(
+    problem: ScaledProblem, active: Mask, budget: StepBudget | None = None
+) -> ScaledAnswer | None:
     """Solve a scaled contact problem by products with its compliance.
 
     Parameters
@@ -40,6 +43,8 @@ def projected_conjugate_gradients(problem: ScaledProblem, active: Mask) -> Scale
         The scaled problem.
     active
         Segments assumed in contact (n).
+    budget
+        Limits of the whole solve.
 
     Returns
     -------
@@ -70,6 +75,9 @@ def projected_conjugate_gradients(problem: ScaledProblem, active: Mask) -> Scale
             if _settled(gap, loaded, scale):
                 message, suspicion = "converged", None
                 break
+        if budget is not None and not budget.step():
+            message, suspicion = "ended at a limit", budget.met or Status.NOT_CONVERGED
+            break
         free = loaded | (gap < -GAP_TOLERANCE * scale)
         gradient = np.where(free, gap, 0.0)
         own = np.where(free, arm, 0.0)
