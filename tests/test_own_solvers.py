@@ -111,7 +111,7 @@ def test_bare_function_gets_the_scaled_dense_programme() -> None:
         return by_daqp(problem)
 
     assert_right(solve(PROBLEM, watch))
-    expected = PROBLEM.as_qp()
+    expected: Any = PROBLEM.as_qp()
     assert np.array_equal(seen[0].P, expected.P)
     assert np.array_equal(seen[0].q, expected.q)
     assert np.array_equal(seen[0].A, expected.A)
@@ -207,7 +207,7 @@ def unfit(value: Any) -> Callable[..., Any]:
         (lambda p: np.ones(3), Status.SOLVER_FAILED, "shape (3,): must have (36,)"),
         (lambda p: np.ones((6, 6)), Status.SOLVER_FAILED, "shape (6, 6)"),
         (lambda p: np.ones(p.q.size) * 1j, Status.SOLVER_FAILED, "complex128: must be floats"),
-        (lambda p: np.ma.masked_all(p.q.size), Status.SOLVER_FAILED, "must be floats"),
+        (lambda p: np.ma.array(p.q, mask=p.q > 0.0), Status.SOLVER_FAILED, "must be floats"),
         (lambda p: (1.0, 2.0, 3.0), Status.SOLVER_FAILED, "3 values"),
         (unfit(None), Status.SOLVER_FAILED, "no answer"),
         (unfit("solved"), Status.SOLVER_FAILED, "must be floats"),
@@ -284,8 +284,9 @@ def test_what_the_function_does_not_take_is_refused() -> None:
         return by_daqp(problem)
 
     for keyword in ("time_limit", "max_iterations", "rho"):
+        given: dict[str, Any] = {keyword: 1}
         with pytest.raises(InputError, match=rf"^{keyword} = 1: must not be given, .*plain takes no such keyword"):
-            solve(PROBLEM, plain, **{keyword: 1})
+            solve(PROBLEM, plain, **given)
     assert solve(PROBLEM, plain, tolerance=1e-5, polish=False).tolerance == 1e-5
 
 
@@ -422,9 +423,9 @@ def test_two_distributions_with_one_name_are_told_apart(installed: Path) -> None
 
 def test_line_contacts_are_solved_by_a_function() -> None:
     steel = Material(206000.0, 0.3)
-    sizes = [np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)]
+    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
     data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
-    contact = WeberLineContact(*sizes, steel, steel)
+    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
     reference, _ = solve_line_contact(*data, contact)
     found, _ = solve_line_contact(*data, contact, by_daqp)
     assert found.force == pytest.approx(reference.force, rel=1e-9)

@@ -111,7 +111,8 @@ class Solver:
         function: Any = self.function
         if not callable(function):
             raise InputError(f"function = {shown(function)}: must be callable with a problem")
-        forms = (self.forms,) if isinstance(self.forms, str) else tuple(self.forms)
+        given: Any = self.forms
+        forms = (given,) if isinstance(given, str) else tuple(given)
         if not forms:
             raise InputError(f"forms = (): must be at least one of {', '.join(DECLARED_FORMS)}")
         for form in forms:
