@@ -29,6 +29,7 @@ from easeoff.contact import (
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.solvers.adapters.lemke import lemke
+from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.study.cli import main
 from easeoff.verification import problems
@@ -485,3 +486,23 @@ def test_commands_take_solvers_of_ones_own(installed: Path, monkeypatch: pytest.
         said = CliRunner().invoke(main, ["run", "nasa-12x36", "--solver", name, "-o", "out.nc"])
         assert said.exit_code == 2
         assert name in said.output
+
+
+@pytest.mark.parametrize(
+    ("function", "form"), [(by_daqp, "dense"), (by_daqp, "lifted"), (by_lemke, "lcp"), (by_daqp, "sparse")]
+)
+def test_problem_in_mm_and_newtons_is_given_in_every_form(function: Callable[..., Any], form: str) -> None:
+    solver = Solver("mine", function, forms=(form,), tolerance=1e-6)
+    solution = backend_solution(PROBLEM, "mine", solver, {}, raw=True, polish=None)
+    assert_right(solution, 1e-6)
+    assert solution.method == form
+
+
+def test_exception_is_a_status_with_settings_of_ones_own_too() -> None:
+    def fails(problem: Any, rho: float) -> Any:
+        raise ValueError(f"rho = {rho} is too much")
+
+    solution = solve(PROBLEM, fails, rho=3.0)
+    assert solution.status is Status.SOLVER_FAILED
+    assert "ValueError: rho = 3.0 is too much" in solution.message
+    assert solution.claim == "raised"

@@ -262,7 +262,7 @@ def _solve_backend(request: _Request, name: str, declared: Solver | None) -> Con
         {**keywords, **start},
         form=request.form,
         polish=DEFAULT_POLISH if request.polish else None,
-        own=tuple(settings),
+        own=tuple(settings) if declared is None else (),  # what a function of one's own takes is known already
         limits=limits,
     )
 
