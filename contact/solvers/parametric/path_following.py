@@ -212,7 +212,8 @@ def _beyond(problem: ContactProblem, point: _Point, vanishing: NDArray[np.intp],
 def _resolved(problem: ContactProblem, loaded: Mask, weak: Mask, torque: float) -> _Point | None:
     """The point where the weak segments are told apart by the direction of a rising torque."""
     matrix, arm = problem.compliance_matrix, problem.lever_arm
-    system = system_in_direction(matrix, arm, loaded, weak, np.zeros(problem.size), 1.0)
+    nothing = np.zeros(problem.size)
+    system = system_in_direction(matrix, arm, loaded, weak, nothing, 1.0, lambda first: solve(first).answer)
     if system is None or not arm[system.active].any():
         return None
     point = _Point(problem, system, torque)
