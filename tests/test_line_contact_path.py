@@ -53,7 +53,7 @@ class Springs:
 
 
 def steel_line(length: Array, radius: float) -> WeberLineContact:
-    return WeberLineContact(length, *(np.array(value) for value in (radius, 3.0, 4.0)), STEEL, STEEL)
+    return WeberLineContact(length, np.array(radius), np.array(3.0), np.array(4.0), STEEL, STEEL)
 
 
 def line_of_contact(size: int = 15) -> tuple[ContactProblem, WeberLineContact]:

@@ -28,7 +28,7 @@ from easeoff.contact import (
 )
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-from easeoff.contact.solvers.adapters.lemke import lemke
+from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.study.cli import main

@@ -279,3 +279,13 @@ def test_mistakes_are_named() -> None:
         sensitivity(dense(problem), solve(dense(problem))).forward(factor=np.zeros((problem.size, 1)))
     with pytest.raises(InputError, match="active: must be the loaded segments"):
         slope.adjoint(rotation=1.0, active=np.zeros(problem.size, dtype=bool))
+
+
+def test_solution_knows_its_own_derivatives() -> None:
+    problem = next(problems("realistic", 1))
+    solution = solve(problem)
+    own, other = solution.sensitivity().adjoint(rotation=1.0), sensitivity(problem, solution).adjoint(rotation=1.0)
+    np.testing.assert_array_equal(own.separation, other.separation)
+    refused = solve(ContactProblem([0.0, 0.0], [1.0, 1.0], 1.0, np.array([[1.0, 2.0], [2.0, 1.0]])))
+    with pytest.raises(InputError, match="must be certified"):
+        refused.sensitivity()

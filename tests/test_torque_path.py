@@ -7,8 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from easeoff import InputError
-from easeoff.contact import ContactProblem, Status, TorquePath, solve, torque_path
+from easeoff.contact import ContactProblem, ContactSolution, Status, TorquePath, solve, torque_path
 from easeoff.contact.solvers.parametric import dense_touching, modal_touching, path_following, touching_form
+from easeoff.contact.solvers.solution import no_solution
 from easeoff.study.library import entries, generate
 from easeoff.verification import PROBLEM_CLASSES, problems
 
@@ -208,6 +209,22 @@ def test_set_is_sought_beyond_an_event_that_leaves_it_open(step: float, monkeypa
     assert path.certified == (step < 1e-6)
     assert path.certified or "cannot be told" in path.message
     np.testing.assert_allclose(path.torque, whole.torque[: path.torque.size], rtol=1e-12)
+    assert differences(path, torques_of(path))[0] <= 1e-12
+
+
+def test_path_begins_without_a_torque_where_the_start_has_no_solution(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = next(problems("realistic", 1, seed=1))
+    wanted = torque_path(problem, 1e5, 5e5)
+
+    def failing(given: ContactProblem) -> ContactSolution:
+        return no_solution(given.size, Status.SOLVER_FAILED, "native") if given.torque == 1e5 else solve(given)
+
+    monkeypatch.setattr(path_following, "solve", failing)
+    path = torque_path(problem, 1e5, 5e5)
+    assert path.certified
+    assert path.covered == (1e5, 5e5)
+    np.testing.assert_array_equal(path.segment, wanted.segment)
+    np.testing.assert_allclose(path.torque, wanted.torque, rtol=1e-12)
     assert differences(path, torques_of(path))[0] <= 1e-12
 
 

@@ -11,8 +11,8 @@ from ...core.errors import InputError
 from ..problem.certificate import certify
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
+from ..solvers.parametric.answer_sensitivity import DEGENERACY_TOLERANCE, tangent_answer_sensitivity
 from ..solvers.parametric.sensitivity import Sensitivity
-from ..solvers.parametric.solution_sensitivity import DEGENERACY_TOLERANCE, sensitivity_of
 from .line_contact_newton import LineContact
 
 
@@ -78,4 +78,4 @@ def tangent_sensitivity(
     force = solution.force
     tangent = bending.compliance_matrix.with_added(line_contact.tangent(force))
     deflection = bending.deflection(force) + line_contact.deflection(force)
-    return sensitivity_of(bending, solution, tangent, deflection, tolerance)
+    return tangent_answer_sensitivity(bending, solution.answer, tangent, deflection, tolerance)

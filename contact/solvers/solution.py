@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.errors import InputError
 from ...core.stored_status import StoredStatus
 from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
 from ..problem.contact_problem import ContactProblem
 from ..problem.proof.conditioning import Conditioning, conditioning, unknown_conditioning
+
+if TYPE_CHECKING:
+    from .parametric.sensitivity import Sensitivity
 
 Array = NDArray[np.float64]
 
@@ -166,6 +171,30 @@ class ContactSolution:
         if self.problem is None or not self.certified:
             return math.nan
         return 0.5 * float(self.force @ self.problem.deflection(self.force))
+
+    def sensitivity(self) -> Sensitivity:
+        """Return the derivatives of the solution by the data of its problem; see `easeoff.contact.sensitivity`.
+
+        Of a solution with load-dependent line contact these are the derivatives of the linear problem with the secant
+        compliance; `easeoff.contact.line_contact_sensitivity` has those of the problem itself.
+
+        Raises
+        ------
+        InputError
+            The solution is not certified.
+
+        Examples
+        --------
+        >>> from easeoff.contact import ContactProblem, solve
+        >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
+        >>> solution.sensitivity().forward(torque=80.0).force.round(9).tolist()
+        [1.0, 1.0]
+        """
+        from .parametric.answer_sensitivity import answer_sensitivity  # most solutions are not differentiated
+
+        if self.problem is None or not self.certified:
+            raise InputError(f"solution = {self.status.name.lower()}: must be certified to have derivatives")
+        return answer_sensitivity(self.problem, self.answer)
 
     @property
     def certificate(self) -> Certificate:

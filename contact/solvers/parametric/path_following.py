@@ -8,7 +8,7 @@ taken only if the piece that belongs to it reaches back to the event.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,11 @@ class PathPiece:
     force_rate: Array
     rotation: float
     rotation_rate: float
+
+    def begun_at(self, torque: float) -> PathPiece:
+        """Return the rest of the piece from a torque on [N mm]."""
+        force, turn = (torque - self.torque) * self.force_rate, (torque - self.torque) * self.rotation_rate
+        return replace(self, torque=torque, force=self.force + force, rotation=self.rotation + turn)
 
     def answer(self, problem: ContactProblem, torque: float) -> Answer:
         """Return the answer at a torque [N mm], with its certificate."""
@@ -134,7 +139,20 @@ class _Point:
 
 
 def follow(problem: ContactProblem, low: float, high: float) -> FollowedPath:
-    """Follow the solution from one torque to a higher one [N mm]."""
+    """Follow the solution from one torque to a higher one [N mm]; from zero on, where the first has no solution."""
+    path = _followed(problem, low, high)
+    if path.pieces or low == 0.0:
+        return path
+    whole = _followed(problem, 0.0, high)
+    if not whole.pieces or whole.reached < low:
+        return path
+    whole.changes = [change for change in whole.changes if change[0] > low]
+    *_, first = (piece for piece in whole.pieces if piece.torque <= low)
+    whole.pieces = [first.begun_at(low), *(piece for piece in whole.pieces if piece.torque > low)]
+    return whole
+
+
+def _followed(problem: ContactProblem, low: float, high: float) -> FollowedPath:
     path = FollowedPath(reached=low)
     point = _first(problem, low, high, path)
     patience = MAX_EVENTS_PER_SEGMENT * problem.size
@@ -212,7 +230,8 @@ def _beyond(problem: ContactProblem, point: _Point, vanishing: NDArray[np.intp],
 def _resolved(problem: ContactProblem, loaded: Mask, weak: Mask, torque: float) -> _Point | None:
     """The point where the weak segments are told apart by the direction of a rising torque."""
     matrix, arm = problem.compliance_matrix, problem.lever_arm
-    system = system_in_direction(matrix, arm, loaded, weak, np.zeros(problem.size), 1.0)
+    nothing = np.zeros(problem.size)
+    system = system_in_direction(matrix, arm, loaded, weak, nothing, 1.0, lambda first: solve(first).answer)
     if system is None or not arm[system.active].any():
         return None
     point = _Point(problem, system, torque)

@@ -1,24 +1,13 @@
-"""Sensitivity of a certified solution: which segments are loaded, which are weak, and the compliance it has there."""
+"""Sensitivity of a certified solution of any solver."""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ....core.errors import InputError
 from ...problem.certificate import certify
-from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
 from ..solution import ContactSolution
+from .answer_sensitivity import DEGENERACY_TOLERANCE, answer_sensitivity
 from .sensitivity import Sensitivity
-from .weak_segments import dependent_segments, loaded_and_weak
-
-Array = NDArray[np.float64]
-
-#: A force and a gap that are both below this part of their scales count as none.
-DEGENERACY_TOLERANCE = 1e-10
-#: Deflection, relative to what the most compliant segment has under the largest force, that is taken for rounding.
-RIGID_FRACTION = 1e-12
 
 
 def sensitivity(
@@ -60,43 +49,9 @@ def sensitivity(
     >>> bool(np.isclose(gradient.torque, slope.forward(torque=1.0).force[0])), gradient.compliance.shape
     (True, (3, 3))
     """
-    _require_solution(problem, solution)
-    deflection = problem.deflection(solution.force)
-    return sensitivity_of(problem, solution, problem.compliance_matrix, deflection, tolerance)
-
-
-def sensitivity_of(
-    problem: ContactProblem,
-    solution: ContactSolution,
-    tangent: ComplianceMatrix,
-    deflection: Array,
-    tolerance: float = DEGENERACY_TOLERANCE,
-) -> Sensitivity:
-    """Return the derivatives where the compliance depends on the load.
-
-    Parameters
-    ----------
-    problem, solution, tolerance
-        As of `sensitivity`.
-    tangent
-        Derivative of the deflections by the forces [mm/N].
-    deflection
-        Deflections under the forces of the solution (n) [mm].
-    """
-    force, gap = solution.force, solution.gap
-    scale = abs(solution.elastic_rotation) * float(np.abs(problem.lever_arm[solution.active]).max(initial=0.0))
-    yielding = float(force.max()) * float(tangent.diagonal.max())
-    if scale <= RIGID_FRACTION * yielding:  # what touches is rigid
-        scale = yielding or float(np.abs(problem.separation_at_first_contact).max()) or 1.0
-    loaded, weak = loaded_and_weak(force, gap, float(force.max()), scale, tolerance)
-    dependent = dependent_segments(tangent, problem.lever_arm, loaded, weak)
-    loaded, weak = loaded | dependent, weak & ~dependent
-    return Sensitivity(problem, force, gap, solution.rotation, loaded, weak, tangent, deflection)
-
-
-def _require_solution(problem: ContactProblem, solution: ContactSolution) -> None:
     if not solution.certified:
         raise InputError(f"solution = {solution.status.name.lower()}: must be certified to have derivatives")
     certificate = certify(problem, solution.force, solution.rotation, solution.elastic_rotation)
     if not certificate.passes(solution.tolerance):
         raise InputError("solution: must be that of this problem; its forces and rotation do not solve it")
+    return answer_sensitivity(problem, solution.answer, tolerance)

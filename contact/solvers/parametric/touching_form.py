@@ -6,13 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
-from ..modal_newton import LARGEST_PADDING, SMALLEST_LOCAL_FRACTION
-from ..native import DENSE_FIRST_SIZE
+from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
 from .dense_touching import DenseTouching
 from .modal_touching import ModalTouching
 from .touching_system import TouchingSystem
 
 Array = NDArray[np.float64]
+
+#: Number of segments up to which the dense form is as fast as the modes.
+DENSE_FIRST_SIZE = 300
+#: Padding the blocks to one size may cost this many times the memory of the factor.
+LARGEST_PADDING = 4
 
 
 def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> TouchingSystem:

@@ -10,13 +10,16 @@ With the loaded segments eliminated that is a linear complementarity problem in 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ...problem.answer import Answer
 from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
-from ..adapters.lemke import lemke
-from ..registry import solve
+from ...problem.forms.complementarity_form import lcp
+from ...problem.forms.complementary_pivoting import lemke
 from .dense_touching import DEPENDENCE_TOLERANCE
 from .touching_form import part_of, touching_system
 from .touching_system import TouchingSystem
@@ -47,8 +50,21 @@ def loaded_and_weak(
     return np.asarray(~none & (force * gap_scale > gap * force_scale)), np.asarray(none & shut)
 
 
+def answer_by_pivoting(problem: ContactProblem) -> Answer | None:
+    """Return the answer of Lemke's method; None where it has none."""
+    form = lcp(problem)
+    result = lemke(form.matrix, form.vector)
+    return form.recover(result.z) if result.ended == "solved" else None
+
+
 def system_in_direction(
-    matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask, weak: Mask, closing: Array, torque: float
+    matrix: ComplianceMatrix,
+    lever_arm: Array,
+    loaded: Mask,
+    weak: Mask,
+    closing: Array,
+    torque: float,
+    first_contact: Callable[[ContactProblem], Answer | None] = answer_by_pivoting,
 ) -> TouchingSystem | None:
     """Return the system of the segments that carry load when the data begin to change in a direction.
 
@@ -60,6 +76,8 @@ def system_in_direction(
         See `loaded_and_weak`.
     closing, torque
         Right-hand sides g (n) and T of the direction, see `touching_system`.
+    first_contact
+        Solves the contact problem of the weak segments, where nothing carries load yet.
 
     Returns
     -------
@@ -68,7 +86,7 @@ def system_in_direction(
     """
     segments = np.flatnonzero(weak)
     if not lever_arm[loaded].any():
-        return _of_first_contact(matrix, lever_arm, segments, closing, torque)
+        return _of_first_contact(matrix, lever_arm, segments, closing, torque, first_contact)
     system = touching_system(matrix, lever_arm, loaded)
     return _with_weak(system, lever_arm, segments, closing, torque)
 
@@ -116,17 +134,22 @@ def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.int
 
 
 def _of_first_contact(
-    matrix: ComplianceMatrix, lever_arm: Array, segments: NDArray[np.intp], closing: Array, torque: float
+    matrix: ComplianceMatrix,
+    lever_arm: Array,
+    segments: NDArray[np.intp],
+    closing: Array,
+    torque: float,
+    first_contact: Callable[[ContactProblem], Answer | None],
 ) -> TouchingSystem | None:
     """The system where nothing carries load yet: a contact problem of the weak segments."""
     arm = lever_arm[segments]
     if torque < 0.0 or not segments.size or not arm.max() > 0.0:
         return None
-    solution = solve(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
-    if not solution.certified:
+    answer = first_contact(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
+    if answer is None or not answer.certificate.passes():
         return None
     active = np.zeros(lever_arm.size, dtype=np.bool_)
-    active[segments] = solution.active
+    active[segments] = answer.force > 0.0
     if not active.any():  # without a torque: the first to touch
-        active[segments[arm > 0.0][np.argmin(solution.gap[arm > 0.0])]] = True
+        active[segments[arm > 0.0][np.argmin(answer.gap[arm > 0.0])]] = True
     return touching_system(matrix, lever_arm, active)
