@@ -12,6 +12,8 @@ from ..core.lazy_names import lazy_names
 if TYPE_CHECKING:
     from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions, WeberLineContact
     from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
+    from .line_contact.line_contact_path import LineContactPath, line_contact_path
+    from .line_contact.line_contact_sensitivity import line_contact_sensitivity
     from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .loaded import loaded_contact, loaded_splines
@@ -45,6 +47,11 @@ if TYPE_CHECKING:
         solve,
         solve_many,
     )
+    from .solvers.parametric.problem_gradient import ProblemGradient
+    from .solvers.parametric.sensitivity import Sensitivity
+    from .solvers.parametric.solution_change import Differentiability, SolutionChange
+    from .solvers.parametric.solution_sensitivity import sensitivity
+    from .solvers.parametric.torque_path import TorquePath, torque_path
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
@@ -58,22 +65,28 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
+    "Differentiability",
     "DualQP",
     "ElasticFoundation",
     "ElasticModel",
     "HalfSpaceCompliance",
     "LiftedQP",
+    "LineContactPath",
     "Material",
     "MeshCycle",
     "MeshLines",
     "ModalBasis",
     "ModalCompliance",
     "OperatorCompliance",
+    "ProblemGradient",
     "ProblemSet",
+    "Sensitivity",
     "Shell",
+    "SolutionChange",
     "Solver",
     "Status",
     "ToothDimensions",
+    "TorquePath",
     "WeberLineContact",
     "available_solvers",
     "certify",
@@ -83,6 +96,8 @@ __all__ = [
     "import_problems",
     "lcp",
     "lifted_qp",
+    "line_contact_path",
+    "line_contact_sensitivity",
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
@@ -97,10 +112,12 @@ __all__ = [
     "read_references",
     "rms",
     "root_stress",
+    "sensitivity",
     "solid_shells",
     "solve",
     "solve_line_contact",
     "solve_many",
+    "torque_path",
     "unloaded_contact",
     "write_fclib",
     "write_mat",
@@ -119,6 +136,8 @@ _ORIGINS = {
         "WeberLineContact",
     ],
     ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
+    ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path"],
+    ".line_contact.line_contact_sensitivity": ["line_contact_sensitivity"],
     ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
     ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
@@ -140,6 +159,11 @@ _ORIGINS = {
     ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
     ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
+    ".solvers.parametric.problem_gradient": ["ProblemGradient"],
+    ".solvers.parametric.sensitivity": ["Sensitivity"],
+    ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
+    ".solvers.parametric.solution_sensitivity": ["sensitivity"],
+    ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".problem.exchange.qps_file": ["read_qps", "write_qps"],
     ".problem.exchange.reference_solutions": ["read_references"],
     ".tooth_root_stress": ["root_stress"],

@@ -125,6 +125,8 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "negative_gap": ("1", "certificate: largest penetration over the mean deflection"),
     "complementarity": ("1", "certificate: largest of the smaller one of force and gap, each scaled"),
     "duality_gap": ("1", "certificate: relative duality gap"),
+    "resolution": ("1", "certificate: bound of the rounding in its violations"),
+    "cancellation": ("1", "certificate: terms of torque or gaps over torque or deflection; above 1e5 costs digits"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": (
         "MPa",
@@ -327,6 +329,14 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "polished": ("1", "whether the answer was made exact by one solve on the active set that the solver found"),
     "exchanges": ("1", "exchanges of segments made by the polish"),
     "message": ("", "the solver's own words"),
+    # torque path of a contact problem
+    "event_torque": ("N mm", "torque about the gear axis at which the segment enters or leaves the contact"),
+    "event_segment": ("1", "segment that enters or leaves the contact"),
+    "event_enters": ("1", "1 where the segment enters the contact, 0 where it leaves"),
+    "path_torque": ("N mm", "torque about the gear axis at the breakpoints of the path"),
+    "path_rotation": ("rad", "rotation of the gear at the breakpoints"),
+    "path_force": ("N", "normal force on a segment at the breakpoints"),
+    "path_gap": ("mm", "gap left at a segment at the breakpoints"),
     # verification
     "quantity": ("", "what was checked"),
     "compared": ("", "with what it was compared, or why the comparison does not apply"),

@@ -16,6 +16,7 @@ from easeoff.study.compare.comparison_table import Row, comparison_table
 from easeoff.study.compare.measurement.attempt import Attempt
 from easeoff.study.compare.measurement.method import Method
 from easeoff.study.compare.measurement.posed_problem import PosedProblem
+from easeoff.study.compare.presentation.comparison_figures import write_figure
 from easeoff.study.compare.presentation.comparison_report import comparison_report, report_sections
 from easeoff.study.compare.presentation.profile_figures import draw_data_profile, draw_pairs, draw_performance_profile
 from easeoff.study.compare.presentation.report_table import ReportTable
@@ -222,6 +223,16 @@ def test_tables_are_the_same_in_markdown_csv_and_latex(tmp_path: Path) -> None:
     assert all(part in latex for part in ("\\toprule", "50 \\%", "a\\_b", "2 \\& 3"))
     assert "| native " in table.markdown
     assert table.markdown.endswith("\nNote.\n")
+
+
+def test_figures_are_the_same_files_again_in_three_formats(tmp_path: Path) -> None:
+    dataset = invented(["fast", "slow"])
+    for folder in ("one", "two"):
+        write_figure(draw_pairs(dataset, by_problem(dataset)), tmp_path / folder, "pairs")
+    for suffix, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
+        content = (tmp_path / "one" / f"pairs.{suffix}").read_bytes()
+        assert content.startswith(start)
+        assert content == (tmp_path / "two" / f"pairs.{suffix}").read_bytes()
 
 
 def test_run_times_count_with_the_shift_that_the_report_states() -> None:

@@ -7,6 +7,7 @@ import inspect
 import re
 import shlex
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,7 @@ WITH_CODE = (
     "index",
     "results",
     "contact_problems",
+    "parametric",
     "python",
     "cad",
     "compare",
@@ -291,6 +293,25 @@ def test_table_of_solvers_is_that_of_the_code() -> None:
         if requirement != "easeoff":
             extra = project["optional-dependencies"][requirement[8:-1]]
             assert SOLVERS[name].package.replace("_", "-") in {re.split(r"[^\w-]", wanted)[0] for wanted in extra}
+
+
+def test_table_of_limits_is_that_of_the_code() -> None:
+    listed = {row[0].strip("`"): row[1:] for row in rows(text("contact_problems"), "### Tolerance, time and steps")}
+
+    def shown(names: Sequence[str]) -> str:
+        return ", ".join(f"`{name}`" for name in names if name) or "-"
+
+    assert {name: (float(row[0]), *row[1:]) for name, row in listed.items()} == {
+        name: (
+            entry.tolerance,
+            shown(entry.tolerance_settings),
+            str(entry.tolerance_power) if entry.tolerance_settings else "-",
+            shown([entry.time_setting]),
+            shown([entry.step_setting]),
+            "yes" if entry.warm_start else "no",
+        )
+        for name, entry in SOLVERS.items()
+    }
 
 
 def spin(axis: str, angle: float) -> np.ndarray[Any, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 import qpsolvers
+from click.testing import CliRunner
 from scipy.sparse.linalg import aslinearoperator
 
-from easeoff import InputError, analyze, read_case
+from easeoff import InputError, analyze, read_case, read_result
 from easeoff.contact import (
     ContactProblem,
     OperatorCompliance,
@@ -22,11 +24,13 @@ from easeoff.contact import (
     available_solvers,
     solve,
     solve_line_contact,
+    write_problems,
 )
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.solvers.adapters.lemke import lemke
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.study.cli import main
 from easeoff.verification import problems
 
 PROBLEM = next(iter(problems("realistic", 1)))
@@ -107,7 +111,7 @@ def test_bare_function_gets_the_scaled_dense_programme() -> None:
         return by_daqp(problem)
 
     assert_right(solve(PROBLEM, watch))
-    expected = PROBLEM.as_qp()
+    expected: Any = PROBLEM.as_qp()
     assert np.array_equal(seen[0].P, expected.P)
     assert np.array_equal(seen[0].q, expected.q)
     assert np.array_equal(seen[0].A, expected.A)
@@ -203,7 +207,7 @@ def unfit(value: Any) -> Callable[..., Any]:
         (lambda p: np.ones(3), Status.SOLVER_FAILED, "shape (3,): must have (36,)"),
         (lambda p: np.ones((6, 6)), Status.SOLVER_FAILED, "shape (6, 6)"),
         (lambda p: np.ones(p.q.size) * 1j, Status.SOLVER_FAILED, "complex128: must be floats"),
-        (lambda p: np.ma.masked_all(p.q.size), Status.SOLVER_FAILED, "must be floats"),
+        (lambda p: np.ma.array(p.q, mask=p.q > 0.0), Status.SOLVER_FAILED, "must be floats"),
         (lambda p: (1.0, 2.0, 3.0), Status.SOLVER_FAILED, "3 values"),
         (unfit(None), Status.SOLVER_FAILED, "no answer"),
         (unfit("solved"), Status.SOLVER_FAILED, "must be floats"),
@@ -280,8 +284,9 @@ def test_what_the_function_does_not_take_is_refused() -> None:
         return by_daqp(problem)
 
     for keyword in ("time_limit", "max_iterations", "rho"):
+        given: dict[str, Any] = {keyword: 1}
         with pytest.raises(InputError, match=rf"^{keyword} = 1: must not be given, .*plain takes no such keyword"):
-            solve(PROBLEM, plain, **{keyword: 1})
+            solve(PROBLEM, plain, **given)
     assert solve(PROBLEM, plain, tolerance=1e-5, polish=False).tolerance == 1e-5
 
 
@@ -418,9 +423,9 @@ def test_two_distributions_with_one_name_are_told_apart(installed: Path) -> None
 
 def test_line_contacts_are_solved_by_a_function() -> None:
     steel = Material(206000.0, 0.3)
-    sizes = [np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)]
+    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
     data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
-    contact = WeberLineContact(*sizes, steel, steel)
+    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
     reference, _ = solve_line_contact(*data, contact)
     found, _ = solve_line_contact(*data, contact, by_daqp)
     assert found.force == pytest.approx(reference.force, rel=1e-9)
@@ -432,6 +437,7 @@ def test_line_contacts_are_solved_by_a_function() -> None:
 COARSE = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
 
 
+@pytest.mark.thorough
 def test_analysis_takes_a_solver_of_ones_own() -> None:
     case = read_case("nasa-12x36")
     case = case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})
@@ -443,3 +449,39 @@ def test_analysis_takes_a_solver_of_ones_own() -> None:
     assert error < 1e-6 * np.abs(reference["loaded/transmission_error"]).max()
     limited = analyze(case, torques=[100.0], max_iterations=1)
     assert (limited["loaded/status"] == Status.NOT_CONVERGED).all()
+
+
+# In comparisons and commands
+
+
+@pytest.mark.thorough
+def test_comparison_takes_texts_and_names_of_entry_points(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from easeoff.study.compare import compare
+
+    monkeypatch.chdir(installed)
+    two = [problem for problem in problems("realistic", 30, 1) if problem.size == 21][:2]
+    write_problems(two or [PROBLEM], installed / "problems.nc")
+    chosen = ["native", "mine", "declared", "a_solver_of_mine:function"]
+    table = compare(["problems.nc"], "study", solvers=chosen, repetitions=1)
+    assert set(table["solver"].values) == set(chosen)
+    assert table["certified"].values.all()
+    assert (table["rotation_error"] < 1e-9).all()
+    versions = json.loads(table.attrs["solver_versions"])
+    assert versions["mine"].startswith("solvers-of-mine 1.2, file ")
+    assert versions["a_solver_of_mine:function"].startswith("file ")
+
+
+@pytest.mark.thorough
+def test_commands_take_solvers_of_ones_own(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(installed)
+    for name in ("mine", "a_solver_of_mine:declared"):
+        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", "100", "--solver", name, "-o", "out.nc"])
+        assert said.exit_code == 0, said.output
+        result = read_result("out.nc")
+        assert result.attrs["solver"] == name
+        assert (result["loaded/status"] == 0).all()
+        Path("out.nc").unlink()
+    for name in ("no_such_solver", "no_such_module_at_all:solve"):
+        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--solver", name, "-o", "out.nc"])
+        assert said.exit_code == 2
+        assert name in said.output

@@ -86,7 +86,7 @@ class Certificate:
 
     @property
     def digits(self) -> float:
-        """Decimal digits of torque and deflection that cancellation leaves in double precision, at least; at most 15.95."""
+        """Decimal digits of torque and deflection that cancellation leaves in doubles, at least; 15.95 without any."""
         return max(0.0, -math.log10(UNIT_ROUNDOFF * max(self.cancellation, 1.0)))
 
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
@@ -101,6 +101,8 @@ class Certificate:
 
 #: Names of the violations.
 CERTIFICATE_FIELDS = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
+#: What it says of itself.
+CERTIFICATE_LIMITS = ("resolution", "cancellation")
 #: Certificate of a solve without an answer.
 NO_CERTIFICATE = Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
 

@@ -87,8 +87,8 @@ def backend_solution(
         method, what = "dense", ""
     try:
         begin = perf_counter()
-        if declared is not None:
-            given = declared.solve_scaled(scaled, method, settings)
+        if isinstance(adapter, Solver):
+            given = adapter.solve_scaled(scaled, method, settings)
         else:
             given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
         answered = perf_counter()

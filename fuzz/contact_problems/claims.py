@@ -1,4 +1,4 @@
-"""Judgement of what is claimed about drawn contact problems: certificates, error bounds, and statuses without answer."""
+"""Judgement of what is claimed about drawn contact problems: certificates, bounds of errors, other statuses."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 
 import numpy as np
-from easeoff.contact import ContactProblem, ContactSolution, Status, certify, solve
+from easeoff.contact import ContactProblem, ContactSolution, Status, certify, solve, solve_many
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE, resolved_rotation
 
 from .drawn_problem import drawn_problem
@@ -32,6 +32,8 @@ def judge(seed: int) -> tuple[str, list[str]]:
     exact = RationalProblem.of(problem)
     found = solve(problem, **METHODS[seed % len(METHODS)]) if seed % 2 else solve(problem)
     faults = _residual_faults(exact, problem, found, seed)
+    if problem.is_structured:
+        faults += _batch_faults(exact, problem)
     what = f"{name} {found.status.name}"
     if seed % SOLVED_SHARE == 0 and problem.size <= SOLVED_SIZE and problem.torque > 0.0:
         faults += _solution_faults(exact, problem, found)
@@ -70,6 +72,15 @@ def _residual_faults(exact: RationalProblem, problem: ContactProblem, found: Con
         if not worst <= EXACT_TOLERANCE * ROUNDING:
             faults.append(f"wrong answer certified, violation {worst:.1e}")
     return faults
+
+
+def _batch_faults(exact: RationalProblem, problem: ContactProblem) -> list[str]:
+    """What is claimed falsely where the problem is solved as one of a batch."""
+    rows = solve_many(problem, separation=[problem.separation], torque=[problem.torque])
+    if not rows.certified[0]:
+        return []
+    worst = exact.worst_violation(rows.force[0], Fraction(rows.elastic_rotation[0]))
+    return [] if worst <= EXACT_TOLERANCE * ROUNDING else [f"certified in a batch, violation {worst:.1e}"]
 
 
 def _solution_faults(exact: RationalProblem, problem: ContactProblem, found: ContactSolution) -> list[str]:

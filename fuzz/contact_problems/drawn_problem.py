@@ -1,4 +1,4 @@
-"""Contact problems drawn from a seed: ties, duplicates, large shifts, singular compliances, odd lever arms and scales."""
+"""Contact problems drawn from a seed: ties, duplicates, large shifts, singular compliances, odd arms and scales."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from easeoff.contact import ContactProblem
+from easeoff.contact.problem.modal_basis import modal_basis
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -45,11 +46,12 @@ def drawn_problem(seed: int) -> tuple[str, ContactProblem]:
         force, length = 10.0 ** rng.uniform(-12.0, 12.0, 2)
         separation, arm, torque = separation * length, arm * length, torque * force * length
         unit = length / force
-        compliance = (
-            (compliance[0] * unit, compliance[1] * np.sqrt(unit))
-            if isinstance(compliance, tuple)
-            else compliance * unit
-        )
+        if isinstance(compliance, tuple):
+            compliance = (compliance[0] * unit, compliance[1] * np.sqrt(unit))
+        else:
+            compliance = compliance * unit
+    if isinstance(compliance, tuple) and rng.random() < 0.5:  # modes that are compressed, as those of gears
+        return name, ContactProblem.of_modes(separation, arm, torque, compliance[0], modal_basis(compliance[1]))
     return name, ContactProblem(separation, arm, torque, compliance)
 
 

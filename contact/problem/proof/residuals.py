@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
+from ..compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..contact_problem import ContactProblem
 from ..operator_compliance import OperatorCompliance
 from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
@@ -216,7 +216,7 @@ def _exact_separation(problem: ContactProblem) -> tuple[Array, Array]:
 def _deflection_terms(problem: ContactProblem, force: Array) -> Iterator[list[float]]:
     """For each segment, numbers whose exact sum is its deflection."""
     matrix = problem.compliance_matrix
-    if isinstance(matrix, DenseCompliance):
+    if not isinstance(matrix, ModalCompliance):
         for row in matrix.dense:
             yield dot_terms(row, force).tolist()
         return

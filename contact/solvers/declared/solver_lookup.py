@@ -112,6 +112,10 @@ def _solver_at(text: str) -> Solver:
             found: Any = importlib.import_module(module)
         for name in path.split("."):
             found = getattr(found, name)
+    except ModuleNotFoundError as error:
+        if error.name is None or not f"{module}.".startswith(f"{error.name}."):
+            raise InputError(f"solver = {text!r}: its module cannot be loaded: {error}") from error
+        raise InputError(f"solver = {text!r}: must be MODULE:FUNCTION; there is no module {error.name!r}") from error
     except Exception as error:  # a foreign module may raise anything
         raise InputError(
             f"solver = {text!r}: must be MODULE:FUNCTION of a module that can be imported; it cannot be loaded: {error}"

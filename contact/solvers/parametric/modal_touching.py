@@ -83,16 +83,12 @@ class ModalTouching:
         gap[self._index] = np.where(weight > 0.0, 0.0, closed)
         return TouchingAnswer(force[:-1], rotation, gap[:-1])
 
-    def solve_held(self, closing: Array) -> Array:
+    def yielding(self) -> Array:
         """See `TouchingSystem`."""
-        wide = np.zeros((self._arm.size + 1, closing.shape[1]))
-        wide[:-1] = closing
-        there, weight = wide[self._index], self._weight[..., None]
         modes = self._rows[..., :-1]
-        amplitudes = self._inverse @ (modes.swapaxes(1, 2) @ (weight * there))
-        force = np.zeros_like(wide)
-        force[self._index] = weight * (there - modes @ amplitudes)
-        return force[:-1]
+        own = np.zeros(self._arm.size + 1)
+        own[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
+        return np.where(self._active, 0.0, self._local + own[:-1])
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
         """See `TouchingSystem`."""
@@ -104,15 +100,10 @@ class ModalTouching:
             wide[segment, number] += self._local[segment]
         return wide[:-1]
 
-    @property
-    def stiffness(self) -> float:
-        """Torque that turns the gear by one radian [N mm/rad]."""
-        return float(self._pivot)
-
     def _closed(self, amplitudes: Array, rotation: Array) -> Array:
         """U z - r theta in blocks (p, m, q)."""
         turn = np.broadcast_to(-rotation, (amplitudes.shape[0], 1, rotation.size))
-        return self._rows @ np.concatenate([amplitudes, turn], axis=1)
+        return np.asarray(self._rows @ np.concatenate([amplitudes, turn], axis=1))
 
     def _step(self, loads: Array, imbalance: Array) -> tuple[Array, Array]:
         """Changes of amplitudes (p, k, q) and rotations (q) for residuals of the two equations."""

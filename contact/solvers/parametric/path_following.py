@@ -25,12 +25,13 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Forces and gaps that vanish within this part of their scales at an event vanish together.
-TIE_TOLERANCE = 1e-11
+TIE_TOLERANCE = 1e-13
 #: A rate below this, relative to the largest of its kind, is rounding.
 SMALLEST_RATE = 1e-12
 #: Force and gap that a piece may have on the wrong side at its beginning, relative to their scales.
 WRONG_SIGN_TOLERANCE = 1e-9
-#: Steps beyond an event, relative to its torque, at which its set is sought where the event itself leaves it open.
+#: Steps beyond an event, relative to its torque, at which its set is sought where the event itself leaves it open;
+#: where the path begins without a torque, relative to that of its end.
 STEPS_BEYOND = (1e-10, 1e-8, 1e-6)
 #: Events for each segment before the path is given up.
 MAX_EVENTS_PER_SEGMENT = 50
@@ -103,7 +104,8 @@ class _Point:
         self.force_scale = float(np.abs(self.force).max())
         self.gap_scale = float(abs(self.rotation) * turned)
         self.force_rates = float(np.abs(self.force_rate).max())
-        self.gap_rates = max(float(np.abs(self.rotation_rate) * turned), float(np.abs(self.gap_rate).max()) * 1e-3)
+        yielding = float(problem.compliance_diagonal.max())
+        self.gap_rates = max(float(np.abs(self.rotation_rate) * turned), self.force_rates * yielding)
 
     def falling(self) -> tuple[NDArray[np.intp], Array]:
         """Return the segments whose force or gap falls, and how far off the torque is at which it vanishes."""
@@ -134,7 +136,7 @@ class _Point:
 def follow(problem: ContactProblem, low: float, high: float) -> FollowedPath:
     """Follow the solution from one torque to a higher one [N mm]."""
     path = FollowedPath(reached=low)
-    point = _first(problem, low, path)
+    point = _first(problem, low, high, path)
     patience = MAX_EVENTS_PER_SEGMENT * problem.size
     while point is not None:
         answer = point.piece().answer(problem, point.torque)
@@ -171,8 +173,8 @@ def _note(path: FollowedPath, torque: float, before: Mask, after: Mask) -> None:
     path.changes += [(torque, int(segment), bool(after[segment])) for segment in np.flatnonzero(before ^ after)]
 
 
-def _first(problem: ContactProblem, torque: float, path: FollowedPath) -> _Point | None:
-    """The point at which the path begins."""
+def _first(problem: ContactProblem, torque: float, high: float, path: FollowedPath) -> _Point | None:
+    """The point at which a path to a higher torque begins."""
     solution = solve(problem.with_torque(torque))
     if not solution.certified:
         path.failure = f"no certified solution at {torque:.6g} N mm: {solution.status.name.lower()}"
@@ -181,9 +183,7 @@ def _first(problem: ContactProblem, torque: float, path: FollowedPath) -> _Point
     loaded = force > 0.0
     scale = abs(solution.elastic_rotation) * float(np.abs(problem.lever_arm[loaded]).max(initial=0.0))
     strong, weak = loaded_and_weak(force, gap, float(force.max()), scale, TIE_TOLERANCE)
-    point = _resolved(problem, strong, weak, torque)
-    if point is None and torque > 0.0:
-        point = _sought(problem, torque)
+    point = _resolved(problem, strong, weak, torque) or _sought(problem, torque, torque or high)
     if point is None:
         path.failure = f"the forces at {torque:.6g} N mm are not unique, or the segments that touch cannot be told"
         return None
@@ -206,7 +206,7 @@ def _beyond(problem: ContactProblem, point: _Point, vanishing: NDArray[np.intp],
             simple = _Point(problem, system, torque)
             if simple.holds():
                 return simple
-    return _resolved(problem, point.active & ~tied, tied, torque) or _sought(problem, torque)
+    return _resolved(problem, point.active & ~tied, tied, torque) or _sought(problem, torque, torque)
 
 
 def _resolved(problem: ContactProblem, loaded: Mask, weak: Mask, torque: float) -> _Point | None:
@@ -219,14 +219,13 @@ def _resolved(problem: ContactProblem, loaded: Mask, weak: Mask, torque: float) 
     return point if point.holds() else None
 
 
-def _sought(problem: ContactProblem, torque: float) -> _Point | None:
-    """The point with the set of a certified solution just beyond it, if its piece reaches back."""
+def _sought(problem: ContactProblem, torque: float, level: float) -> _Point | None:
+    """The point with the set of a certified solution just beyond it, at steps of a level, if its piece reaches back."""
     for step in STEPS_BEYOND:
-        solution = solve(problem.with_torque(torque * (1.0 + step)))
+        solution = solve(problem.with_torque(torque + step * level))
         if solution.certified and problem.lever_arm[solution.active].any():
-            point = _Point(
-                problem, touching_system(problem.compliance_matrix, problem.lever_arm, solution.active), torque
-            )
+            system = touching_system(problem.compliance_matrix, problem.lever_arm, solution.active)
+            point = _Point(problem, system, torque)
             if point.holds():
                 return point
     return None

@@ -107,9 +107,7 @@ class TorquePath:
         low, high = self.covered
         if not low <= given <= high:
             reason = f"; {self.message}" if self.message else ""
-            raise InputError(
-                f"torque = {given:g}: must be from {low:g} to {high:g} N mm, where the path is known{reason}"
-            )
+            raise InputError(f"torque = {given:g}: must be from {low:g} to {high:g} N mm, the known path{reason}")
         piece = self._pieces[max(bisect_right(self._torques, given) - 1, 0)]
         answer = piece.answer(self.problem, given)
         solution = judged("native", answer, tolerance=EXACT_TOLERANCE, iterations=0, method=METHOD, message=METHOD)
@@ -132,8 +130,8 @@ class TorquePath:
         -------
         xarray.Dataset
             ``event_torque``, ``event_segment``, ``event_enters`` (event); ``path_force``, ``path_gap`` (breakpoint,
-            segment), ``path_rotation`` and ``worst_residual`` (breakpoint) at the torques ``gear_torque_path``:
-            between these everything is linear.
+            segment), ``path_rotation`` and ``worst_residual`` (breakpoint) at the torques ``path_torque``
+            (breakpoint): between these everything is linear.
         """
         solutions = [self.at(torque) for torque in self.breakpoints]
         size = self.problem.size

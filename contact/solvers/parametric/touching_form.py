@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...problem.compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
+from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..modal_newton import LARGEST_PADDING, SMALLEST_LOCAL_FRACTION
+from ..native import DENSE_FIRST_SIZE
 from .dense_touching import DenseTouching
 from .modal_touching import ModalTouching
 from .touching_system import TouchingSystem
@@ -15,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> TouchingSystem:
-    """Return the system of a set of touching segments: in the modes where the compliance has them, else dense.
+    """Return the system of a set of touching segments: in the modes where there are many segments, else dense.
 
     Parameters
     ----------
@@ -26,7 +27,8 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
     active
         Touching segments (n), some with a lever arm. Those whose forces would not be unique are left out.
     """
-    if isinstance(matrix, ModalCompliance) and matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
+    large = lever_arm.size > DENSE_FIRST_SIZE
+    if large and isinstance(matrix, ModalCompliance) and matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         basis = matrix.modes.basis
         if basis.modes.size <= LARGEST_PADDING * matrix.factor.size + matrix.local.size:
             return ModalTouching(matrix.local, basis, lever_arm, active)
@@ -35,6 +37,6 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
 
 def part_of(matrix: ComplianceMatrix, segments: NDArray[np.intp]) -> Array | tuple[Array, Array]:
     """Return the compliance among some segments [mm/N], in the form of the whole."""
-    if isinstance(matrix, DenseCompliance):
-        return np.asarray(matrix.dense[np.ix_(segments, segments)])
-    return matrix.local[segments], matrix.factor[segments]
+    if isinstance(matrix, ModalCompliance):
+        return matrix.local[segments], matrix.factor[segments]
+    return np.asarray(matrix.dense[np.ix_(segments, segments)])

@@ -48,11 +48,11 @@ class TouchingSystem(Protocol):
         ...
 
     def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
-        """Solve for right-hand sides g (n, q) and T (q), with one step of iterative refinement; gaps of A are zero."""
+        """Solve for right-hand sides g (n, q) and T (q); the gaps of A are set to zero."""
         ...
 
-    def solve_held(self, closing: Array) -> Array:
-        """Return C_AA^-1 g (n, q), zero outside A: forces at a fixed rotation."""
+    def yielding(self) -> Array:
+        """Return how much a segment yields to a unit force of its own at a fixed rotation (n) [mm/N]; zero in A."""
         ...
 
     def columns(self, segments: NDArray[np.intp]) -> Array:

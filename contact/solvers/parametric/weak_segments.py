@@ -17,6 +17,7 @@ from ...problem.compliance_matrix import ComplianceMatrix
 from ...problem.contact_problem import ContactProblem
 from ..adapters.lemke import lemke
 from ..registry import solve
+from .dense_touching import DEPENDENCE_TOLERANCE
 from .touching_form import part_of, touching_system
 from .touching_system import TouchingSystem
 
@@ -78,13 +79,13 @@ def _with_weak(
     """Let those of the weak segments enter that carry load."""
     if not segments.size:
         return system
-    columns = system.columns(segments)
-    sides = np.column_stack([closing, -columns]), np.concatenate([[torque], -lever_arm[segments]])
-    gap = system.solve(*sides).gap[segments]
-    own = np.sqrt(columns[segments, np.arange(segments.size)])
-    unit = 1.0 / np.where(own > 0.0, own, 1.0)
-    vector, yielding = gap[:, 0] * unit, 0.5 * (gap[:, 1:] + gap[:, 1:].T) * np.outer(unit, unit)
-    level = float(np.abs(vector).max())
+    yielding, own = _yielding(system, lever_arm, segments)
+    free = yielding.diagonal() > DEPENDENCE_TOLERANCE * own
+    segments, yielding, own = segments[free], yielding[np.ix_(free, free)], own[free]
+    opening = system.solve(closing[:, None], np.array([torque])).gap[segments, 0]
+    unit = 1.0 / np.sqrt(own)
+    vector, yielding = opening * unit, yielding * np.outer(unit, unit)
+    level = float(np.abs(vector).max(initial=0.0))
     if level == 0.0:
         return system
     result = lemke(yielding, vector / level)
@@ -96,6 +97,24 @@ def _with_weak(
     return system
 
 
+def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask, weak: Mask) -> Mask:
+    """Return the weak segments that could take over load at no cost: the forces are not unique, (n)."""
+    result = np.zeros(weak.size, dtype=np.bool_)
+    if weak.any() and lever_arm[loaded].any():
+        segments = np.flatnonzero(weak)
+        yielding, own = _yielding(touching_system(matrix, lever_arm, loaded), lever_arm, segments)
+        result[segments] = yielding.diagonal() <= DEPENDENCE_TOLERANCE * own
+    return result
+
+
+def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Compliance among some open segments while the touching ones yield (w, w), and the size of its terms (w)."""
+    columns = system.columns(segments)
+    gap = system.solve(-columns, -lever_arm[segments]).gap[segments]
+    own = columns[segments, np.arange(segments.size)]
+    return 0.5 * (gap + gap.T), np.maximum(own, np.abs(own - gap.diagonal()))
+
+
 def _of_first_contact(
     matrix: ComplianceMatrix, lever_arm: Array, segments: NDArray[np.intp], closing: Array, torque: float
 ) -> TouchingSystem | None:
@@ -104,8 +123,10 @@ def _of_first_contact(
     if torque < 0.0 or not segments.size or not arm.max() > 0.0:
         return None
     solution = solve(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
-    if not solution.certified or not solution.active.any():
+    if not solution.certified:
         return None
     active = np.zeros(lever_arm.size, dtype=np.bool_)
     active[segments] = solution.active
+    if not active.any():  # without a torque: the first to touch
+        active[segments[arm > 0.0][np.argmin(solution.gap[arm > 0.0])]] = True
     return touching_system(matrix, lever_arm, active)
