@@ -61,7 +61,8 @@ def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     if not known.any():
         return None
     sizes = np.unique(size[known])
-    sizes = sizes[-max(SIZE_COUNT_MINIMUM, np.count_nonzero(sizes >= np.sqrt(sizes[0] * sizes[-1]))) :]
+    upper = int(np.count_nonzero(sizes >= np.sqrt(sizes[0] * sizes[-1])))
+    sizes = sizes[-max(SIZE_COUNT_MINIMUM, upper) :]
     if sizes.size < SIZE_COUNT_MINIMUM or sizes[-1] < SIZE_RATIO_MINIMUM * sizes[0]:
         return None
     known &= size >= sizes[0]
