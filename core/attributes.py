@@ -125,6 +125,8 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "negative_gap": ("1", "certificate: largest penetration over the mean deflection"),
     "complementarity": ("1", "certificate: largest of the smaller one of force and gap, each scaled"),
     "duality_gap": ("1", "certificate: relative duality gap"),
+    "resolution": ("1", "certificate: bound of the rounding in its violations"),
+    "cancellation": ("1", "certificate: terms of torque or gaps over torque or deflection; above 1e5 costs digits"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": (
         "MPa",
@@ -327,6 +329,14 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "polished": ("1", "whether the answer was made exact by one solve on the active set that the solver found"),
     "exchanges": ("1", "exchanges of segments made by the polish"),
     "message": ("", "the solver's own words"),
+    # torque path of a contact problem
+    "event_torque": ("N mm", "torque about the gear axis at which the segment enters or leaves the contact"),
+    "event_segment": ("1", "segment that enters or leaves the contact"),
+    "event_enters": ("1", "1 where the segment enters the contact, 0 where it leaves"),
+    "path_torque": ("N mm", "torque about the gear axis at the breakpoints of the path"),
+    "path_rotation": ("rad", "rotation of the gear at the breakpoints"),
+    "path_force": ("N", "normal force on a segment at the breakpoints"),
+    "path_gap": ("mm", "gap left at a segment at the breakpoints"),
     # verification
     "quantity": ("", "what was checked"),
     "compared": ("", "with what it was compared, or why the comparison does not apply"),
@@ -350,6 +360,9 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "segments_per_line": ("1", "segments of a contact line"),
     "change": ("", "how the problem was made from a real one; empty for a real one"),
     "amount": ("", "how much of that change"),
+    "sequence": ("", "name of the sequence of neighbouring problems; empty if in none"),
+    "sequence_step": ("1", "number in the sequence; -1 if in none"),
+    "checksum": ("", "SHA-256 of the numbers: torque, separation, lever arm, compliance"),
     "elastic_rotation": ("rad", "reference: rotation beyond first contact"),
     "touching": ("1", "reference: number of segments that carry load; -1 where that is not determined"),
     "condition_number": ("1", "greatest over least eigenvalue of the compliance; infinite where the least is rounding"),

@@ -1,4 +1,4 @@
-"""Look for whatever breaks easeoff: mutated inputs, kills, full disks, concurrent runs and disturbed analyses.
+"""Look for whatever breaks easeoff: mutated inputs, kills, full disks, concurrent runs, false claims of solvers.
 
 Usage: python fuzz/fuzz.py [PART...] [--seed FIRST] [--count N], see fuzz/README.md
 """
@@ -25,6 +25,7 @@ import faults_while_writing
 import imports
 import inputs
 from bases import Bases
+from contact_problems import claims
 from kinds.drawing import KINDS
 from oracle import place
 from writing_runs import RUNS, Reference, WritingRun, reference
@@ -93,6 +94,13 @@ def analyses(seeds: range, folders: Place) -> Iterator[tuple[int, Case]]:
         yield seed, Case(f"analysis {outcome.code}", faults, place(outcome.stderr))
 
 
+def contact_problems(seeds: range, place: Place) -> Iterator[tuple[int, Case]]:
+    """Random and degenerate contact problems, every claim about them judged in rational numbers."""
+    for seed in seeds:
+        what, faults = claims.judge(seed)
+        yield seed, Case(what, faults)
+
+
 def while_writing(name: str) -> Part:
     """A part that disturbs commands while they write, each in turn."""
     disturb = getattr(faults_while_writing, name)
@@ -120,6 +128,7 @@ PARTS: dict[str, tuple[Part, int]] = {
     "fill": (while_writing("fill"), 4),
     "fill_disk": (while_writing("fill_disk"), 4),
     "together": (while_writing("together"), 2),
+    "contact_problems": (contact_problems, 2000),
 }
 
 

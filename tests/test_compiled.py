@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
@@ -103,20 +102,24 @@ def test_certificate_is_that_of_the_plain_code(name: str) -> None:
             elastic = right.elastic_rotation * (1.0 + spoil * rng.standard_normal())
             deflection = problem.deflection(force)
             gap = deflection + problem.separation_at_first_contact - elastic * problem.lever_arm
-            unit = float(np.spacing(abs(elastic)))
-            expected = violations(problem, force, elastic, deflection, gap, unit)
-            numbers = np.array([0.0, elastic, *[np.nan] * 6])
+            expected = violations(problem, force, elastic, deflection, gap)
+            numbers = np.array([0.0, elastic, *[np.nan] * 7])
             shifted, whole = problem.separation_at_first_contact, problem.compliance_diagonal
+            basis = problem.modal_basis
+            assert basis is not None
+            terms = problem.size + basis.factor.shape[1] + 10.0
             arguments = (force, deflection, gap, np.array(shifted), problem.lever_arm, np.array(whole))
-            compiled_code()._certificate(*arguments, problem.torque, numbers)
-            assert numbers[2:7] == pytest.approx(astuple(expected), rel=1e-6, abs=1e-14)
+            compiled_code()._certificate(*arguments, problem.torque, (terms, 0.0), numbers)
+            assert numbers[2:7] == pytest.approx(expected.violations, rel=1e-6, abs=1e-14)
+            assert numbers[7:] == pytest.approx([expected.resolution, expected.cancellation], rel=0.2)
 
 
 def test_forces_that_are_not_finite_have_no_certificate() -> None:
     ones = np.ones(3)
     for wrong in (np.nan, np.inf):
-        numbers = np.array([0.0, 1.0, *[0.0] * 6])
-        compiled_code()._certificate(np.array([1.0, wrong, 0.0]), ones, ones, ones, ones, ones, 1.0, numbers)
+        numbers = np.array([0.0, 1.0, *[0.0] * 7])
+        known = (10.0, 0.0)
+        compiled_code()._certificate(np.array([1.0, wrong, 0.0]), ones, ones, ones, ones, ones, 1.0, known, numbers)
         assert np.isinf(numbers[2:7]).all()
 
 
@@ -135,7 +138,7 @@ def test_arrays_are_solved_as_one_by_one() -> None:
         assert np.array_equal(together.force[row], alone.force)
         assert np.array_equal(together.gap[row], alone.gap)
         assert (together.rotation[row], together.elastic_rotation[row]) == (alone.rotation, alone.elastic_rotation)
-        assert together.certificate[row].tolist() == list(astuple(alone.certificate))
+        assert together.certificate[row].tolist() == list(alone.certificate.violations)
         assert together.iterations[row] == alone.iterations
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.checks import shown
 from ...core.errors import InputError
-from .certificate import NO_CERTIFICATE, Certificate, certify, violations
+from .certificate import NO_CERTIFICATE, Certificate, resolved_rotation, violations
 from .contact_problem import ContactProblem
 
 Array = NDArray[np.float64]
@@ -31,7 +31,9 @@ class Answer:
     elastic_rotation
         Rotation beyond first contact [rad].
     certificate
-        Violations of the conditions of the contact problem.
+        Violations of the conditions of the contact problem, with the elastic rotation.
+    problem
+        The problem that the certificate is about; None where there is no answer.
     """
 
     force: Array
@@ -39,6 +41,7 @@ class Answer:
     gap: Array
     elastic_rotation: float
     certificate: Certificate
+    problem: ContactProblem | None = field(default=None, repr=False)
 
 
 def no_answer(size: int, certificate: Certificate = NO_CERTIFICATE) -> Answer:
@@ -64,22 +67,28 @@ def unscaled(problem: ContactProblem, force: Array, rotation: float) -> Answer:
 
 def with_certificate(problem: ContactProblem, force: Array, elastic_rotation: float) -> Answer:
     """Return forces [N] and the rotation beyond first contact [rad] with the gaps they leave and the proof."""
-    rotation = problem.first_contact_rotation + elastic_rotation
+    return _answer(problem, force, problem.whole_rotation(elastic_rotation), elastic_rotation)
+
+
+def of_whole_rotation(problem: ContactProblem, force: Array, rotation: float) -> Answer:
+    """Return forces [N] of any shape and a rotation from zero [rad] with the proof, if there is one; see `certify`."""
+    force = np.asarray(force, dtype=np.float64)
+    if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
+        return Answer(force, rotation, no_answer(problem.size).gap, math.nan, NO_CERTIFICATE)
+    with np.errstate(over="ignore", invalid="ignore"):
+        elastic_rotation = resolved_rotation(problem, force, rotation, problem.deflection(force))
+    return _answer(problem, force, rotation, elastic_rotation)
+
+
+def _answer(problem: ContactProblem, force: Array, rotation: float, elastic_rotation: float) -> Answer:
     with np.errstate(over="ignore", invalid="ignore"):
         # Not from `gap(force, rotation)`, whose difference of rotations would lose the digits of a light load.
         deflection = problem.deflection(force)
         gap = deflection + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
     certificate = NO_CERTIFICATE
     if math.isfinite(rotation):
-        certificate = violations(problem, force, elastic_rotation, deflection, gap, math.ulp(elastic_rotation))
-    return Answer(force, rotation, gap, elastic_rotation, certificate)
-
-
-def of_whole_rotation(problem: ContactProblem, force: Array, rotation: float) -> Answer:
-    """Return forces [N] of any shape and a rotation from zero [rad] with the proof, if there is one."""
-    certificate = certify(problem, force, rotation)
-    gap = no_answer(problem.size).gap if certificate == NO_CERTIFICATE else problem.gap(force, rotation)
-    return Answer(force, rotation, gap, rotation - problem.first_contact_rotation, certificate)
+        certificate = violations(problem, force, elastic_rotation, deflection, gap)
+    return Answer(force, rotation, gap, elastic_rotation, certificate, problem)
 
 
 def require_convex(problem: ContactProblem) -> None:

@@ -3,25 +3,35 @@
 The certificate is evaluated on the problem as the user gave it, never on a scaled or clipped one, and never from the
 report of a solver. It needs no reference solution: the problem is convex, so whoever satisfies all conditions
 has the answer.
+
+It counts its own rounding. A bound of the rounding stands beside the violations and must fit into the tolerance with
+them; where the bound in double precision does not, the residuals are summed without error. Rotations count from first
+contact, which is known to twice the digits of a double, so that a large separation costs no digit.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .contact_problem import ContactProblem
+from .operator_compliance import OperatorCompliance
+from .proof.error_free import UNIT_ROUNDOFF
+from .proof.residuals import Residuals, Sizes, exact_residuals, rounded_residuals
 
 Array = NDArray[np.float64]
 
 #: Largest violation of a certified answer of the native solver, and of every polished one.
 EXACT_TOLERANCE = 1e-9
 
-#: Cancellation in C F or r'F beyond this factor leaves fewer than the digits that EXACT_TOLERANCE asks for.
-_CANCELLATION_FLOOR = 1e-5
+#: Largest rounding with which violations are accepted as they are; else they are evaluated with more care.
+RESOLUTION_LIMIT = 1e-10
+#: Cancellation in r'F, C F or C F + S - r theta beyond this factor leaves fewer than the digits that EXACT_TOLERANCE
+#: asks for: violations then count relative to this part of the terms, not to the torque or the deflection.
+CANCELLATION_FLOOR = 1e-5
 
 
 @dataclass(frozen=True)
@@ -40,11 +50,18 @@ class Certificate:
         max of min(F, Y), each by its scale: no segment carries load across a gap.
     duality_gap
         |F'CF + S'F - theta T| over the deformation energy: work of the torque against work on the segments.
+    resolution
+        Bound of the rounding in these five, relative to the same scales.
+    cancellation
+        Size of the terms of r'F over the torque, or of the terms of loaded gaps over the deflection, whichever is
+        more; an upper bound. Beyond 10^5 the scales of torque and deflection are 10^-5 of the terms.
 
     Examples
     --------
     >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).worst, Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).passes(1e-6)
     (1e-07, True)
+    >>> print(Certificate(1e-16, 0.0, 2e-15, 0.0, 0.0, resolution=3e-14, cancellation=40.0))
+    worst violation 2e-15, to 3e-14; 14 digits left by cancellation
     """
 
     equilibrium: float
@@ -52,27 +69,40 @@ class Certificate:
     negative_gap: float
     complementarity: float
     duality_gap: float
+    resolution: float = field(default=0.0, compare=False)
+    cancellation: float = field(default=1.0, compare=False)
+
+    @property
+    def violations(self) -> tuple[float, ...]:
+        """The five violations, in the order of `CERTIFICATE_FIELDS`."""
+        return self.equilibrium, self.negative_force, self.negative_gap, self.complementarity, self.duality_gap
 
     @property
     def worst(self) -> float:
         """The largest of all violations; infinite if one of them is not a number."""
-        entries = (
-            self.equilibrium,
-            self.negative_force,
-            self.negative_gap,
-            self.complementarity,
-            self.duality_gap,
-        )
+        entries = self.violations
         # The built-in maximum may or may not notice a NaN, depending on where it stands.
         return math.inf if any(map(math.isnan, entries)) else max(entries)
 
+    @property
+    def digits(self) -> float:
+        """Decimal digits of torque and deflection that cancellation leaves in doubles, at least; 15.95 without any."""
+        return max(0.0, -math.log10(UNIT_ROUNDOFF * max(self.cancellation, 1.0)))
+
     def passes(self, tolerance: float = EXACT_TOLERANCE) -> bool:
-        """Whether every violation is within the tolerance."""
-        return self.worst <= tolerance
+        """Whether every violation is within the tolerance, whatever the rounding in it."""
+        return self.worst + self.resolution <= tolerance
+
+    def __str__(self) -> str:
+        """Worst violation, its rounding, and the digits that cancellation left."""
+        left = f"{math.floor(self.digits)} digits left by cancellation"
+        return f"worst violation {self.worst:.1g}, to {self.resolution:.1g}; {left}"
 
 
 #: Names of the violations.
-CERTIFICATE_FIELDS = tuple(field.name for field in fields(Certificate))
+CERTIFICATE_FIELDS = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
+#: What it says of itself.
+CERTIFICATE_LIMITS = ("resolution", "cancellation")
 #: Certificate of a solve without an answer.
 NO_CERTIFICATE = Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
 
@@ -91,8 +121,7 @@ def certify(
     rotation
         Rotation theta [rad].
     elastic_rotation
-        Rotation beyond first contact [rad], where it is known to more digits than the difference of `rotation` and
-        the rotation of first contact can hold (light loads, large separations).
+        Rotation beyond first contact [rad]. With it the certificate is that of exactly these numbers.
 
     Returns
     -------
@@ -101,7 +130,10 @@ def certify(
 
     Notes
     -----
-    A penetration that the last digit of the given rotation cannot express is not held against the answer.
+    Without `elastic_rotation` the certificate is that of the forces at the rotation at which the torque does their
+    work, if this rounds to the given one, else at the nearest one that does: one double stands for all rotations that
+    round to it. It then proves the forces, and the rotation to its last digit. Where a light load is lost in that
+    digit, the elastic rotation is known by the forces alone.
 
     Examples
     --------
@@ -116,24 +148,34 @@ def certify(
     force = np.asarray(force, dtype=np.float64)
     if force.shape != problem.separation.shape or not (math.isfinite(rotation) and np.isfinite(force).all()):
         return NO_CERTIFICATE
-    if elastic_rotation is None:
-        resolution = math.ulp(rotation)
-        elastic_rotation = rotation - problem.first_contact_rotation
-    else:
-        resolution = math.ulp(elastic_rotation)
     with np.errstate(over="ignore", invalid="ignore"):
         deflection = problem.deflection(force)
+        if elastic_rotation is None:
+            elastic_rotation = resolved_rotation(problem, force, rotation, deflection)
         gap = deflection + problem.separation_at_first_contact - elastic_rotation * problem.lever_arm
-    return violations(problem, force, elastic_rotation, deflection, gap, resolution)
+    return violations(problem, force, elastic_rotation, deflection, gap)
+
+
+def resolved_rotation(problem: ContactProblem, force: Array, rotation: float, deflection: Array) -> float:
+    """Return the rotation beyond first contact [rad], among those that the given one stands for, that fits the forces.
+
+    Parameters
+    ----------
+    problem, force, rotation
+        As `certify` has them.
+    deflection
+        C F (n) [mm].
+    """
+    elastic_rotation = problem.elastic_rotation(rotation)
+    if not problem.torque > 0.0:
+        return elastic_rotation
+    of_work = float(force @ (deflection + problem.separation_at_first_contact)) / problem.torque
+    half = 0.5 * math.ulp(rotation)
+    return min(max(of_work, elastic_rotation - half), elastic_rotation + half)
 
 
 def violations(
-    problem: ContactProblem,
-    force: Array,
-    elastic_rotation: float,
-    deflection: Array,
-    gap: Array,
-    resolution: float,
+    problem: ContactProblem, force: Array, elastic_rotation: float, deflection: Array, gap: Array
 ) -> Certificate:
     """Return the certificate where the deflections C F and the gaps [mm], both (n), are known already.
 
@@ -143,45 +185,68 @@ def violations(
         As `certify` has them.
     deflection, gap
         Of these forces, at this rotation (n) [mm].
-    resolution
-        Unit in the last place of the rotation [rad].
     """
-    if not np.isfinite(gap).all():
+    if not (_finite(gap) and _finite(force)):
         return NO_CERTIFICATE
-    arm, separation = problem.lever_arm, problem.separation_at_first_contact
-    magnitude = np.abs(force)
-    total = float(magnitude.sum())
     with np.errstate(over="ignore", invalid="ignore"):
-        moment_scale = max(problem.torque, _CANCELLATION_FLOOR * float(magnitude @ np.abs(arm)))
-        force_scale = float(magnitude.max())
-        gap_scale = _gap_scale(problem, magnitude, total, deflection)
-        unknown = resolution * np.abs(arm)
-        penetration = -gap - unknown
-        work = float(force @ deflection + force @ separation)
-        energy_scale = total * gap_scale + float(magnitude @ np.abs(separation))
-        shared = np.minimum(_ratio(force, force_scale), (gap - unknown) / gap_scale)
-        return Certificate(
-            equilibrium=_relative(abs(float(force @ arm) - problem.torque), moment_scale),
-            negative_force=_relative(max(-float(force.min()), 0.0), force_scale),
-            negative_gap=max(float(penetration.max()), 0.0) / gap_scale,
-            complementarity=max(float(shared.max()), 0.0),
-            duality_gap=_relative(
-                max(abs(work - elastic_rotation * problem.torque) - resolution * problem.torque, 0.0), energy_scale
-            ),
-        )
+        sizes = Sizes.of(problem, force, deflection)
+        rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes)
+        found = _relative_to_scales(problem, force, elastic_rotation, sizes, rounded)
+        known = not isinstance(problem.compliance_matrix, OperatorCompliance)
+        if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf or not known:
+            return found
+        sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes, sharp=True)
+        found = _relative_to_scales(problem, force, elastic_rotation, sizes, sharp)
+        if found.resolution <= RESOLUTION_LIMIT:
+            return found
+        try:
+            exact = exact_residuals(problem, force, elastic_rotation)
+        except (OverflowError, ValueError):
+            return found
+        return _relative_to_scales(problem, force, elastic_rotation, sizes, exact)
 
 
-def _gap_scale(problem: ContactProblem, magnitude: Array, total: float, deflection: Array) -> float:
-    """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves."""
-    if total > 0.0:
-        mean = float(magnitude @ np.abs(deflection)) / total
-        root = np.sqrt(problem.compliance_diagonal)
-        without_cancellation = float(magnitude @ root) * float(magnitude @ root) / total  # bounds F'|C|F / sum F
-        scale = max(mean, _CANCELLATION_FLOOR * without_cancellation)
-        if scale > 0.0:
-            return scale
+def _finite(numbers: Array) -> bool:
+    return math.isfinite(float(numbers.sum())) or bool(np.isfinite(numbers).all())
+
+
+def _relative_to_scales(
+    problem: ContactProblem, force: Array, elastic_rotation: float, sizes: Sizes, left: Residuals
+) -> Certificate:
+    moment_scale = max(problem.torque, CANCELLATION_FLOOR * sizes.moment)
+    gap_scale, cancellation = _gap_scale(problem, sizes, abs(elastic_rotation))
+    energy_scale = sizes.total * gap_scale + sizes.preload
+    if problem.torque > 0.0:
+        cancellation = max(cancellation, sizes.moment / problem.torque)
+    shared = np.minimum(_ratio(force, sizes.largest_force), left.gap / gap_scale)
+    resolution = left.gap_error / gap_scale
+    if sizes.total > 0.0:
+        of_balance = _relative(left.imbalance_error, moment_scale)
+        resolution = max(resolution, of_balance, _relative(left.surplus_error, energy_scale))
+    return Certificate(
+        _relative(abs(left.imbalance), moment_scale),
+        _relative(max(-sizes.least_force, 0.0), sizes.largest_force),
+        max(-float(left.gap.min()), 0.0) / gap_scale,
+        max(float(shared.max()), 0.0),
+        _relative(abs(left.surplus), energy_scale),
+        resolution,
+        cancellation,
+    )
+
+
+def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[float, float]:
+    """Mean deflection of the loaded segments [mm], weighted by force, but not below what cancellation resolves.
+
+    And that cancellation: the mean of the terms of their gaps, which is a bound, over the mean deflection.
+    """
+    if sizes.total > 0.0:
+        mean = sizes.strain / sizes.total
+        cancelled = sizes.roots * sizes.roots / sizes.total  # bounds F'|C|F / sum F
+        if max(mean, cancelled) > 0.0:
+            terms = max(cancelled, sizes.preload / sizes.total, turned * sizes.moment / sizes.total)
+            return max(mean, CANCELLATION_FLOOR * terms), max(terms / mean, 1.0) if mean > 0.0 else math.inf
     largest = float(np.abs(problem.separation_at_first_contact).max())  # no load or no compliance
-    return largest if largest > 0.0 else 1.0
+    return (largest if largest > 0.0 else 1.0), 1.0
 
 
 def _ratio(values: Array, scale: float) -> Array:

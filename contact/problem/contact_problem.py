@@ -16,17 +16,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import array, read_only
+from ...core.checks import array
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
 from .modal_basis import ModalBasis
+from .operator_compliance import OperatorCompliance
 from .problem_dataset import problem_data, problem_dataset
+from .proof.first_contact import FirstContact, first_contact
 from .scaled_problem import ScaledProblem
 from .scaling import Scaling
 
@@ -50,7 +52,9 @@ class ContactProblem:
         Torque T about the gear axis [N mm], not negative.
     compliance
         C (n, n) [mm/N], symmetric and positive semidefinite; or the pair (d, V) of an (n) and an (n, k) array that
-        stands for C = diag(d) + V V^T, d >= 0; or either as a `ComplianceMatrix`, which is not copied.
+        stands for C = diag(d) + V V^T, d >= 0. C and V may be sparse, a V of one column (n), or a `ModalBasis`. A
+        `scipy.sparse.linalg.LinearOperator` for V is multiplied out; one for C is not, see `OperatorCompliance`. A
+        `ComplianceMatrix` is not copied.
 
     Raises
     ------
@@ -80,7 +84,7 @@ class ContactProblem:
         separation: ArrayLike,
         lever_arm: ArrayLike,
         torque: float,
-        compliance: ArrayLike | tuple[ArrayLike, ArrayLike] | ComplianceMatrix,
+        compliance: Any,
     ) -> None:
         gap = array("separation", separation, "mm", ndim=1, fewest=1, frozen=True)
         arm = array("lever_arm", lever_arm, "mm", ndim=1, size=gap.size, frozen=True)
@@ -114,8 +118,8 @@ class ContactProblem:
         return int(self.separation.size)
 
     @property
-    def compliance(self) -> Array | tuple[Array, Array]:
-        """C [mm/N] in the form in which it was given: an (n, n) array, or the pair of d (n) and V (n, k)."""
+    def compliance(self) -> Any:
+        """C [mm/N] as given: an (n, n) array, the pair of d (n) and V (n, k), or an `OperatorCompliance`."""
         return self.compliance_matrix.given
 
     @property
@@ -125,7 +129,7 @@ class ContactProblem:
 
     @property
     def dense_compliance(self) -> Array:
-        """C as an (n, n) array [mm/N]."""
+        """C as an (n, n) array [mm/N]; `InputError` where only its products are known."""
         return self.compliance_matrix.dense
 
     @property
@@ -141,36 +145,50 @@ class ContactProblem:
 
     @property
     def is_positive_semidefinite(self) -> bool:
-        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum."""
+        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum.
+
+        Of a compliance known by its products alone this is assumed unless they show a negative eigenvalue.
+        """
         return self.compliance_matrix.is_positive_semidefinite
+
+    @cached_property
+    def first_contact(self) -> FirstContact:
+        """First contact of the rigid bodies: its rotation to twice the digits of a double, the separations there."""
+        return first_contact(self.separation, self.lever_arm)
 
     @property
     def first_contact_rotation(self) -> float:
         """Rotation at which the rigid bodies touch first, min S/r over r > 0 [rad]: theta as the torque vanishes."""
-        return self._first_contact[0]
+        return self.first_contact.rotation
 
     @property
     def separation_at_first_contact(self) -> Array:
-        """S - r theta at first contact [mm], (n). Not negative where r > 0; computed so that this holds to the bit."""
-        return self._first_contact[1]
+        """S - r theta at first contact [mm], (n), each rounded once, however large S and r theta are.
 
-    @cached_property
-    def _first_contact(self) -> tuple[float, Array]:
-        positive = (self.lever_arm > 0.0).nonzero()[0]
-        rotation = self.separation[positive] / self.lever_arm[positive]
-        first = int(rotation.argmin())
-        shifted = self.separation - rotation[first] * self.lever_arm
-        shifted[positive] = np.maximum(shifted[positive], 0.0)
-        shifted[positive[first]] = 0.0
-        return float(rotation[first]), read_only(shifted)
+        Not negative where r > 0; computed so that this holds to the bit.
+        """
+        return self.first_contact.separation
+
+    def whole_rotation(self, elastic_rotation: float) -> float:
+        """Return the rotation theta [rad] of a rotation beyond first contact [rad], rounded."""
+        contact = self.first_contact
+        return contact.rotation + (contact.remainder + elastic_rotation)
+
+    def elastic_rotation(self, rotation: float) -> float:
+        """Return the rotation beyond first contact [rad] of a rotation theta [rad]."""
+        contact = self.first_contact
+        return (rotation - contact.rotation) - contact.remainder
 
     @cached_property
     def scaling(self) -> Scaling:
         """The load-based scaling of this problem."""
-        rotation, separation = self._first_contact
+        contact = self.first_contact
         # Overflow becomes a status, not a warning.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return Scaling.of(separation, self.lever_arm, self.torque, self.compliance_matrix, rotation)
+            return Scaling.of(
+                contact.separation, self.lever_arm, self.torque, self.compliance_matrix,
+                contact.rotation, contact.remainder,
+            )  # fmt: skip
 
     def scaled(self, *, clip: bool = True) -> ScaledProblem:
         """Return the problem in scaled numbers, see `scaling`.
@@ -189,8 +207,8 @@ class ContactProblem:
 
     def gap(self, force: Array, rotation: float) -> Array:
         """Y = C F + S - r theta [mm], (n), under the forces F [N] at the rotation theta [rad]."""
-        elastic_rotation = rotation - self.first_contact_rotation
-        return self.deflection(force) + self.separation_at_first_contact - elastic_rotation * self.lever_arm
+        turned = self.elastic_rotation(rotation) * self.lever_arm
+        return self.deflection(force) + self.separation_at_first_contact - turned
 
     def with_torque(self, torque: float) -> ContactProblem:
         """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
@@ -204,8 +222,8 @@ class ContactProblem:
         own["separation"], own["lever_arm"], own["torque"], own["compliance_matrix"] = (
             self.separation, self.lever_arm, torque, matrix,
         )  # fmt: skip
-        if "_first_contact" in self.__dict__:
-            own["_first_contact"] = self.__dict__["_first_contact"]
+        if "first_contact" in self.__dict__:
+            own["first_contact"] = self.__dict__["first_contact"]
         return changed
 
     def with_secant(self, secant: Array) -> ContactProblem:
@@ -251,15 +269,21 @@ class ContactProblem:
 
     def identical(self, other: ContactProblem) -> bool:
         """Whether all data of two problems agree to the bit and in form."""
+        if isinstance(self.compliance_matrix, OperatorCompliance):
+            same = self.compliance_matrix is other.compliance_matrix
+        else:
+            same = not isinstance(other.compliance_matrix, OperatorCompliance)
         return (
-            self.torque == other.torque
+            same
+            and self.torque == other.torque
             and self.is_structured == other.is_structured
             and all(np.array_equal(a, b) for a, b in zip(_arrays(self), _arrays(other), strict=True))
         )
 
     def to_dataset(self) -> xr.Dataset:
         """Return the problem as a Dataset with units, without loss: `from_dataset` gives the identical problem back."""
-        return problem_dataset(self.separation, self.lever_arm, self.torque, self.compliance)
+        compliance = self.compliance if self.is_structured else self.dense_compliance
+        return problem_dataset(self.separation, self.lever_arm, self.torque, compliance)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> ContactProblem:
@@ -278,5 +302,7 @@ def _local(local: ArrayLike, size: int) -> Array:
 
 
 def _arrays(problem: ContactProblem) -> tuple[Array, ...]:
+    if isinstance(problem.compliance_matrix, OperatorCompliance):
+        return problem.separation, problem.lever_arm
     parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
     return (problem.separation, problem.lever_arm, *parts)

@@ -3,8 +3,8 @@
 Optimisation codes stop on absolute tolerances. In N, mm and N mm these are meaningless: several well-known solvers
 then report success with loads wrong by half. The scaling here does four things.
 
-1. *Shift.* The rotation is counted from the first contact of the rigid bodies, so that large separations cancel
-   before they meet small deflections.
+1. *Shift.* The rotation is counted from the first contact of the rigid bodies, so that large separations cancel,
+   without error, before they meet small deflections.
 2. *Load scale.* Forces are divided by the mean load of the segments in contact, their number taken from a Winkler bed
    (springs without coupling); gaps by the deflection this load gives the mean diagonal compliance; lever arms by their
    mean.
@@ -30,7 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compliance_matrix import ComplianceMatrix, ModalCompliance
-from .scaled_problem import ScaledModes, ScaledProblem
+from .operator_compliance import OperatorCompliance
+from .scaled_problem import ScaledModes, ScaledOperator, ScaledProblem
 
 Array = NDArray[np.float64]
 
@@ -50,8 +51,8 @@ class Scaling:
     ----------
     force, compliance, lever_arm
         Scales [N], [mm/N], [mm], each a power of two.
-    first_contact_rotation
-        Rotation at which the rigid bodies touch [rad]; scaled rotations count from here.
+    first_contact_rotation, first_contact_remainder
+        Rotation at which the rigid bodies touch and what it lacks by rounding [rad]; scaled rotations count from here.
     estimated_active
         Segments in contact on the Winkler bed (n): a starting set for active-set methods.
     separation_limit
@@ -65,13 +66,20 @@ class Scaling:
     compliance: float
     lever_arm: float
     first_contact_rotation: float
+    first_contact_remainder: float
     estimated_active: NDArray[np.bool_]
     separation_limit: Array
     certainly_open: NDArray[np.bool_]
 
     @classmethod
     def of(
-        cls, separation: Array, lever_arm: Array, torque: float, compliance: ComplianceMatrix, rotation: float
+        cls,
+        separation: Array,
+        lever_arm: Array,
+        torque: float,
+        compliance: ComplianceMatrix,
+        rotation: float,
+        remainder: float,
     ) -> Scaling:
         """Find the scales of a problem, O(n) beyond two products with the compliance.
 
@@ -85,8 +93,8 @@ class Scaling:
             About the gear axis [N mm].
         compliance
             C [mm/N].
-        rotation
-            Of first contact [rad].
+        rotation, remainder
+            Of first contact and what it lacks by rounding [rad].
         """
         size, arm, diagonal = lever_arm.size, lever_arm, compliance.diagonal
         positive = arm > 0.0
@@ -97,8 +105,11 @@ class Scaling:
         unit = power_of_two(float(diagonal.sum()) / size)
         mean_positive_arm = float(arm[positive].sum()) / int(np.count_nonzero(positive))
         force = torque / (mean_positive_arm * active_count)
+        largest = float(np.abs(separation).max())
         if force == 0.0:  # no load: let the separations set the scale
-            force = float(np.abs(separation).max()) / unit
+            force = largest / unit
+        elif not diagonal.any():  # no compliance: likewise
+            unit = power_of_two(largest / force)
 
         limit = np.full(size, math.inf)
         if torque > 0.0 and separation.min() >= 0.0:
@@ -111,6 +122,7 @@ class Scaling:
             unit,
             power_of_two(float(np.abs(arm).sum()) / size),
             rotation,
+            remainder,
             active,
             limit,
             separation > limit,
@@ -132,13 +144,16 @@ class Scaling:
         """Return the data of a problem, see `of`, in scaled numbers; clipping lowers only what cannot matter."""
         if clip:
             separation = np.minimum(separation, self.separation_limit)
+        given: Array | ScaledModes | ScaledOperator
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            if isinstance(compliance, ModalCompliance):
+                given = ScaledModes(compliance, self.compliance)
+            elif isinstance(compliance, OperatorCompliance):
+                given = ScaledOperator(compliance, self.compliance)
+            else:
+                given = compliance.dense * (1.0 / self.compliance)
             return ScaledProblem(
-                (
-                    ScaledModes(compliance, self.compliance)
-                    if isinstance(compliance, ModalCompliance)
-                    else compliance.dense * (1.0 / self.compliance)
-                ),
+                given,
                 separation / self.gap,
                 lever_arm * (1.0 / self.lever_arm),
                 torque / self.lever_arm / self.force,
@@ -146,7 +161,8 @@ class Scaling:
 
     def unscale(self, force: Array, rotation: float) -> tuple[Array, float]:
         """Return forces [N] and rotation [rad] from their scaled values."""
-        return self.unscale_force(force), self.first_contact_rotation + self.unscale_elastic_rotation(rotation)
+        beyond = self.first_contact_remainder + self.unscale_elastic_rotation(rotation)
+        return self.unscale_force(force), self.first_contact_rotation + beyond
 
     def unscale_force(self, force: Array) -> Array:
         """Return forces [N]; what rounding left on segments that are certainly open is removed."""

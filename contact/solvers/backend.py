@@ -23,7 +23,7 @@ from .solution import CallTimes, Status
 from .solver_table import SOLVERS
 
 #: Forms in which a backend may get the problem.
-FORMS = ("auto", "dense", "lifted")
+FORMS = ("auto", "dense", "sparse", "lifted", "lcp", "products")
 
 
 #: Where the times of a call stand among the extras of its solution.
@@ -42,9 +42,10 @@ _REPORTED_TIMES = {
 class NoAnswerError(Exception):
     """A backend ended without numbers; carries its message. Never leaves this folder."""
 
-    def __init__(self, message: str, suspicion: Status | None = None) -> None:
+    def __init__(self, message: str, suspicion: Status | None = None, *, claim: str | None = None) -> None:
         super().__init__(message)
         self.suspicion = suspicion
+        self.claim = claim
 
 
 def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> Any:
@@ -115,7 +116,12 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
     InputError
         An unknown form, or one that the backend or the problem cannot have.
     """
-    one_of("form", form, FORMS)
+    one_of("form", form, ("auto", "dense", "lifted"))
+    if not problem.has_matrix and name != "native":
+        raise InputError(
+            f"compliance = LinearOperator: must be a matrix for {name}; native takes it, and a solver of your own that "
+            "declares the form 'products'; operator @ numpy.eye(n) forms the matrix"
+        )
     least = SOLVERS[name].lifted_from
     if form == "lifted":
         if least is None:
@@ -186,7 +192,6 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
         A setting that is none.
     """
     for key in settings:
-        if key not in ("form", "initvals") and not any(
-            key in k if isinstance(k, Collection) else hasattr(k, key) for k in known
-        ):
+        listed = any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known)
+        if key not in ("form", "initvals") and not listed:
             raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting")

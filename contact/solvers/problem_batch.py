@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import overload
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core.checks import array
 from ...core.errors import InputError
+from ..problem.certificate import RESOLUTION_LIMIT
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from .compiled.compiled_answer import compiled_code, linear_answers
@@ -41,7 +42,7 @@ class ContactSolutions:
     elastic_rotation
         Rotation beyond the first contact of the rigid bodies (b) [rad].
     certificate
-        The entries of `Certificate` in their order (b, 5).
+        The five violations of `Certificate` in their order (b, 5).
     status
         Numbers of `Status` (b).
     iterations
@@ -168,8 +169,10 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
     together = linear_answers(problem, gaps, moments)
     if together is not None:
         force, gap, numbers, ended = together
+        violations, resolution, numbers = numbers[:, 2:7], numbers[:, 7], numbers[:, :7]
         steps = ended[:, 0].copy()
-        proved = (ended[:, 1] == 1) & (moments > 0.0) & (numbers[:, 2:].max(axis=1) <= ROUNDING_LEVEL)
+        proved = (ended[:, 1] == 1) & (moments > 0.0) & (violations.max(axis=1) <= ROUNDING_LEVEL)
+        proved &= resolution <= RESOLUTION_LIMIT
         status[proved] = Status.CERTIFIED
     others = np.flatnonzero(~proved)
     rest = [
@@ -179,7 +182,7 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
         force[row], gap[row], steps[row], status[row] = (
             solution.force, solution.gap, solution.iterations, solution.status,
         )  # fmt: skip
-        numbers[row] = solution.rotation, solution.elastic_rotation, *astuple(solution.certificate)
+        numbers[row] = solution.rotation, solution.elastic_rotation, *solution.certificate.violations
     return ContactSolutions(
         force, numbers[:, 0].copy(), gap, numbers[:, 1].copy(), numbers[:, 2:].copy(), status, steps
     )

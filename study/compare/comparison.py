@@ -20,7 +20,7 @@ from ...core.writing.output_file import check_folder
 from .comparison_plan import Cell, Choice, cells
 from .comparison_table import Row, comparison_table
 from .measurement.attempt import CRASHED, TIME_LIMIT, Attempt
-from .measurement.environment import find_module, machine, solver_version
+from .measurement.environment import machine, solver_version
 from .measurement.posed_problem import PosedProblem, load_factor, posed_problems
 from .measurement.worker import Request, Worker, workers
 
@@ -158,7 +158,7 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     Raises
     ------
     InputError
-        If a name is unknown, or a module cannot be found.
+        If a name is unknown, or a solver of one's own cannot be imported.
     MissingSolverError
         If a solver is not installed.
     """
@@ -168,16 +168,7 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
         raise InputError(f"solvers = []: must name at least one of {', '.join(available_solvers())}")
     names = []
     for name in dict.fromkeys(name.strip() for name in solvers if name.strip()):
-        module, own, function = name.partition(":")
-        if not own:
-            names.append(require_solver(name))
-        elif not function.isidentifier() or find_module(module) is None:
-            raise InputError(
-                f"solvers = {name!r}: must be a solver of the table, or MODULE:FUNCTION; there is no module {module!r} "
-                f"with a function {function!r}"
-            )
-        else:
-            names.append(name)
+        names.append(require_solver(name))
     return list(dict.fromkeys(names))
 
 

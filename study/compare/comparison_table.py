@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ...contact.problem.certificate import Certificate
+from ...contact.problem.certificate import CERTIFICATE_FIELDS
 from ...core.attributes import labelled
 from ...core.checks import is_number
 from ...core.errors import InputError
@@ -22,7 +22,7 @@ from .measurement.method import Method
 from .measurement.posed_problem import PosedProblem
 
 FORMAT = "easeoff comparison of solvers"
-RESIDUALS = tuple(field.name for field in fields(Certificate))
+RESIDUALS = CERTIFICATE_FIELDS
 
 
 @dataclass(frozen=True, eq=False)

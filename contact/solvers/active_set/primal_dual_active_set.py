@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...problem.scaled_problem import ScaledProblem
 from ..scaled_answer import ScaledAnswer
+from ..solver_limits import StepBudget
 from .active_set_system import first_contact_index, solve_active_set
 
 #: Steps without fewer wrong signs before segments move one at a time.
@@ -45,6 +46,7 @@ def primal_dual_active_set(
     *,
     max_iterations: int | None = None,
     solve_set: Callable[[NDArray[np.intp]], SolvedSet | None] | None = None,
+    budget: StepBudget | None = None,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem from a starting set.
 
@@ -58,6 +60,8 @@ def primal_dual_active_set(
         Linear systems solved before giving up, 40 + n by default.
     solve_set
         Solves the system of active segments (a); by default with the matrix C.
+    budget
+        Limits of the whole solve.
 
     Returns
     -------
@@ -69,6 +73,8 @@ def primal_dual_active_set(
     fewest, patience = active.size + 1, MAX_STALLED_STEPS
     tolerance = SIGN_TOLERANCE
     for iteration in range(1, limit + 1):
+        if budget is not None and not budget.step():
+            return None
         index = np.flatnonzero(active)
         if not problem.lever_arm[index].any():
             active[first_contact_index(problem)] = True

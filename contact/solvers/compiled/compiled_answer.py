@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ....core.compiled.compiled_use import compiled_code_of
 from ...problem.answer import Answer, with_certificate
-from ...problem.certificate import Certificate
+from ...problem.certificate import RESOLUTION_LIMIT, Certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis
@@ -78,7 +78,7 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
         return None
     if not isinstance(matrix.modes, ModalBasis):  # the proof is on the factor as it was given
         return CompiledAnswer(with_certificate(problem, force[0], float(numbers[0, 1])), steps, _NO_FORCES)
-    return CompiledAnswer(answer_of(force[0], gap[0], numbers[0]), steps, _NO_FORCES)
+    return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FORCES)
 
 
 def linear_answers(problem: ContactProblem, separation: Array, torque: Array) -> tuple[Array, Array, Array, Any] | None:
@@ -87,8 +87,8 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     Returns
     -------
     tuple or None
-        Forces and gaps (b, n); rotation, elastic rotation and certificate (b, 7); steps and whether the method ended
-        (b, 2). None where the method cannot be used.
+        Forces and gaps (b, n); rotation, elastic rotation and the numbers of the certificate (b, 9); steps and whether
+        the method ended (b, 2). None where the method cannot be used.
     """
     matrix = problem.compliance_matrix
     if not isinstance(matrix, ModalCompliance) or (code := compiled_code()) is None:
@@ -100,7 +100,7 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
         tuple(matrix.modes.columns), torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
-    return force, gap, numbers[:, :7], counts
+    return force, gap, numbers, counts
 
 
 def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer | None:
@@ -130,15 +130,23 @@ def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer |
         force, gap, secant, numbers, counts,
     )  # fmt: skip
     steps, ended = counts[0].tolist()
-    return CompiledAnswer(answer_of(force[0], gap[0], numbers[0]), steps, secant[0]) if ended else None
+    if not ended:
+        return None
+    return CompiledAnswer(answer_of(bending.with_secant(secant[0]), force[0], gap[0], numbers[0]), steps, secant[0])
 
 
-def answer_of(force: Array, gap: Array, numbers: Array) -> Answer:
-    """Return an answer from forces and gaps (n) and the numbers (7) that the compiled code has of it."""
+def answer_of(problem: ContactProblem, force: Array, gap: Array, numbers: Array) -> Answer:
+    """Return an answer from forces and gaps (n) and the numbers (9) that the compiled code has of it.
+
+    Where that has bounded the rounding of its certificate too roughly, the certificate is evaluated anew.
+    """
     rotation, elastic, *entries = numbers.tolist()
-    return Answer(force, rotation, gap, elastic, Certificate(*entries[:5]))
+    certificate = Certificate(*entries)
+    if not certificate.resolution <= RESOLUTION_LIMIT and certificate.worst <= RESOLUTION_LIMIT:
+        return with_certificate(problem, force, elastic)
+    return Answer(force, rotation, gap, elastic, certificate, problem)
 
 
 def _results(count: int, size: int) -> tuple[Array, Array, Array, NDArray[np.int64]]:
     shape = (count, size)
-    return np.empty(shape), np.empty(shape), np.empty((count, 8)), np.empty((count, 2), dtype=np.int64)
+    return np.empty(shape), np.empty(shape), np.empty((count, 9)), np.empty((count, 2), dtype=np.int64)

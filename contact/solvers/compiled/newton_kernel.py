@@ -49,7 +49,12 @@ LENGTH, DEPTHS, UNITS, CONTRACTIONS, WIDTH, OVERHANG, FLOOR, START, BEND, CORREC
     13,
 )
 #: Columns of the numbers of an answer.
-ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESIDUAL = range(8)
+ROTATION, ELASTIC, EQUILIBRIUM, NEGATIVE_FORCE, NEGATIVE_GAP, COMPLEMENTARITY, DUALITY, RESOLUTION, CANCELLATION = (
+    range(9)
+)
+#: As in ``error_free``, ``first_contact`` and ``residuals``.
+UNIT_ROUNDOFF, SPLITTER, UNDERFLOW = 2.0**-53, 134217729.0, 1e-318
+ERROR_FREE, PLAIN, MAX_CHANGES = 2.0**-103, 2.0**-51, 4
 
 
 _sums = compiled(fastmath={"reassoc", "contract", "nsz"})  # sums in any order, by several at a time
@@ -57,19 +62,77 @@ _exact = compiled()
 
 
 @_exact
-def _first_contact(separation: Any, arm: Any, shifted: Any) -> float:
-    """Rotation at which the rigid bodies touch; the separations from there."""
-    rotation, first = np.inf, 0
-    for i in range(shifted.size):
+def _shift(separation: Any, arm: Any, first: int, shifted: Any) -> bool:
+    """Separations from the contact of one segment, see ``first_contact``; whether they are finite."""
+    size, own = shifted.size, separation[first]
+    if own == 0.0:
+        shifted[:] = separation
+        return True
+    scale = math.ldexp(1.0, -math.frexp(arm[first])[1])
+    lever, turned = arm[first] * scale, -own
+    big = SPLITTER * lever
+    high_lever = big - (big - lever)
+    low_lever = lever - high_lever
+    big = SPLITTER * turned
+    high_turned = big - (big - turned)
+    low_turned = turned - high_turned
+    finite = 0.0
+    for i in range(size):
+        a, b = separation[i], arm[i] * scale
+        p, q = a * lever, b * turned
+        big = SPLITTER * a
+        high = big - (big - a)
+        low = a - high
+        rest = low * low_lever - (((p - high * high_lever) - low * high_lever) - high * low_lever)
+        big = SPLITTER * b
+        high = big - (big - b)
+        low = b - high
+        rest += low * low_turned - (((q - high * high_turned) - low * high_turned) - high * low_turned)
+        total = p + q
+        second = total - p
+        rest += (p - (total - second)) + (q - second)
+        shifted[i] = (total + rest) / lever
+        finite += 0.0 * shifted[i]
+    shifted[first] = 0.0
+    return finite == 0.0
+
+
+@_exact
+def _first_contact(separation: Any, arm: Any, shifted: Any) -> tuple[float, float, float]:
+    """Rotation at which the rigid bodies touch, its remainder, and the error; the separations from there."""
+    size = shifted.size
+    least, first = np.inf, 0
+    for i in range(size):
         if arm[i] > 0.0:
             own = separation[i] / arm[i]
-            if own < rotation:
-                rotation, first = own, i
-    for i in range(shifted.size):
-        gap = separation[i] - rotation * arm[i]
-        shifted[i] = max(gap, 0.0) if arm[i] > 0.0 else gap
-    shifted[first] = 0.0
-    return rotation
+            if own < least:
+                least, first = own, i
+    error = ERROR_FREE
+    for change in range(MAX_CHANGES + 1):
+        if not _shift(separation, arm, first, shifted):
+            error, turned = PLAIN, separation[first] / arm[first]
+            for i in range(size):
+                shifted[i] = separation[i] - turned * arm[i]
+            shifted[first] = 0.0
+        least, other = 0.0, first
+        for i in range(size):
+            if arm[i] > 0.0 and shifted[i] < 0.0 and shifted[i] / arm[i] < least:
+                least, other = shifted[i] / arm[i], i
+        if other == first or change == MAX_CHANGES:
+            break
+        first, error = other, ERROR_FREE
+    for i in range(size):
+        if arm[i] > 0.0:
+            shifted[i] = max(shifted[i], 0.0)
+    own, lever = separation[first], arm[first]
+    rotation = own / lever
+    product = rotation * lever
+    big, other_big = SPLITTER * rotation, SPLITTER * lever
+    high, high_lever = big - (big - rotation), other_big - (other_big - lever)
+    low, low_lever = rotation - high, lever - high_lever
+    low = low * low_lever - (((product - high * high_lever) - low * high_lever) - high * low_lever)
+    remainder = ((own - product) - low) / lever
+    return rotation, remainder if math.isfinite(remainder) else 0.0, error
 
 
 @_exact
@@ -621,13 +684,16 @@ def _winkler_rotation(separation: Any, arm: Any, weight: Any, torque: float) -> 
 
 @_sums
 def _certificate(
-    force: Any, deflection: Any, gap: Any, shifted: Any, arm: Any, whole: Any, torque: float, numbers: Any
+    force: Any, deflection: Any, gap: Any, shifted: Any, arm: Any, whole: Any, torque: float, known: Any, numbers: Any
 ) -> None:
-    """Violations of the conditions of the contact problem, see ``certificate.violations``."""
+    """Violations of the conditions of the contact problem and their rounding, see ``certificate.violations``.
+
+    ``known`` has the terms of a deflection, and the error of the shift over the lever arm.
+    """
+    terms, shift_error = known
     elastic = numbers[ELASTIC]
-    unit = np.spacing(abs(elastic))
     total = moment = size_of_moment = strain = work = preload = rooted = 0.0
-    largest, least_force, far = 0.0, np.inf, 0.0
+    largest, least_force, far, softest, longest = 0.0, np.inf, 0.0, 0.0, 0.0
     finite = math.isfinite(numbers[ROTATION])
     for i in range(force.size):
         own = abs(force[i])
@@ -642,26 +708,37 @@ def _certificate(
         largest = max(largest, own)
         least_force = min(least_force, force[i])
         far = max(far, abs(shifted[i]))
+        softest, longest = max(softest, whole[i]), max(longest, abs(arm[i]))
         finite = finite and math.isfinite(gap[i]) and math.isfinite(force[i])
     if not finite:
-        numbers[EQUILIBRIUM : DUALITY + 1] = np.inf
+        numbers[EQUILIBRIUM : CANCELLATION + 1] = np.inf
         return
-    scale = 0.0
+    scale, cancellation = 0.0, 1.0
     if total > 0.0:
-        scale = max(strain / total, CANCELLATION_FLOOR * rooted * rooted / total)
+        mean, uncancelled = strain / total, rooted * rooted / total
+        if max(mean, uncancelled) > 0.0:
+            uncancelled = max(uncancelled, preload / total, abs(elastic) * size_of_moment / total)
+            scale, cancellation = max(mean, CANCELLATION_FLOOR * uncancelled), max(uncancelled / mean, 1.0)
     if not scale > 0.0:
         scale = far if far > 0.0 else 1.0
     penetration, shared = 0.0, 0.0
     for i in range(force.size):
-        unknown = unit * abs(arm[i])
-        penetration = max(penetration, -gap[i] - unknown)
-        shared = max(shared, min(force[i] / largest if largest > 0.0 else force[i], (gap[i] - unknown) / scale))
-    numbers[EQUILIBRIUM] = _relative(abs(moment - torque), max(torque, CANCELLATION_FLOOR * size_of_moment))
+        penetration = max(penetration, -gap[i])
+        shared = max(shared, min(force[i] / largest if largest > 0.0 else force[i], gap[i] / scale))
+    moment_scale, energy_scale = max(torque, CANCELLATION_FLOOR * size_of_moment), total * scale + preload
+    numbers[EQUILIBRIUM] = _relative(abs(moment - torque), moment_scale)
     numbers[NEGATIVE_FORCE] = _relative(max(-least_force, 0.0), largest)
     numbers[NEGATIVE_GAP] = penetration / scale
     numbers[COMPLEMENTARITY] = shared
-    missing = max(abs(work - elastic * torque) - unit * torque, 0.0)
-    numbers[DUALITY] = _relative(missing, total * scale + preload)
+    numbers[DUALITY] = _relative(abs(work - elastic * torque), energy_scale)
+    # Rounding: see ``residuals.rounded_residuals``.
+    unknown = terms * UNIT_ROUNDOFF * rooted * math.sqrt(softest) + UNDERFLOW
+    unknown += (6.0 * UNIT_ROUNDOFF * abs(elastic) + shift_error) * longest
+    rounding = (force.size + 4) * UNIT_ROUNDOFF
+    of_work = total * unknown + rounding * (strain + preload + abs(elastic * torque))
+    resolution = max(unknown / scale, _relative(rounding * size_of_moment, moment_scale))
+    numbers[RESOLUTION] = max(resolution, _relative(of_work, energy_scale) if total > 0.0 else 0.0)
+    numbers[CANCELLATION] = max(cancellation, size_of_moment / torque if torque > 0.0 else 1.0)
 
 
 @_exact
@@ -704,7 +781,7 @@ def solve_batch(
     secant_of
         For the secant compliance of line contacts (b, n); empty if there are none.
     numbers, counts
-        For the numbers (b, 8), and steps and whether the method ended (b, 2).
+        For the numbers (b, 9), and steps and whether the method ended (b, 2).
     """
     places, blocks_of, order, columns, bending, row_sum = modes
     linear = law.shape[0] == 0
@@ -727,7 +804,7 @@ def solve_batch(
     few = np.empty(wide)
     size = most
     for b in range(torque.size):
-        first_contact = _first_contact(separation[b], arm, shifted)
+        first_contact, remainder, shift_error = _first_contact(separation[b], arm, shifted)
         factors, spare = (grams, border, solved, rows, few), (change, begin, best)
         rotation, steps, ended = 0.0, 0, False
         guess = 0.0
@@ -837,7 +914,8 @@ def solve_batch(
                 secant_of[b, i] = own_compliance
             pull[i] = own_compliance * sep[x] + gap[x]
             lever[i] = own_compliance + bending[i]
-        numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + rotation, rotation
+        numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + (remainder + rotation), rotation
         for i in range(size):
             gaps[i] = pull[i] + shifted[i] - rotation * arm[i]
-        _certificate(forces, pull, gaps, shifted, arm, lever, torque[b], numbers[b])
+        known = (size + wide + 10.0, shift_error * abs(first_contact))
+        _certificate(forces, pull, gaps, shifted, arm, lever, torque[b], known, numbers[b])

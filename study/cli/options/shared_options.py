@@ -48,6 +48,22 @@ def force_option(command: Command) -> Command:
     )
 
 
+def problem_format_options(command: Command) -> Command:
+    """Options ``--format`` and ``--form`` of a command that writes contact problems."""
+    command = click.option(
+        "--form",
+        type=click.Choice(["dense", "lifted", "dual"]),
+        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
+    )(command)
+    return click.option(
+        "--format",
+        type=click.Choice(["nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark"]),
+        show_default="suffix of the file",
+        help="Format of contact problems: nc (netCDF), mat (MATLAB), npz (qpsolvers), qps or mps "
+        "(Maros-Meszaros; HiGHS wants mps), hdf5 (FCLib), qpbenchmark (test set). From npz on the output is a folder.",
+    )(command)
+
+
 def folder_option(default: str) -> Callable[[Command], Command]:
     """Option ``--output`` of a command that writes a folder."""
     return click.option(

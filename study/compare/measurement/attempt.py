@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from ....contact.problem.certificate import NO_CERTIFICATE, Certificate
 from ....contact.problem.contact_problem import ContactProblem
-from ....contact.solvers import SOLVERS, ContactSolution, solve
+from ....contact.solvers import SOLVERS, ContactSolution, Solver, solve
 from ....contact.solvers.active_set.polish import STRICT_POLISH
 from ....contact.solvers.backend_solution import Adapter, adapter_of, backend_solution
+from ....contact.solvers.declared.solver_lookup import declared_solver
 from ....contact.solvers.solution import RAISED
 from ....core.errors import InputError
 from .method import POLISHED, RAW, Method
@@ -86,7 +87,7 @@ class Attempt:
         times = solution.times
         return cls(
             solution.claim,
-            plain(solution.message),
+            plain(solution.words),
             solution.run_time,
             call_time=times.call,
             setup_time=times.setup,
@@ -101,13 +102,13 @@ class Attempt:
         )
 
 
-def load_adapter(solver: str) -> Adapter | None:
-    """Return the adapter of a solver for scaled problems; None for the native one, which needs none.
+def load_adapter(solver: str) -> Adapter | Solver | None:
+    """Return the adapter of a solver, or the declaration of one's own; None for the native one, which needs none.
 
     Parameters
     ----------
     solver
-        A name of the table of solvers, or ``module:function`` with the signature of an adapter.
+        A name of the table of solvers or of an entry point, or ``module:function``.
 
     Raises
     ------
@@ -116,22 +117,16 @@ def load_adapter(solver: str) -> Adapter | None:
     """
     if solver == "native":
         return None
-    module, separator, function = solver.partition(":")
-    if not separator:
-        for package in filter(None, (SOLVERS[solver].package, "qpsolvers")):
-            importlib.import_module(package)  # slow imports are not to be timed
-        return adapter_of(solver)
-    try:
-        found: Adapter = getattr(importlib.import_module(module), function)
-    except Exception as error:  # a foreign module may raise anything
-        raise InputError(f"solver {solver!r} cannot be loaded: {error}") from error
-    return found
+    declared = declared_solver(solver)
+    for package in ("qpsolvers",) if declared else filter(None, (SOLVERS[solver].package, "qpsolvers")):
+        importlib.import_module(package)  # slow imports are not to be timed
+    return adapter_of(solver) if declared is None else declared
 
 
 def attempt(
     problem: ContactProblem,
     method: Method,
-    adapter: Adapter | None,
+    adapter: Adapter | Solver | None,
     time_limit: float,
     start: NDArray[np.float64] | None = None,
 ) -> Attempt:
@@ -161,10 +156,16 @@ def attempt(
 
 
 def _backend_attempt(
-    problem: ContactProblem, method: Method, adapter: Adapter, time_limit: float, start: NDArray[np.float64] | None
+    problem: ContactProblem,
+    method: Method,
+    adapter: Adapter | Solver,
+    time_limit: float,
+    start: NDArray[np.float64] | None,
 ) -> Attempt:
     raw = method.settings == RAW
     keywords = method.keywords(time_limit)
+    if isinstance(adapter, Solver):
+        keywords = {key: value for key, value in keywords.items() if adapter.takes(key)}
     if start is not None:
         keywords["initvals"] = start.copy() if raw else start / problem.scaling.force
     rule = STRICT_POLISH if method.settings == POLISHED else None

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ....contact.solvers import SOLVERS
+from ....contact.solvers.declared.solver_lookup import entry_point
 from ....core.compiled.compiled_use import is_used
 
 
@@ -67,14 +68,22 @@ def processor() -> str:
 
 
 def solver_version(solver: str) -> str:
-    """Version of a solver's package; for ``module:function`` a digest of the module's file."""
-    module, own, _ = solver.partition(":")
-    if own:
-        found = find_module(module)
-        if found is None or found.origin is None or not Path(found.origin).is_file():
-            return "unknown"
-        return "file " + hashlib.sha256(Path(found.origin).read_bytes()).hexdigest()[:12]
-    return _version(SOLVERS[solver].package or "easeoff")
+    """Version of a solver's package; for ``module:function`` and entry points a digest of the module's file, too."""
+    if solver in SOLVERS:
+        return _version(SOLVERS[solver].package or "easeoff")
+    point = entry_point(solver)
+    file = _digest((solver if point is None else point.value).partition(":")[0])
+    if point is None or point.dist is None:
+        return file
+    return f"{point.dist.name} {point.dist.version}, {file}"
+
+
+def _digest(module: str) -> str:
+    """Digest of a module's file, in words."""
+    found = find_module(module)
+    if found is None or found.origin is None or not Path(found.origin).is_file():
+        return "unknown"
+    return "file " + hashlib.sha256(Path(found.origin).read_bytes()).hexdigest()[:12]
 
 
 def find_module(module: str) -> ModuleSpec | None:

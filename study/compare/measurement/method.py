@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....contact.solvers import SOLVERS
+from ....contact.solvers.declared.solver_lookup import declared_solver
 
 #: Settings a solver can be run with, and what they mean; the headline first.
 SETTINGS = {
@@ -20,30 +21,14 @@ HEADLINE, POLISHED, RAW, SWEEP = SETTINGS
 COLD, WARM = "cold", "warm"
 
 #: What a solver calls the tolerances that a sweep sets all alike; one that is not listed has none.
-TOLERANCE_NAMES: dict[str, tuple[str, ...]] = {
-    "clarabel": ("tol_gap_abs", "tol_gap_rel", "tol_feas"),
-    "osqp": ("eps_abs", "eps_rel"),
-    "daqp": ("primal_tol", "dual_tol"),
-    "piqp": ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel"),
-    "proxqp": ("eps_abs",),
-    "highs": ("primal_feasibility_tolerance", "dual_feasibility_tolerance"),
-    "scs": ("eps_abs", "eps_rel"),
-    "sip": ("eps_abs", "eps_rel"),
-    "pyqpmad": ("tolerance",),
-    "qpalm": ("eps_abs", "eps_rel"),
-    "cvxopt": ("abstol", "reltol", "feastol"),
-    "ecos": ("abstol", "reltol", "feastol"),
-    "cvxpy": ("tol_gap_abs", "tol_gap_rel", "tol_feas"),
-}
+TOLERANCE_NAMES = {name: entry.tolerance_settings for name, entry in SOLVERS.items() if entry.tolerance_settings}
 #: What a sweep calls the tolerance of a function of one's own.
 OWN_TOLERANCE_NAME = "tolerance"
 #: Smallest tolerance that a solver takes.
-LEAST_TOLERANCE = {"highs": 1e-10}
+LEAST_TOLERANCE = {name: entry.least_tolerance for name, entry in SOLVERS.items() if entry.least_tolerance}
 #: Solvers whose answers or iterations change with the start they are given. The others ignore it, or have none:
 #: a warm start of theirs would measure noise.
-STARTING_SOLVERS = ("native", "osqp", "daqp", "proxqp", "scs", "sip", "cvxopt")
-
-_TIME_LIMIT_KEYS = ("time_limit", "time_limit_secs")
+STARTING_SOLVERS = tuple(name for name, entry in SOLVERS.items() if entry.warm_start)
 
 
 @dataclass(frozen=True)
@@ -78,7 +63,8 @@ class Method:
             own = {"time_limit": time_limit}
             return {**own, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else own
         table: Mapping[str, Any] = SOLVERS[self.solver].settings
-        limits = {key: time_limit for key in _TIME_LIMIT_KEYS if key in table}
+        key = SOLVERS[self.solver].time_setting
+        limits = {key: time_limit} if key in table else {}
         if self.settings == RAW:
             return limits
         least = max(self.tolerance, LEAST_TOLERANCE.get(self.solver, 0.0))
@@ -93,4 +79,5 @@ def has_tolerance(solver: str) -> bool:
 
 def takes_start(solver: str) -> bool:
     """Whether a solver makes use of the answer to a neighbouring problem."""
-    return solver in STARTING_SOLVERS
+    declared = declared_solver(solver)
+    return solver in STARTING_SOLVERS if declared is None else declared.warm_start

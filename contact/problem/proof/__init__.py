@@ -1,0 +1,1 @@
+"""The arithmetic behind the certificate: error-free sums, first contact, residuals, and what follows from them."""
