@@ -21,8 +21,8 @@ def mesh_stiffness(case: LoadedCase) -> float:
 
     With the segments in contact fixed, their gaps stay closed: ``(B + D) dF = r dtheta`` and ``dT = r . dF``, so that
     ``dT / dtheta = r . (B + D)^-1 r`` with the bending compliance B, the tangent D of the line contacts and the lever
-    arms r; see ``line_contact_sensitivity``. Where a segment is about to touch, this is the stiffness before it does: the
-    tangent jumps as the segment enters, while the rotation is continuous.
+    arms r; see ``line_contact_sensitivity``. Where a segment is about to touch, this is the stiffness before it does:
+    the tangent jumps as the segment enters, while the rotation is continuous.
 
     Parameters
     ----------
