@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..core.attributes import labelled
 from .compliance import WeberLineContact
 from .mesh_harmonics import harmonics, peak_to_peak, rms
-from .problem.certificate import CERTIFICATE_FIELDS
+from .problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from .problem.contact_problem import ContactProblem
 from .segments import Segments
 from .solvers import ContactSolution, Status
@@ -87,7 +87,8 @@ def loaded_dataset(
     cycle = (torques.size, rotations.size)
     pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
     status = np.full(cycle, Status.INFEASIBLE, dtype=np.int8)
-    names = ("transmission_error", "edge_share", "iterations", *CERTIFICATE_FIELDS)
+    entries = (*CERTIFICATE_FIELDS, *CERTIFICATE_LIMITS)
+    names = ("transmission_error", "edge_share", "iterations", *entries)
     scalars = {name: np.full(cycle, np.nan) for name in names}
     per_segment = {
         name: np.full((*cycle, size), np.nan)
@@ -111,7 +112,7 @@ def loaded_dataset(
         status[at] = solution.status
         scalars["transmission_error"][at] = 1e6 * solution.rotation
         scalars["iterations"][at] = solution.iterations
-        for name in CERTIFICATE_FIELDS:
+        for name in entries:
             scalars[name][at] = getattr(solution.certificate, name)
     if cases:
         sizes = [case.segments.pair.size for case in cases]

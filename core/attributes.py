@@ -125,6 +125,8 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "negative_gap": ("1", "certificate: largest penetration over the mean deflection"),
     "complementarity": ("1", "certificate: largest of the smaller one of force and gap, each scaled"),
     "duality_gap": ("1", "certificate: relative duality gap"),
+    "resolution": ("1", "certificate: bound of the rounding in its violations"),
+    "cancellation": ("1", "certificate: terms of torque or gaps over torque or deflection; above 1e5 costs digits"),
     "iterations": ("1", "iterations of the solver"),
     "max_pressure": (
         "MPa",

@@ -340,7 +340,7 @@ def _strange(given: NDArray[Any]) -> Any:
 def _why_no_numbers(values: Any) -> str:
     """What an array holds that is no real numbers, and what to do about it; empty where it is its shape alone."""
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
-        return f"; {np.ma.count_masked(values)} are masked: fill them in, or leave them out"
+        return f"; {np.count_nonzero(np.ma.getmaskarray(values))} are masked: fill them in, or leave them out"
     try:
         given = np.asarray(values)
         entry = _strange(given) if given.dtype.kind == "O" else None

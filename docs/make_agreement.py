@@ -103,7 +103,7 @@ def table() -> str:
     rows = [
         [f"`{name}`", *(cell for chosen in sets.values() for cell in agreement(name, chosen).cells())]
         for name in available_solvers()
-        if name != "native"
+        if name != "native" and name in SOLVERS
     ]
     heads = ["certified", "rotation", "gap", "certificate"]
     headers = ["solver", *(f"{name}: {head}" for name in sets for head in heads)]

@@ -1,4 +1,4 @@
-"""Look for whatever breaks easeoff: mutated inputs, kills, full disks, concurrent runs, disturbed analyses, false claims.
+"""Look for whatever breaks easeoff: mutated inputs, kills, full disks, concurrent runs, false claims of solvers.
 
 Usage: python fuzz/fuzz.py [PART...] [--seed FIRST] [--count N], see fuzz/README.md
 """

@@ -189,7 +189,7 @@ def test_rough_bounds_of_rounding_are_sharpened() -> None:
     force, deflection = found.force, problem.deflection(found.force)
     sizes = Sizes.of(problem, force, deflection)
     rough = rounded_residuals(problem, force, found.elastic_rotation, deflection, found.gap, sizes)
-    assert rough.gap_error > 1e3 * RESOLUTION_LIMIT * deflection.max()
+    assert rough.gap_error > 100.0 * RESOLUTION_LIMIT * deflection.max()
     assert violations(problem, force, found.elastic_rotation, deflection, found.gap).resolution < 1e-14
     assert found.certified
 
@@ -245,7 +245,7 @@ def test_bound_of_the_forces_grows_as_segments_become_alike(difference: float) -
     assert known.unique
     assert known.smallest_eigenvalue == pytest.approx(difference, rel=0.3)
     assert off <= known.force_error.max() <= 1e-10 / difference
-    assert abs(found.elastic_rotation - 2e-6 * (2.0 - difference) * 500.0 / 20.0 / 2.0) <= known.rotation_error
+    assert abs(found.elastic_rotation - 2e-6 * (2.0 - difference) * 1000.0 / 40.0) <= known.rotation_error
 
 
 def test_answers_that_a_solver_leaves_rough_have_wide_bounds() -> None:

@@ -52,6 +52,7 @@ WITH_CODE = (
     "sweeps",
     "vh_check",
     "load_cases",
+    "half_space",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +37,8 @@ from easeoff.contact import (
 )
 from easeoff.contact.problem.exchange.qps_sections import qps_programme
 from easeoff.study.cli import main
+from easeoff.study.compare import write_test_set
+from easeoff.study.library import entries, generate, reference_answers
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 SINGLE = ("npz", "qps", "hdf5")
@@ -102,17 +107,19 @@ def test_all_classes_come_back_from_matlab(tmp_path: Path) -> None:
     assert all(a.identical(b) for a, b in zip(read.problems, given, strict=True))
 
 
+def units_of(path: Path) -> dict[str, float]:
+    """Units that the comments of a QPS file name."""
+    comments = qps_programme(path.read_text().splitlines()).comments
+    return {line.split()[3]: float(line.split("=")[1]) for line in comments if "unit of" in line}
+
+
 @pytest.mark.parametrize("form", ["dense", "lifted"])
 def test_highs_reads_and_solves_a_qps_file(tmp_path: Path, form: str) -> None:
     """The forces and the dual of BALANCE in the units of the comments are those of the native solver."""
     highspy = pytest.importorskip("highspy")
     problem, path = bed(), tmp_path / "bed.mps"  # HiGHS takes no other suffix
     write_qps(problem, path, form=form, name="bed of springs")
-    units = {
-        comment.split()[3]: float(comment.split("=")[1])
-        for comment in qps_programme(path.read_text().splitlines()).comments
-        if "unit of" in comment
-    }
+    units = units_of(path)
     assert qps_programme(path.read_text().splitlines()).name == "bed_of_springs"
     program = highspy.Highs()
     program.setOptionValue("output_flag", False)
@@ -128,6 +135,26 @@ def test_highs_reads_and_solves_a_qps_file(tmp_path: Path, form: str) -> None:
     np.testing.assert_allclose(force, expected.force, rtol=0, atol=1e-6 * expected.force.max())
     assert rotation == pytest.approx(expected.rotation, rel=1e-6)
     assert 0 < np.count_nonzero(expected.force) < 24
+
+
+@pytest.mark.parametrize("form", ["dense", None])
+def test_highs_solves_problems_of_the_library(tmp_path: Path, form: str | None) -> None:
+    """Real, nearly singular, degenerate, with a singular compliance and without any local one."""
+    highspy = pytest.importorskip("highspy")
+    chosen = [
+        e for e in entries() if e.part == "small" and e.source.case == "nasa-12x36" and "scaled-torque" not in e.name
+    ]
+    for number, (entry, problem) in enumerate(generate(chosen[::3])):
+        (path,) = export_problems([problem], tmp_path / f"{number}.mps", form=form)
+        program = highspy.Highs()
+        program.setOptionValue("output_flag", False)
+        program.setOptionValue("qp_regularization_value", 0.0)
+        assert program.readModel(str(path)) != highspy.HighsStatus.kError
+        program.run()
+        units = units_of(path)
+        rotation = program.getSolution().row_dual[0] * units["force"] * units["compliance"] / units["lever_arm"]
+        expected = reference_answers()[entry.name].elastic_rotation
+        assert rotation - problem.first_contact_rotation == pytest.approx(expected, rel=1e-7), entry.name
 
 
 def test_qps_file_says_the_programme_in_numbers_of_order_one(tmp_path: Path) -> None:
@@ -447,3 +474,45 @@ def test_mistakes_of_the_command_are_told(tmp_path: Path) -> None:
         assert out.exit_code == 2, (words, out.output)
         assert message in " ".join(out.output.split()), out.output
     assert [path.name for path in tmp_path.iterdir()] == ["problems.nc"]
+
+
+@pytest.mark.thorough
+def test_qpbenchmark_runs_our_test_set_without_a_terminal(tmp_path: Path) -> None:
+    """Its own reader and runner; the table gives the objective and rotation that they find."""
+    pytest.importorskip("qpbenchmark")
+    given = labelled_set()
+    (script,) = write_test_set(given, tmp_path)
+    listed = subprocess.run(
+        [sys.executable, script, "list_problems"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=True
+    )
+    assert listed.stdout.split()[-2:] == ["springs", "bed_of_x_y"]
+    run = [sys.executable, str(script), "run", "--solver", "clarabel"]
+    subprocess.run(run, stdin=subprocess.DEVNULL, capture_output=True, check=True, cwd=tmp_path)
+    assert "@unknown" in (tmp_path / "contact_qpbenchmark.md").read_text()
+    results = list(csv.DictReader((tmp_path / "results.csv").open(newline="")))
+    accurate = [row for row in results if row["settings"] == "high_accuracy"]
+    assert {row["problem"] for row in accurate} == {"springs", "bed_of_x_y"}
+    assert all(row["found"] == "True" and float(row["duality_gap"]) < 1e-8 for row in accurate)
+
+
+def test_table_of_a_test_set_gives_objective_and_rotation_of_the_programme(tmp_path: Path) -> None:
+    given = labelled_set()
+    write_test_set(given, tmp_path)
+    rows = list(csv.DictReader((tmp_path / "problems.csv").open(newline="")))
+    assert [(row["problem"], row["kind"], row["torque_level"]) for row in rows] == [
+        ("springs", "a", "1"),
+        ("bed_of_x_y", "", "2"),
+    ]
+    for row in rows:
+        programme = qpsolvers.Problem.load(str(tmp_path / "data" / f"{row['problem']}.npz"))
+        found = qpsolvers.solve_problem(programme, "clarabel", tol_gap_abs=1e-12, tol_gap_rel=1e-12, tol_feas=1e-12)
+        assert found.y is not None
+        assert -found.y[0] == pytest.approx(float(row["rotation"]), rel=1e-7)
+        assert found.obj == pytest.approx(float(row["objective"]), rel=1e-7)
+        assert np.count_nonzero(np.asarray(found.x) > 1e-4) == int(row["touching"])
+
+
+def test_an_earlier_test_set_in_the_folder_is_replaced(tmp_path: Path) -> None:
+    write_test_set(labelled_set(), tmp_path)
+    write_test_set([springs()], tmp_path)
+    assert [path.name for path in (tmp_path / "data").iterdir()] == ["contact_0000.npz"]

@@ -29,6 +29,7 @@ from easeoff.contact import (
 from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.problem.forms.complementary_pivoting import lemke
+from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
 from easeoff.study.cli import main
 from easeoff.verification import problems
@@ -111,7 +112,7 @@ def test_bare_function_gets_the_scaled_dense_programme() -> None:
         return by_daqp(problem)
 
     assert_right(solve(PROBLEM, watch))
-    expected = PROBLEM.as_qp()
+    expected: Any = PROBLEM.as_qp()
     assert np.array_equal(seen[0].P, expected.P)
     assert np.array_equal(seen[0].q, expected.q)
     assert np.array_equal(seen[0].A, expected.A)
@@ -207,7 +208,7 @@ def unfit(value: Any) -> Callable[..., Any]:
         (lambda p: np.ones(3), Status.SOLVER_FAILED, "shape (3,): must have (36,)"),
         (lambda p: np.ones((6, 6)), Status.SOLVER_FAILED, "shape (6, 6)"),
         (lambda p: np.ones(p.q.size) * 1j, Status.SOLVER_FAILED, "complex128: must be floats"),
-        (lambda p: np.ma.masked_all(p.q.size), Status.SOLVER_FAILED, "must be floats"),
+        (lambda p: np.ma.array(p.q, mask=p.q > 0.0), Status.SOLVER_FAILED, "must be floats"),
         (lambda p: (1.0, 2.0, 3.0), Status.SOLVER_FAILED, "3 values"),
         (unfit(None), Status.SOLVER_FAILED, "no answer"),
         (unfit("solved"), Status.SOLVER_FAILED, "must be floats"),
@@ -284,8 +285,9 @@ def test_what_the_function_does_not_take_is_refused() -> None:
         return by_daqp(problem)
 
     for keyword in ("time_limit", "max_iterations", "rho"):
+        given: dict[str, Any] = {keyword: 1}
         with pytest.raises(InputError, match=rf"^{keyword} = 1: must not be given, .*plain takes no such keyword"):
-            solve(PROBLEM, plain, **{keyword: 1})
+            solve(PROBLEM, plain, **given)
     assert solve(PROBLEM, plain, tolerance=1e-5, polish=False).tolerance == 1e-5
 
 
@@ -422,9 +424,9 @@ def test_two_distributions_with_one_name_are_told_apart(installed: Path) -> None
 
 def test_line_contacts_are_solved_by_a_function() -> None:
     steel = Material(206000.0, 0.3)
-    sizes = [np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)]
+    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
     data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
-    contact = WeberLineContact(*sizes, steel, steel)
+    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
     reference, _ = solve_line_contact(*data, contact)
     found, _ = solve_line_contact(*data, contact, by_daqp)
     assert found.force == pytest.approx(reference.force, rel=1e-9)
@@ -484,3 +486,23 @@ def test_commands_take_solvers_of_ones_own(installed: Path, monkeypatch: pytest.
         said = CliRunner().invoke(main, ["run", "nasa-12x36", "--solver", name, "-o", "out.nc"])
         assert said.exit_code == 2
         assert name in said.output
+
+
+@pytest.mark.parametrize(
+    ("function", "form"), [(by_daqp, "dense"), (by_daqp, "lifted"), (by_lemke, "lcp"), (by_daqp, "sparse")]
+)
+def test_problem_in_mm_and_newtons_is_given_in_every_form(function: Callable[..., Any], form: str) -> None:
+    solver = Solver("mine", function, forms=(form,), tolerance=1e-6)
+    solution = backend_solution(PROBLEM, "mine", solver, {}, raw=True, polish=None)
+    assert_right(solution, 1e-6)
+    assert solution.method == form
+
+
+def test_exception_is_a_status_with_settings_of_ones_own_too() -> None:
+    def fails(problem: Any, rho: float) -> Any:
+        raise ValueError(f"rho = {rho} is too much")
+
+    solution = solve(PROBLEM, fails, rho=3.0)
+    assert solution.status is Status.SOLVER_FAILED
+    assert "ValueError: rho = 3.0 is too much" in solution.message
+    assert solution.claim == "raised"

@@ -133,7 +133,7 @@ def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Fou
         tolerance=EXACT_TOLERANCE,
         iterations=found.iterations,
         method="modal",
-        message=f"modal, {found.iterations} steps",
+        message=f"modal Newton's method on the line contacts themselves, compiled, {found.iterations} steps",
     )
     return solution, found.answer.problem or bending.with_secant(found.secant)
 
@@ -174,7 +174,7 @@ def newton_answers(
             tolerance=EXACT_TOLERANCE,
             iterations=count,
             method="modal",
-            message=f"modal, {count} steps",
+            message=f"modal Newton's method on the line contacts themselves, {count} steps",
         )
         found.append(solved if solved[0].certified else None)
     return found

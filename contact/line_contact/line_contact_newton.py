@@ -57,7 +57,7 @@ class NativeStep:
         self._settings = {name: value for name, value in settings.items() if name not in names}
         self._budget = None if limits.none else StepBudget(limits)
         self.tolerance = limits.exact_tolerance
-        self.method = ""
+        self.method = self.reason = ""
 
     def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
@@ -78,13 +78,14 @@ class BackendStep:
         self._bending, self._solver, self._polish, self._settings = bending, solver, polish, settings
         self.tolerance = EXACT_TOLERANCE
         self.polished = polish
-        self.method = ""
+        self.method = self.reason = ""
 
     def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
         problem = self._bending.with_added_compliance(tangent, separation)
         solution = solve(problem, self._solver, polish=self._polish, **self._settings)
         if not solution.certified:
+            self.reason = f": {solution.message}"
             return solution.status
         self.method = solution.method
         if not solution.polished:
@@ -142,7 +143,7 @@ class NewtonIteration:
         self.count += 1
         outcome = self.step(local, separation, active)
         if isinstance(outcome, Status):
-            self.message = f"linear problem {self.count} failed"
+            self.message = f"linear problem {self.count} failed{self.step.reason}"
         return outcome
 
     def _note(self, force: Array, rotation: float) -> bool:

@@ -133,7 +133,10 @@ def solve_on_bending(
         iterations=iteration.count,
         method=iteration.step.method,
         polished=iteration.step.polished,
-        message=f"{iteration.count} linear problems",
+        message=(
+            f"Newton's method on the line contacts with {name} ({iteration.step.method}): "
+            f"{iteration.count} linear problems"
+        ),
     )
 
 

@@ -101,6 +101,8 @@ class Certificate:
 
 #: Names of the violations.
 CERTIFICATE_FIELDS = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
+#: What it says of itself.
+CERTIFICATE_LIMITS = ("resolution", "cancellation")
 #: Certificate of a solve without an answer.
 NO_CERTIFICATE = Certificate(math.inf, math.inf, math.inf, math.inf, math.inf)
 

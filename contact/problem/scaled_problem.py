@@ -169,7 +169,7 @@ class ScaledProblem:
         from scipy.sparse.linalg import LinearOperator
 
         size = self.separation.size
-        product = LinearOperator((size, size), dtype=np.float64, matvec=lambda x: self.deflection(x.ravel()))
+        product: Any = LinearOperator((size, size), dtype=np.float64, matvec=lambda x: self.deflection(x.ravel()))
         row, torque = self.lever_arm[np.newaxis, :].copy(), np.array([self.torque])
         return qpsolvers.Problem(product, self.separation.copy(), A=row, b=torque, lb=np.zeros(size))
 

@@ -8,11 +8,15 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...core.errors import InputError
 from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.compliance_matrix import ModalCompliance
 from ..problem.contact_problem import ContactProblem
-from ..problem.scaled_problem import ScaledProblem
+from ..problem.scaled_problem import ScaledModes, ScaledProblem
 from .active_set.polish import Polish, PolishRule, polished_answer
 from .backend import NoAnswerError, chosen_form
 from .declared.solver_declaration import Solver
@@ -78,7 +82,7 @@ def backend_solution(
     start = perf_counter()
     declared = adapter if isinstance(adapter, Solver) else None
     tolerance = limits.tolerance or _tolerance(solver, declared)
-    scaled = _as_given(problem) if raw else problem.scaled()
+    scaled = _as_given(problem, structured=declared is not None) if raw else problem.scaled()
     if declared is not None:
         method, what = declared.chosen_form(scaled, form), declared.method
     elif solver in SOLVERS:
@@ -87,8 +91,8 @@ def backend_solution(
         method, what = "dense", ""
     try:
         begin = perf_counter()
-        if declared is not None:
-            given = declared.solve_scaled(scaled, method, settings)
+        if isinstance(adapter, Solver):
+            given = adapter.solve_scaled(scaled, method, settings)
         else:
             given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
         answered = perf_counter()
@@ -136,7 +140,12 @@ def _tolerance(solver: str, declared: Solver | None) -> float:
     return SOLVERS[solver].tolerance if solver in SOLVERS else EXACT_TOLERANCE
 
 
-def _as_given(problem: ContactProblem) -> ScaledProblem:
+def _as_given(problem: ContactProblem, *, structured: bool) -> ScaledProblem:
     """The problem in mm and N; copies, because some backends cannot take arrays that are read-only."""
-    data = (problem.dense_compliance.copy(), problem.separation.copy(), problem.lever_arm.copy())
-    return ScaledProblem(*data, problem.torque)
+    matrix = problem.compliance_matrix
+    given: NDArray[np.float64] | ScaledModes
+    if structured and isinstance(matrix, ModalCompliance):
+        given = ScaledModes(matrix, 1.0)
+    else:
+        given = problem.dense_compliance.copy()
+    return ScaledProblem(given, problem.separation.copy(), problem.lever_arm.copy(), problem.torque)

@@ -22,8 +22,8 @@ from .solver_table import SOLVERS
 
 #: Stopping tolerances given to a backend: below, rounding keeps it from ever stopping; above, it would not begin.
 OWN_TOLERANCE_RANGE = (1e-13, 1e-2)
-#: Time limit of a backend for none at all [s]: some take zero for no limit.
-LEAST_TIME_LIMIT = 1e-9
+#: Time limits given to a backend [s]: some take zero for no limit, and some no infinity.
+OWN_TIME_RANGE = (1e-9, 1e9)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
             continue
         if not key:
             raise InputError(f"{word} = {value}: must not be given for {name}, which has none; {_able(word)} have one")
-        found[key] = max(value, LEAST_TIME_LIMIT) if word == "time_limit" else value
+        found[key] = min(max(value, OWN_TIME_RANGE[0]), OWN_TIME_RANGE[1]) if word == "time_limit" else value
     twice = sorted(set(found) & set(settings))
     if twice:
         raise InputError(

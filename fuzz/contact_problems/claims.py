@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from easeoff.contact import ContactProblem, ContactSolution, Status, certify, solve, solve_many
@@ -13,7 +14,7 @@ from .drawn_problem import drawn_problem
 from .rational_solution import RationalProblem, has_one_solution, is_semidefinite, solution
 
 #: Methods of the native solver, one a seed.
-METHODS: tuple[dict[str, str], ...] = ({}, {"method": "primal_dual_active_set"}, {"method": "primal_active_set"})
+METHODS: tuple[dict[str, Any], ...] = ({}, {"method": "primal_dual_active_set"}, {"method": "primal_active_set"})
 #: One seed of so many is solved in rational numbers, up to so many segments.
 SOLVED_SHARE, SOLVED_SIZE = 5, 6
 #: The scales of the rational residuals are doubles.

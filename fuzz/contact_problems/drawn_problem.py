@@ -73,7 +73,7 @@ def _separations(rng: Generator, size: int) -> Array:
     if kind < 0.15:
         return np.zeros(size)
     if kind < 0.4:  # ties
-        return SEPARATION * rng.integers(0, 3, size)
+        return SEPARATION * rng.integers(0, 3, size).astype(np.float64)
     if kind < 0.5:
         return SEPARATION * rng.standard_normal(size)
     return SEPARATION * rng.random(size) * float(rng.choice([1.0, 1e-3, 1e-9, 1e3]))
@@ -81,8 +81,9 @@ def _separations(rng: Generator, size: int) -> Array:
 
 def _modes(rng: Generator, size: int, count: int) -> Array:
     position = np.sort(rng.uniform(-1.0, 1.0, size))[:, np.newaxis]
-    smooth = np.sqrt(COMPLIANCE) * rng.uniform(0.3, 1.5, count) * position ** np.arange(count)
-    return smooth + 0.3 * np.sqrt(COMPLIANCE) * rng.standard_normal((size, count)) * rng.integers(0, 2)
+    smooth: Array = np.sqrt(COMPLIANCE) * rng.uniform(0.3, 1.5, count) * position ** np.arange(count)
+    rough: Array = 0.3 * np.sqrt(COMPLIANCE) * rng.standard_normal((size, count)) * rng.integers(0, 2)
+    return np.asarray(smooth + rough)
 
 
 def _springs(rng: Generator, size: int) -> Compliance:
@@ -105,7 +106,7 @@ def _rank_deficient(rng: Generator, size: int) -> Compliance:
 
 def _dense(rng: Generator, size: int) -> Compliance:
     root = np.sqrt(COMPLIANCE / size) * rng.standard_normal((size, int(rng.integers(1, size + 1))))
-    dense = root @ root.T
+    dense: Array = root @ root.T
     dense = 0.5 * (dense + dense.T)
     dense[np.diag_indices(size)] += COMPLIANCE * rng.random(size) * 10.0 ** rng.uniform(-10.0, 0.0)
     return dense

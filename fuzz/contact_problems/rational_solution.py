@@ -184,7 +184,8 @@ def _on(problem: RationalProblem, rows: list[Numbers], active: list[int]) -> Rat
 
 def reduce(rows: list[Numbers], columns: int) -> tuple[list[Numbers], list[int]]:
     """Return a matrix in reduced echelon form in its first columns, and the columns with a pivot."""
-    rows, pivots = [list(row) for row in rows], []
+    rows = [list(row) for row in rows]
+    pivots: list[int] = []
     for column in range(columns):
         done = len(pivots)
         pivot = next((i for i in range(done, len(rows)) if rows[i][column]), None)

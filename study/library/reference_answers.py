@@ -226,7 +226,7 @@ def bordered_solver(
     def correct(right: NDArray[np.float64]) -> NDArray[np.float64]:
         free = inverse(right[:-1])
         rotation = (right[-1] - float(arm @ free)) / border
-        return np.r_[free + rotation * turned, rotation]
+        return np.append(free + rotation * turned, rotation)
 
     return correct
 

@@ -178,7 +178,7 @@ def read_fclib(path: str | os.PathLike[str]) -> tuple[ContactProblem, Answer | N
 def _directions(problem: ContactProblem) -> tuple[NDArray[Any], NDArray[Any], Array]:
     """Column pointers, rows and entries of W in compressed columns, zeros of C left out."""
     size, dense = problem.size, problem.dense_compliance
-    pointers, rows, entries = [0], [], []
+    pointers, rows, entries = [0], list[Any](), list[Any]()
     for j in range(size):
         filled = np.flatnonzero(dense[:, j])
         rows += [DIRECTIONS * filled, *([DIRECTIONS * j + k] for k in range(1, DIRECTIONS))]

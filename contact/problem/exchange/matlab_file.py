@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.errors import InputError
+from ....core.processes.forked_process import ProcessEndedError, in_forked_process
 from ....core.reading.netcdf_file import unpacked_size_limit
-from ....core.reading.regular_file import faults_in_words, require_file
+from ....core.reading.regular_file import faults_in_words, named, require_file
 from ....core.writing.output_file import whole_file
 from ..contact_problem import ContactProblem
 from ..problem_dataset import ATTRIBUTES
@@ -112,8 +113,15 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
     from scipy.io import loadmat
 
     require_file(path, unpacked_size_limit())
-    with faults_in_words(path, "a MATLAB file of version 5 (save -v7)"):
-        content = loadmat(os.path.abspath(path), appendmat=False)
+
+    def loaded() -> dict[str, Any]:
+        with faults_in_words(path, "a MATLAB file of version 5 (save -v7)"):
+            return dict(loadmat(os.path.abspath(path), appendmat=False))
+
+    try:
+        content = in_forked_process(loaded)
+    except ProcessEndedError as error:
+        raise InputError(f"{named(path)} is not a MATLAB file, or it is damaged: {error}") from error
     found = content.get(VARIABLE)
     if found is not None and found.dtype.names is not None:
         elements = [{name: item[name] for name in found.dtype.names} for item in found.ravel(order="F")]

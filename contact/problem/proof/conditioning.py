@@ -228,5 +228,5 @@ def _smallest_eigenvalue(problem: ContactProblem, weight: Array, chosen: Mask) -
         scaled = (scaled - 2.0 * np.outer(scaled @ normal, normal))[1:, 1:]
     if not np.isfinite(scaled).all():
         return 0.0
-    least = float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T))[0])
-    return least - UNIT_ROUNDOFF * size * (terms + 10)
+    least = np.linalg.eigvalsh(0.5 * (scaled + scaled.T))[0]
+    return float(least - UNIT_ROUNDOFF * size * (terms + 10))

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
+from ..compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..contact_problem import ContactProblem
 from ..operator_compliance import OperatorCompliance
 from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
@@ -133,9 +133,9 @@ def rounded_residuals(
         Bound the rounding segment by segment, with |C| |F|; else by the largest entries of the diagonal of C and of r.
     """
     contact, matrix, size = problem.first_contact, problem.compliance_matrix, force.size
-    modal = isinstance(matrix, ModalCompliance)
+    columns = matrix.factor.shape[1] + 2 if isinstance(matrix, ModalCompliance) else 0
     # A gap that may be none has |S| <= |C F| + |r theta|, and three times its rounding is within these terms.
-    terms = (size + matrix.factor.shape[1] + 10 if modal else size + 8) * UNIT_ROUNDOFF
+    terms = (size + columns + 8) * UNIT_ROUNDOFF
     of_arm = 6.0 * UNIT_ROUNDOFF * abs(elastic_rotation) + contact.error * abs(contact.rotation)
     if isinstance(matrix, OperatorCompliance):
         of_product = PRODUCT_ROUNDING * float(np.abs(deflection).max())
@@ -216,7 +216,7 @@ def _exact_separation(problem: ContactProblem) -> tuple[Array, Array]:
 def _deflection_terms(problem: ContactProblem, force: Array) -> Iterator[list[float]]:
     """For each segment, numbers whose exact sum is its deflection."""
     matrix = problem.compliance_matrix
-    if isinstance(matrix, DenseCompliance):
+    if not isinstance(matrix, ModalCompliance):
         for row in matrix.dense:
             yield dot_terms(row, force).tolist()
         return

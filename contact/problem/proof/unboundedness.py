@@ -47,7 +47,7 @@ def is_unbounded(problem: ContactProblem) -> bool:
     rows = np.vstack([scaled.compliance, scaled.lever_arm[np.newaxis, :]])
     found = linprog(scaled.separation, A_eq=rows, b_eq=np.zeros(rows.shape[0]), bounds=(0.0, 1.0))
     least = -GAIN_TOLERANCE * float(np.abs(scaled.separation).max())
-    if found.status != 0 or not float(found.fun or 0.0) < least:
+    if found.status != 0 or found.x is None or not float(found.fun or 0.0) < least:
         return False
     support = np.flatnonzero(found.x > SUPPORT_TOLERANCE * found.x.max())
     return support.size <= SUPPORT_LIMIT and _is_proved(problem, support.tolist(), found.x)

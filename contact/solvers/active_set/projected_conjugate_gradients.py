@@ -61,7 +61,8 @@ def projected_conjugate_gradients(
     deflection, renewed = problem.deflection(force), 0
     direction, squared, before = np.zeros_like(force), 0.0, np.zeros(force.size, dtype=np.bool_)
     limit = max(int(STEP_LIMIT_FACTOR * math.sqrt(force.size)), LEAST_STEP_LIMIT)
-    message, suspicion = f"no convergence in {limit} steps", Status.NOT_CONVERGED
+    message = f"no convergence in {limit} steps"
+    suspicion: Status | None = Status.NOT_CONVERGED
     for step in range(limit + 1):
         loaded = force > 0.0
         rotation, gap = _gaps(deflection + separation, arm, loaded)

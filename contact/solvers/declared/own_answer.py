@@ -40,10 +40,10 @@ def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> 
     if isinstance(returned, ScaledAnswer):
         size = problem.separation.size
         force = _numbers(returned.force, "forces", (size,))
-        rotation = _rotation(returned.rotation, problem, force)
+        turned = _rotation(returned.rotation, problem, force)
         gap = None if returned.gap is None else _numbers(returned.gap, "gaps", (size,))
         status, steps = returned.suspicion, int(returned.iterations)
-        return ScaledAnswer(force, rotation, steps, str(returned.message), status, gap, returned.times)
+        return ScaledAnswer(force, turned, steps, str(returned.message), status, gap, returned.times)
     if all(hasattr(returned, name) for name in ("x", "y", "z_box", "found")):
         return _of_solution(returned, problem, posed)
     if returned is None:

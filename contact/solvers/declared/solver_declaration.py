@@ -105,11 +105,14 @@ class Solver:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if not (isinstance(self.name, str) and self.name.strip()):
-            raise InputError(f"name = {shown(self.name)}: must be a text")
-        if not callable(self.function):
-            raise InputError(f"function = {shown(self.function)}: must be callable with a problem")
-        forms = (self.forms,) if isinstance(self.forms, str) else tuple(self.forms)
+        name: Any = self.name
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"name = {shown(name)}: must be a text")
+        function: Any = self.function
+        if not callable(function):
+            raise InputError(f"function = {shown(function)}: must be callable with a problem")
+        given: Any = self.forms
+        forms = (given,) if isinstance(given, str) else tuple(given)
         if not forms:
             raise InputError(f"forms = (): must be at least one of {', '.join(DECLARED_FORMS)}")
         for form in forms:
@@ -210,6 +213,6 @@ def _posed(problem: ScaledProblem, form: str) -> Any:
         return lifted_programme(problem, compress=True)
     if form == "products":
         return problem.as_products()
-    programme = problem.as_qp(sparse=form == "sparse")
+    programme: Any = problem.as_qp(sparse=form == "sparse")
     programme.P, programme.A, programme.q = programme.P.copy(), programme.A.copy(), programme.q.copy()
     return programme

@@ -17,12 +17,14 @@ from ..statistics.method_statistics import (
     run_time_table,
 )
 from ..statistics.profiles import pairwise_matrix
-from ..statistics.run_time_statistics import RUN_TIME_SHIFT, growth, shifted_geometric_mean
+from ..statistics.run_time_statistics import RUN_TIME_SHIFT, SIZE_COUNT_MINIMUM, growth, shifted_geometric_mean
 from ..statistics.work_precision import WorkPrecision, sweep_points, work_precision
 from .report_table import NOTHING, ReportTable, median, milliseconds, quantiles, ratio, residual
 
 #: Factors at which the pairwise profile is tabulated.
 PAIR_FACTORS = (0.5, 1.0, 2.0, 10.0)
+#: Largest ratio of a size to the next smaller one where growth is measured.
+LARGEST_SIZE_STEP = 10.0
 #: Every this many accuracies one is a column of the work-precision table.
 ACCURACY_STEP = 2
 
@@ -158,12 +160,12 @@ def group_of(problems: Any) -> Any:
 
 
 def size_groups(problems: Any) -> list[str]:
-    """Groups with at least three sizes, those with the widest range first."""
+    """Groups with at least three sizes, none of them far from the next; those with the widest range first."""
     widths = {}
     for group, found in problems.groupby(group_of(problems), sort=False):
-        sizes = found["size"].to_numpy(dtype=float)
-        if np.unique(sizes).size >= 3:
-            widths[str(group)] = float(sizes.max() / sizes.min())
+        sizes = np.unique(found["size"].to_numpy(dtype=float))
+        if sizes.size >= SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
+            widths[str(group)] = float(sizes[-1] / sizes[0])
     return sorted(widths, key=lambda name: -widths[name])
 
 

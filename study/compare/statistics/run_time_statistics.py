@@ -36,7 +36,7 @@ def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     """Fit run_time = factor size^exponent by least squares of the logarithms, over the larger half of the sizes.
 
     Small problems show the cost of the call, not of the method. The larger half is that of the logarithmic scale,
-    from the geometric mean of the smallest and the largest size.
+    from the geometric mean of the smallest and the largest size, but at least three sizes.
 
     Parameters
     ----------
@@ -60,10 +60,12 @@ def growth(size: Array, run_time: Array) -> tuple[float, float] | None:
     known = np.isfinite(run_time)
     if not known.any():
         return None
-    known &= size >= np.sqrt(size[known].min() * size[known].max())
-    size, run_time = size[known], run_time[known]
-    sizes = np.unique(size)
+    sizes = np.unique(size[known])
+    upper = int(np.count_nonzero(sizes >= np.sqrt(sizes[0] * sizes[-1])))
+    sizes = sizes[-max(SIZE_COUNT_MINIMUM, upper) :]
     if sizes.size < SIZE_COUNT_MINIMUM or sizes[-1] < SIZE_RATIO_MINIMUM * sizes[0]:
         return None
+    known &= size >= sizes[0]
+    size, run_time = size[known], run_time[known]
     exponent, offset = np.polyfit(np.log(size), np.log(run_time), 1)
     return float(np.exp(offset)), float(exponent)
