@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from ..compliance import WeberLineContact
 from ..loaded_cases import LoadedCase
+from ..problem.compliance_matrix import ModalCompliance
+from ..solvers.parametric.touching_form import touching_stiffness
 
 Array = NDArray[Any]
-BLOCKS_TOGETHER = 24  # tooth pairs at a mesh position that are solved together
 
 
 def mesh_stiffness(case: LoadedCase) -> float:
@@ -20,7 +21,8 @@ def mesh_stiffness(case: LoadedCase) -> float:
 
     With the segments in contact fixed, their gaps stay closed: ``(B + D) dF = r dtheta`` and ``dT = r . dF``, so that
     ``dT / dtheta = r . (B + D)^-1 r`` with the bending compliance B, the tangent D of the line contacts and the lever
-    arms r. A segment comes into contact with no force: the tangent is continuous in the torque.
+    arms r; see ``line_contact_sensitivity``. Where a segment is about to touch, this is the stiffness before it does:
+    the tangent jumps as the segment enters, while the rotation is continuous.
 
     Parameters
     ----------
@@ -51,38 +53,13 @@ def mesh_stiffnesses(cases: Sequence[LoadedCase]) -> Array:
     """``mesh_stiffness`` of several cases (c)."""
     certified = [number for number, case in enumerate(cases) if case.solution.certified]
     result = np.full(len(cases), np.nan)
-    if certified:
-        result[certified] = _of_certified([cases[number] for number in certified])
+    if not certified:
+        return result
+    contacts = WeberLineContact.joined([cases[number].segments.line_contact for number in certified])
+    forces = [cases[number].solution.force for number in certified]
+    tangents = np.split(contacts.tangent(np.concatenate(forces)), np.cumsum([force.size for force in forces])[:-1])
+    for number, force, tangent in zip(certified, forces, tangents, strict=True):
+        here = cases[number].segments
+        compliance = ModalCompliance(tangent, here.bending)
+        result[number] = 1e-9 * touching_stiffness(compliance, here.lever_arm, force > 0.0)
     return result
-
-
-def _of_certified(cases: Sequence[LoadedCase]) -> Array:
-    """Stiffnesses (c): the sum over tooth pairs, which no bending couples, of what their segments in contact carry."""
-    forces = [case.solution.force for case in cases]
-    local = WeberLineContact.joined([case.segments.line_contact for case in cases]).tangent(np.concatenate(forces))
-    tangents = np.split(local, np.cumsum([force.size for force in forces])[:-1])
-    blocks = []
-    for case, force, tangent in zip(cases, forces, tangents, strict=True):
-        bending, arm = case.segments.bending, case.segments.lever_arm
-        for index, modes in bending.blocks:
-            rows = np.flatnonzero(force[index] > 0.0)
-            blocks.append((modes[rows], tangent[index[rows]], arm[index[rows]]))
-    carried = np.empty(len(blocks))
-    order = sorted(range(len(blocks)), key=lambda number: len(blocks[number][0]))
-    for start in range(0, len(order), BLOCKS_TOGETHER):  # of about the same size
-        together = order[start : start + BLOCKS_TOGETHER]
-        carried[together] = _carried([blocks[number] for number in together])
-    first = np.cumsum([0, *(len(case.segments.bending.blocks) for case in cases)])[:-1]
-    return np.asarray(np.add.reduceat(carried, first)) * 1e-9
-
-
-def _carried(blocks: Sequence[tuple[Array, Array, Array]]) -> Array:
-    """``r . (B + D)^-1 r`` of blocks (b), from the modes of B (m, k), the diagonal of D (m) and the arms r (m)."""
-    size, rank = (max(modes.shape[axis] for modes, _, _ in blocks) for axis in (0, 1))
-    shape = len(blocks), size
-    all_modes, compliance, arms = np.zeros((*shape, rank)), np.ones(shape), np.zeros(shape)
-    for number, (modes, tangent, arm) in enumerate(blocks):
-        all_modes[number, : len(modes), : modes.shape[1]] = modes
-        compliance[number, : len(modes)], arms[number, : len(modes)] = tangent, arm
-    whole = all_modes @ all_modes.swapaxes(1, 2) + compliance[:, :, None] * np.eye(size)
-    return np.asarray(np.sum(arms * np.linalg.solve(whole, arms[..., None])[..., 0], axis=1))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpocon, dpotrf, dpotri, dpotrs
+from scipy.linalg.lapack import dlange, dpocon, dpotrf, dpotri, dpotrs
 
 from .touching_system import TouchingAnswer
 
@@ -43,7 +43,7 @@ class DenseTouching:
     def __init__(self, compliance: Array, lever_arm: Array, active: NDArray[np.bool_]) -> None:
         self._compliance, self._arm = compliance, lever_arm
         self._index = np.empty(0, dtype=np.intp)
-        self._factor: _Factor | None = None
+        self._factor: TouchingFactor | None = None
         self._known = np.empty((0, 0))  # the inverse, where there is no factor
         self._updates = 0
         index = np.flatnonzero(active)
@@ -144,7 +144,7 @@ class DenseTouching:
     def _make(self, index: NDArray[np.intp]) -> bool:
         """Factorise a set anew, if it is not singular."""
         block, arm = self._compliance[np.ix_(index, index)], self._arm[index]
-        factor = _Factor.of(block, arm)
+        factor = TouchingFactor.of(block, arm)
         if factor is None:
             inverse = _inverse_of_border(block, arm)
             if inverse is None:
@@ -155,8 +155,20 @@ class DenseTouching:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Factor:
-    """Cholesky factor of C_AA, the arms r_A, u = C_AA^-1 r_A and r_A'u."""
+class TouchingFactor:
+    """Cholesky factor of the compliance among the touching segments.
+
+    Attributes
+    ----------
+    lower
+        L with L L' = C_AA (a, a).
+    arm
+        r_A (a).
+    turning
+        u = C_AA^-1 r_A (a).
+    moment
+        r_A'u: the torque that turns the gear by one radian, the touching segments being held [N mm/rad].
+    """
 
     lower: Array
     arm: Array
@@ -164,13 +176,13 @@ class _Factor:
     moment: float
 
     @classmethod
-    def of(cls, block: Array, arm: Array) -> _Factor | None:
+    def of(cls, block: Array, arm: Array) -> TouchingFactor | None:
         """Factorise; None if the block is singular to rounding."""
         # The block is symmetric: its transpose is the same matrix in the order LAPACK wants.
         lower, failed = dpotrf(block.T, lower=1, clean=0)
         if failed:
             return None
-        reciprocal_condition, _ = dpocon(lower, float(np.abs(block).sum(axis=0).max()), uplo="L")
+        reciprocal_condition, _ = dpocon(lower, dlange("1", block.T), uplo="L")
         if not reciprocal_condition > DEPENDENCE_TOLERANCE:
             return None
         turning = dpotrs(lower, arm, lower=1)[0]

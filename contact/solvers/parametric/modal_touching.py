@@ -100,6 +100,11 @@ class ModalTouching:
             wide[segment, number] += self._local[segment]
         return wide[:-1]
 
+    @property
+    def stiffness(self) -> float:
+        """Torque that turns the gear by one radian while the touching segments are held [N mm/rad]."""
+        return self._pivot
+
     def _closed(self, amplitudes: Array, rotation: Array) -> Array:
         """U z - r theta in blocks (p, m, q)."""
         turn = np.broadcast_to(-rotation, (amplitudes.shape[0], 1, rotation.size))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
-from .dense_touching import DenseTouching
+from .dense_touching import DenseTouching, TouchingFactor
 from .modal_touching import ModalTouching
 from .touching_system import TouchingSystem
 
@@ -37,6 +37,23 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
         if basis.modes.size <= LARGEST_PADDING * matrix.factor.size + matrix.local.size:
             return ModalTouching(matrix.local, basis, lever_arm, active)
     return DenseTouching(matrix.dense, lever_arm, active)
+
+
+def touching_stiffness(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> float:
+    """Return the torque that turns the gear by one radian while these segments keep contact [N mm/rad].
+
+    It is dT / dtheta = r_A' C_AA^-1 r_A; NaN where C_AA is singular.
+    """
+    index = np.flatnonzero(active)
+    if index.size > DENSE_FIRST_SIZE and isinstance(matrix, ModalCompliance):
+        return ModalTouching(matrix.local, matrix.modes.basis, lever_arm, active).stiffness
+    part = part_of(matrix, index)
+    if isinstance(part, tuple):
+        local, factor = part
+        part = factor @ factor.T
+        part.reshape(-1)[:: local.size + 1] += local
+    known = TouchingFactor.of(part, lever_arm[index])
+    return np.nan if known is None else known.moment
 
 
 def part_of(matrix: ComplianceMatrix, segments: NDArray[np.intp]) -> Array | tuple[Array, Array]:
