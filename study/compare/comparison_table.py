@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ...contact.problem.certificate import Certificate
+from ...contact.problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from ...core.attributes import labelled
 from ...core.checks import is_number
 from ...core.errors import InputError
@@ -20,7 +20,7 @@ from ...core.writing.output_file import whole_file
 from .attempt import Attempt
 
 FORMAT = "easeoff comparison of solvers"
-RESIDUALS = tuple(field.name for field in fields(Certificate))
+RESIDUALS = CERTIFICATE_FIELDS
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[
     columns["run_time"] = [a.run_time for a in attempts]
     columns["claim"] = [a.claim for a in attempts]
     columns["certified"] = [int(a.certificate.passes(tolerance)) for a in attempts]
-    for name in RESIDUALS:
+    for name in (*RESIDUALS, *CERTIFICATE_LIMITS):
         columns[name] = [_finite(getattr(a.certificate, name)) for a in attempts]
     columns["worst_residual"] = [_finite(a.certificate.worst) for a in attempts]
     columns["rotation_error"] = [rotation_error(row.attempt.elastic_rotation, row.reference_rotation) for row in rows]
