@@ -35,7 +35,8 @@ random: $(READY_FOR_TESTS)
 	@echo "seed $(SEED): 'make random SEED=$(SEED)' draws the same again"
 	$(PYTEST) -m "hypothesis or random" --hypothesis-profile random --hypothesis-seed $(SEED)
 
-# Mutated inputs, kills, full disks, concurrent runs and disturbed analyses: nothing may break the command line.
+# Mutated inputs, kills, full disks, concurrent runs, disturbed analyses: nothing may break the command line, and no claim
+# about a contact problem be false.
 fuzz: SEED := $(or $(SEED),$(shell $(PYTHON) -c "import secrets; print(secrets.randbits(32))"))
 fuzz: COUNT := $(or $(COUNT),500)
 fuzz: $(READY_FOR_TESTS)

@@ -27,7 +27,7 @@ from easeoff.geometry import (
 
 # Offset, axial positions and shaft angle are lengths and an angle of the pair: their mirror image is the same number.
 ERRORS = Misalignment(0.08, -0.05, 0.03, 0.0005)
-RESIDUALS = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
+RESIDUALS = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap", "resolution")
 PAIRS = [*shipped_cases(), "face-hobbed"]
 
 

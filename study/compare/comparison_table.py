@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...contact.problem.certificate import CERTIFICATE_FIELDS
+from ...contact.problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from ...core.attributes import labelled
 from ...core.checks import is_number
 from ...core.errors import InputError
@@ -81,7 +81,7 @@ def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[
         "claim": [a.claim for a in attempts],
         "certified": [int(a.certificate.passes(tolerance)) for a in attempts],
     }
-    for name in RESIDUALS:
+    for name in (*RESIDUALS, *CERTIFICATE_LIMITS):
         columns[name] = [_finite(getattr(a.certificate, name)) for a in attempts]
     columns["worst_residual"] = [_finite(a.certificate.worst) for a in attempts]
     columns["rotation_error"] = [rotation_error(a.elastic_rotation, a.reference_rotation) for a in attempts]
