@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -117,6 +117,7 @@ def solve_cycle(
     solver: str,
     options: Mapping[str, Any],
     progress: Callable[[], None] | None = None,
+    greater: Sequence[LoadedCase] = (),
 ) -> tuple[xr.Dataset, list[LoadedCase]]:
     """Loaded contact over one mesh cycle from its segments; arguments, returns and raises as ``MeshCycle.loaded``.
 
@@ -132,8 +133,14 @@ def solve_cycle(
     [[0, 0]]
     """
     torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-    segments, rotations = (cycle.to_edges if edge_contact else cycle).by_position, cycle.on_lines.lines.rotations
-    if not edge_contact:
+    rotations = cycle.on_lines.lines.rotations
+    if greater:
+        segments: list[Segments | None] = [None] * rotations.size
+        for case in greater:
+            segments[case.mesh_position] = case.segments
+    else:
+        segments = (cycle.to_edges if edge_contact else cycle).by_position
+    if greater or not edge_contact:
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         return loaded_dataset(segments, cases, torques, rotations), cases
     # Edges can only hold the pair back: its rotation with contact on these lines alone is the greatest.

@@ -126,7 +126,7 @@ def contact_analysis(
         require_line_contact(cycle.lost_contact, state.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
     loaded, cases = cycle.loaded(load, edge_contact=edges, solver=solver, progress=progress, **options)
-    light, light_cases = cycle.loaded([LIGHT_LOAD_SHARE * load.max()], edge_contact=edges)
+    light, light_cases = cycle.loaded([LIGHT_LOAD_SHARE * load.max()], greater=cases)
     groups = {
         "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
         "flanks": geometry.flanks,
