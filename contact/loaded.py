@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.checks import array
 from ..core.ordered_values import ordered
+from ..core.processes.blas_threads import one_blas_thread
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
 from .lines.contact_lines import contact_splines
@@ -109,6 +110,7 @@ def loaded_contact(
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
 
+@one_blas_thread()
 def solve_cycle(
     cycle: CycleSegments,
     torques: Array,

@@ -20,6 +20,7 @@ from ..contact.solvers import require_solver
 from ..contact.tooth_root_stress import root_stress
 from ..core.checks import distinct
 from ..core.errors import InputError
+from ..core.processes.blas_threads import one_blas_thread
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
@@ -84,6 +85,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     return found
 
 
+@one_blas_thread()
 def contact_analysis(
     state: CaseInMesh,
     torques: float | Sequence[float] | None = None,
