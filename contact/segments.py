@@ -237,6 +237,12 @@ class CycleSegments:
         """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
         return self._split(self._on_lines, self._unit_loads, None if self.cut else self.on_lines.bending)
 
+    def at_every(self, stride: int) -> list[Segments | None]:
+        """As ``by_position`` at every so many mesh positions, and ``None`` at the others."""
+        table = self._on_lines
+        chosen = table["position"] % stride == 0
+        return self._split({name: values[..., chosen] for name, values in table.items()}, self._unit_loads)
+
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
         edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self._edges)
