@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..core.checks import array
 from ..core.ordered_values import ordered
+from ..core.processes.blas_threads import one_blas_thread
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, tooth_fields
 from .line_contact.line_contact_law import LineContacts, solve_line_contacts
 from .lines.contact_lines import contact_splines
@@ -24,6 +25,7 @@ from .solvers import SolverChoice, Status
 Array = NDArray[Any]
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
 EDGE_SEARCH_ROTATION_LIMIT = 0.02  # [rad]; beyond it no edge is met
+EDGE_SEARCH_POSITIONS = 8  # mesh positions at which the rotation is found first, to search edges for all
 EDGE_SEARCH_ROTATION_FACTOR = 1.1  # times the rotation within which an edge must be met to be taken in
 
 
@@ -109,6 +111,7 @@ def loaded_contact(
     return solve_cycle(segments, torques, ratio, edge_contact, solver, options, progress)
 
 
+@one_blas_thread()
 def solve_cycle(
     cycle: CycleSegments,
     torques: Array,
@@ -117,6 +120,7 @@ def solve_cycle(
     solver: SolverChoice,
     options: Mapping[str, Any],
     progress: Callable[[], None] | None = None,
+    greater: Sequence[LoadedCase] = (),
 ) -> tuple[xr.Dataset, list[LoadedCase]]:
     """Loaded contact over one mesh cycle from its segments; arguments, returns and raises as ``MeshCycle.loaded``.
 
@@ -132,14 +136,22 @@ def solve_cycle(
     [[0, 0]]
     """
     torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-    segments, rotations = (cycle.to_edges if edge_contact else cycle).by_position, cycle.on_lines.lines.rotations
-    if not edge_contact:
+    rotations = cycle.on_lines.lines.rotations
+    segments: list[Segments | None]
+    if greater:
+        segments = [None] * rotations.size
+        for case in greater:
+            segments[case.mesh_position] = case.segments
+    elif not edge_contact:
+        segments = cycle.by_position
+    if greater or not edge_contact:
         cases = solve_all(segments, torques, ratio, solver, options, progress)
         return loaded_dataset(segments, cases, torques, rotations), cases
-    # Edges can only hold the pair back: its rotation with contact on these lines alone is the greatest.
-    turned = _turned(solve_all(segments, np.array([torques.max()]), ratio, "auto", {}), rotations.size)
-    widest = np.where(turned > 0.0, turned, max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM))
-    widest = EDGE_SEARCH_ROTATION_FACTOR * widest
+    # Edges can only hold the pair back: with contact on lines alone it turns farther.
+    some = cycle.to_edges.at_every(max(rotations.size // EDGE_SEARCH_POSITIONS, 1))
+    turned = _turned(solve_all(some, np.array([torques.max()]), ratio, "auto", {}), rotations.size)
+    farthest = EDGE_SEARCH_ROTATION_FACTOR * max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM)
+    widest = np.full(rotations.size, farthest)
     while True:
         segments = cycle.with_edges(widest)
         cases = solve_all(segments, torques, ratio, solver, options, progress)

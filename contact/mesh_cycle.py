@@ -151,6 +151,7 @@ class MeshCycle:
         edge_contact: bool = True,
         solver: SolverChoice = "auto",
         progress: Callable[[], None] | None = None,
+        greater: Sequence[LoadedCase] = (),
         **options: Any,
     ) -> tuple[xr.Dataset, list[LoadedCase]]:
         """Loaded contact.
@@ -165,6 +166,8 @@ class MeshCycle:
             Name of the solver, see ``contact.available_solvers``, or one of your own, see ``contact.solve``.
         progress
             Called for every torque and mesh position where a tooth pair can touch.
+        greater
+            Cases of this cycle at greater torques. Their segments are taken: under less no further edge touches.
         **options
             Passed to the solver.
 
@@ -180,7 +183,8 @@ class MeshCycle:
         GeometryError
             If a tooth cannot be made a solid shell.
         """
-        return solve_cycle(self.segments, np.asarray(torques), self.ratio, edge_contact, solver, options, progress)
+        load = np.asarray(torques)
+        return solve_cycle(self.segments, load, self.ratio, edge_contact, solver, options, progress, greater)
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
         """The cases of ``loaded`` alone, with contact on lines."""

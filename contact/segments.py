@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +17,7 @@ from .compliance.unit_loads import UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges, may_touch
+from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
 from .lines.mesh_lines import MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
@@ -220,9 +220,6 @@ class CycleSegments:
     fields: FlankSplines
     on_lines: LineSegments
     cut: bool = False
-    _searched: list[tuple[Array, dict[str, Array], Array]] = field(
-        default_factory=list, init=False, repr=False, compare=False
-    )
 
     @cached_property
     def to_edges(self) -> CycleSegments:
@@ -240,9 +237,17 @@ class CycleSegments:
         """Segments of the contact lines at every mesh position; ``None`` where no tooth pair can touch."""
         return self._split(self._on_lines, self._unit_loads, None if self.cut else self.on_lines.bending)
 
+    def at_every(self, stride: int) -> list[Segments | None]:
+        """As ``by_position`` at every so many mesh positions, and ``None`` at the others."""
+        table = self._on_lines
+        chosen = table["position"] % stride == 0
+        return self._split({name: values[..., chosen] for name, values in table.items()}, self._unit_loads)
+
     def with_edges(self, widest: Array) -> list[Segments | None]:
         """Segments of the lines ``to_edges``, and pieces of edges with a gap below one a mesh position (k) [rad]."""
-        on_lines, (on_edges, loads) = self.to_edges._on_lines, self._on_edges(widest)
+        edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self._edges)
+        on_lines, on_edges = self.to_edges._on_lines, self._edge_table(edges)
+        loads = self.on_lines.loads_on(edges.elements.points[..., None], np.ones(1))
         both = {name: np.concatenate([on_lines[name], on_edges[name]], axis=-1) for name in on_lines}
         return self._split(both, self.to_edges._unit_loads.with_edges(loads))
 
@@ -250,20 +255,10 @@ class CycleSegments:
     def _edges(self) -> tuple[FlankEdge, ...]:
         return flank_edges(self.fields)
 
-    def _on_edges(self, widest: Array) -> tuple[dict[str, Array], Array]:
-        """The table of the pieces of edges, and the unit loads on all that were searched."""
-        if not self._searched or np.any(widest > self._searched[0][0]):  # a search for a wider gap finds these as well
-            edges = edges_in_mesh(self.fields, self.on_lines.lines, widest, self._edges)
-            loads = self.on_lines.loads_on(edges.elements.points[..., None], np.ones(1))
-            self._searched[:] = [(widest, self._edge_table(edges), loads)]
-        _, table, loads = self._searched[0]
-        near = may_touch(table["separation_angle"], table["estimate"], widest[table["position"]])
-        return {name: values[..., near] for name, values in table.items()}, loads
-
     def _edge_table(self, edges: MeshEdges) -> dict[str, Array]:
         """The table of pieces of edges."""
         found, count = edges.elements, edges.pair.size
-        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang", "estimate")
+        names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
         return {name: getattr(found, name) for name in names} | {
             **self.fields.evaluate(DEPTHS, found.points),
             "position": edges.position,

@@ -20,6 +20,7 @@ from ..contact.solvers import SolverChoice, require_solver
 from ..contact.tooth_root_stress import root_stress
 from ..core.checks import distinct
 from ..core.errors import InputError
+from ..core.processes.blas_threads import one_blas_thread
 from ..geometry.deviation.deviation import Method
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
@@ -84,6 +85,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
     return found
 
 
+@one_blas_thread()
 def contact_analysis(
     state: CaseInMesh,
     torques: float | Sequence[float] | None = None,
@@ -126,7 +128,7 @@ def contact_analysis(
         require_line_contact(cycle.lost_contact, state.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
     loaded, cases = cycle.loaded(load, edge_contact=edges, solver=solver, progress=progress, **options)
-    light, light_cases = cycle.loaded([LIGHT_LOAD_SHARE * load.max()], edge_contact=edges)
+    light, light_cases = cycle.loaded([LIGHT_LOAD_SHARE * load.max()], greater=cases)
     groups = {
         "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
         "flanks": geometry.flanks,

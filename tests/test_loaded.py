@@ -164,3 +164,29 @@ def test_contact_problems_are_kept_with_their_solutions() -> None:
         assert case.problem.torque == pytest.approx(1e3 * 3.0 * 100.0)
         gap = case.problem.gap(case.solution.force, case.solution.rotation)
         assert gap.min() > -1e-12
+
+
+def test_small_matrices_are_left_to_one_thread() -> None:
+    """Shared out over threads they take longer, and the number of threads would decide the last bit of a result."""
+    from threadpoolctl import threadpool_info
+
+    threads: list[int] = []
+
+    def count() -> None:
+        threads.extend(library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas")
+
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5).loaded([100.0], progress=count)
+    assert set(threads) == {1}
+
+
+def test_light_load_is_that_of_an_analysis_of_its_own() -> None:
+    """On the segments of the greatest torque, of which under the light load further ones are out of contact."""
+    case = read_case("fm-11x41")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 4})})
+    light = analyze(case, torques=[500.0])["light_load"].to_dataset()
+    alone = analyze(case, torques=[5.0])["loaded"].to_dataset()
+    for name in ("transmission_error", "max_pressure", "load_share", "pattern_length", "mesh_stiffness"):
+        np.testing.assert_allclose(
+            light[name].sel(pair=alone["pair"]) if name == "load_share" else light[name], alone[name], rtol=1e-9
+        )

@@ -33,7 +33,7 @@ def cycle_of(name: str) -> MeshCycle:
 
 
 def test_the_edges_of_a_light_load_are_the_same_after_a_heavy_one() -> None:
-    """The search for a heavy load is used again: to the bit what is found without it."""
+    """What is kept of a cycle does not depend on the loads before: to the bit what is found without them."""
     alone = cycle_of("fm-11x41").loaded([150.0])[0]
     cycle = cycle_of("fm-11x41")
     heavy = cycle.loaded([600.0])[0]

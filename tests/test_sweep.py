@@ -28,9 +28,11 @@ from easeoff.geometry import Misalignment
 from easeoff.geometry.pair.modification import Modification
 from easeoff.study import key_numbers
 from easeoff.study.cli import main
+from easeoff.study.plot.page import small_print
 from easeoff.study.sweep import Distribution, percentiles, read_sweep, sensitivities, sweep, worst_points, write_sweep
 from easeoff.study.sweep.batch_analysis import PointStatus
 from easeoff.study.sweep.distribution import Sampler, sample_values
+from easeoff.study.sweep.sweep_file import checked_sweep
 
 SMALL = ["mesh_positions = 4", "segments_per_line = 9", "lengthwise_nodes = 11", "profile_nodes = 9"]
 TEXT = case_text("nasa-12x36").replace("[contact]", "[contact]\n" + "\n".join(SMALL))
@@ -323,6 +325,21 @@ def test_file_holds_the_dataset(tmp_path: Path) -> None:
     write_sweep(found, tmp_path / "sweep.nc")
     assert read_sweep(tmp_path / "sweep.nc").identical(found)
     assert all(variable.attrs["long_name"] for variable in found.variables.values())
+
+
+def test_sweep_names_what_every_point_departs_by() -> None:
+    """Deviations, modification and contact on lines alone stand in the file and so on its pictures."""
+    given = {"bias": -3.0, "lengthwise_crowning": 10.0}
+    dataset = sweep(
+        "fm-11x41", {"E": [0.0], "modification.bias": [1.0]}, torques=[100.0], workers=1, edge_contact=False,
+        deviations={"gear": "fm-11x41-worn-gear"}, modification=Modification(given),
+    )  # fmt: skip
+    words = " ".join(small_print(dataset.attrs))
+    assert "lines only" in words
+    assert "gear up to" in words
+    assert "lengthwise crowning +10 µm" in words
+    assert "bias" not in words
+    checked_sweep(dataset, "sweep.nc")
 
 
 def test_command_sweeps_shows_and_keeps_the_worst(case: Path, tmp_path: Path) -> None:

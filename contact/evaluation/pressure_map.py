@@ -101,30 +101,35 @@ def pressure_map(at_torque: xr.Dataset) -> PressureMap:
     names = ("tooth", "lengthwise", "profile", "pressure", "length")
     table = np.stack([ordered(at_torque, name, "mesh_position", "segment") for name in names])
     steps: dict[int, list[Line]] = {}
-    for k in range(positions):
-        for tooth, line in _lines(table[:, k]):
-            # Pair -1 is now where pair 0 will be a cycle later.
-            steps.setdefault(k - tooth * positions, []).append(line)
+    for position, tooth, line in _lines(table):
+        # Pair -1 is now where pair 0 will be a cycle later.
+        steps.setdefault(position - tooth * positions, []).append(line)
     return surface(steps)
 
 
-def _lines(segments: Array) -> Iterator[tuple[int, Line]]:
-    """Tooth pair and contact lines of one mesh position, from rows tooth, lengthwise, profile, pressure, length."""
-    segments = segments[:, np.all(np.isfinite(segments), axis=0)]
+def _lines(table: Array) -> Iterator[tuple[int, int, Line]]:
+    """Mesh position, tooth pair and contact lines, from rows tooth, lengthwise, profile, pressure, length (5, k, n)."""
+    known = np.all(np.isfinite(table), axis=0)
+    position = np.nonzero(known)[0]
+    segments = table[:, known]
     tooth, length = segments[0], segments[4]
     # The segments of a line are equally long: another length is another line, even on the same tooth.
-    new = (tooth[1:] != tooth[:-1]) | (np.abs(length[1:] - length[:-1]) > 1e-9 * length[1:])
-    cuts = (np.flatnonzero(new) + 1).tolist()
-    for first, beyond in zip([0, *cuts], [*cuts, tooth.size], strict=True):
-        part = segments[:, first:beyond]
-        points, pressure = part[1:3], part[3]
-        if pressure.size < 2:
-            continue
-        # A segment's pressure is constant: it reaches to the end of the line, half a segment beyond the last middle.
-        half = 0.5 * (points[:, [0, -1]] - points[:, [1, -2]])
-        ends = np.clip(points[:, [0, -1]] + half, 0.0, 1.0)
-        points = np.concatenate([ends[:, :1], points, ends[:, 1:]], axis=1)
-        yield int(part[0, 0]), Line(points, np.concatenate([pressure[:1], pressure, pressure[-1:]]))
+    new = (position[1:] != position[:-1]) | (tooth[1:] != tooth[:-1])
+    new |= np.abs(length[1:] - length[:-1]) > 1e-9 * length[1:]
+    first = np.concatenate([[0], np.flatnonzero(new) + 1]) if tooth.size else np.zeros(0, dtype=np.int64)
+    last = np.append(first[1:], tooth.size) - 1
+    first, last = first[last > first], last[last > first]
+    # A segment's pressure is constant: it reaches to the end of the line, half a segment beyond the last middle.
+    points, pressure = segments[1:3], segments[3]
+    begin, end = (
+        np.clip(points[:, at] + 0.5 * (points[:, at] - points[:, beside]), 0.0, 1.0)
+        for at, beside in ((first, first + 1), (last, last - 1))
+    )
+    for number, (i, j) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
+        own = np.empty((3, j - i + 3))
+        own[:2, 1:-1], own[2, 1:-1] = points[:, i : j + 1], pressure[i : j + 1]
+        own[:2, 0], own[:2, -1], own[2, 0], own[2, -1] = begin[:, number], end[:, number], pressure[i], pressure[j]
+        yield int(position[i]), int(tooth[i]), Line(own[:2], own[2])
 
 
 def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
@@ -169,6 +174,7 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
     points: list[Array] = []
     pressure: list[Array] = []
     triangles: list[NDArray[np.int64]] = []
+    pairs: list[tuple[Line, int, Line, int]] = []
     count = 0
 
     def add(line: Line) -> int:
@@ -189,8 +195,7 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
         for part, start in here:
             near = _nearest(part, [other for other, _ in ahead])
             if near is not None:
-                other, other_start = ahead.pop(near)
-                triangles.append(_strip(part, start, other, other_start))
+                pairs.append((part, start, *ahead.pop(near)))
         for side, neighbours in ((1, parts.get(step + 1, [])), (-1, behind)):
             if neighbours or step + side not in steps:
                 continue
@@ -202,7 +207,7 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
                 triangles.append(np.stack([i, i + 1, np.full(size - 1, add(tip))], axis=1))
     if not points:
         return PressureMap(np.zeros((2, 0)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
-    corners = np.concatenate(triangles) if triangles else np.zeros((0, 3), dtype=np.int64)
+    corners = np.concatenate([*_strips(pairs), *triangles]) if pairs or triangles else np.zeros((0, 3), dtype=np.int64)
     return PressureMap(np.concatenate(points, axis=1), np.concatenate(pressure), corners)
 
 
@@ -225,17 +230,37 @@ def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
     return Line((point + share * (target - point))[:, None], np.zeros(1))
 
 
-def _strip(first: Line, start: int, second: Line, other: int) -> NDArray[np.int64]:
-    """Triangles between two lines, given with the indices of their first points.
+def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[NDArray[np.int64]]:
+    """Triangles between pairs of lines, given with the indices of their first points.
 
-    The points of both lines are taken in turn, in their order along the lines, so that the ends meet the
-    ends and every point is a corner.
+    The points of both lines are taken in turn, in their order along the lines, so that the ends meet the ends and
+    every point is a corner.
     """
-    turned = second.runs_against(first)
-    u, v = first.along, 1.0 - second.along[::-1] if turned else second.along
-    v = v + TIE_TOLERANCE  # which of two places that are equal but for rounding comes first must not depend on that
-    at = other + (np.arange(v.size)[::-1] if turned else np.arange(v.size))
-    i = start + np.arange(u.size)
-    of_first = np.stack([i[:-1], i[1:], at[np.maximum(np.searchsorted(v, u[1:], side="left") - 1, 0)]], axis=1)
-    of_second = np.stack([at[:-1], at[1:], i[np.searchsorted(u, v[1:], side="right") - 1]], axis=1)
-    return np.concatenate([of_first, of_second])
+    if not pairs:
+        return []
+    u, v, i, j = [], [], [], []
+    for number, (first, start, second, other) in enumerate(pairs):
+        along, points = second.along, np.arange(other, other + second.along.size)
+        if second.runs_against(first):
+            along, points = 1.0 - along[::-1], points[::-1]
+        # One ascending sequence of all pairs. Which of two places that are equal but for rounding comes first must not
+        # depend on that.
+        u.append(first.along + 2.0 * number)
+        v.append(along + (2.0 * number + TIE_TOLERANCE))
+        i.append(np.arange(start, start + first.along.size))
+        j.append(points)
+    places, others = np.concatenate(u), np.concatenate(v)
+    of_first, of_second = np.concatenate(i), np.concatenate(j)
+    begin, other_begin = (np.cumsum([0, *(one.size for one in each[:-1])]) for each in (u, v))
+    next_one, next_other = (
+        np.delete(np.arange(all_.size), at) for all_, at in ((places, begin), (others, other_begin))
+    )
+    before = np.maximum(
+        np.searchsorted(others, places[next_one], side="left") - 1,
+        np.repeat(other_begin, [one.size - 1 for one in u]),
+    )
+    before_other = np.searchsorted(places, others[next_other], side="right") - 1
+    return [
+        np.stack([of_first[next_one - 1], of_first[next_one], of_second[before]], axis=1),
+        np.stack([of_second[next_other - 1], of_second[next_other], of_first[before_other]], axis=1),
+    ]

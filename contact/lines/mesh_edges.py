@@ -49,8 +49,6 @@ class EdgeElements:
         Relative curvature of the gap across the contact line [1/mm].
     overhang
         Distance beyond the edge at which the flanks would come closest, across the contact line [mm].
-    estimate
-        Estimate of the gap [rad], by which the pieces were looked for.
     """
 
     level: NDArray[np.int64]
@@ -60,7 +58,6 @@ class EdgeElements:
     length: Array
     curvature: Array
     overhang: Array
-    estimate: Array
 
 
 @dataclass(frozen=True)
@@ -145,7 +142,7 @@ def edge_elements(
     """
     candidates = [_candidates(edge, rotations, widest) for edge in edges or flank_edges(splines)]
     rows, *between = (np.concatenate(values, axis=-1) for values in zip(*candidates, strict=True))
-    of_pinion, wanted, first, last, middle, share, estimate = between
+    of_pinion, wanted, first, last, middle, share = between
     points = first + middle * (last - first)
     moving = np.flatnonzero(of_pinion)
     points[:, moving] = points_below(splines, wanted[:, moving], points[:, moving], rotations[rows[moving]])
@@ -156,14 +153,9 @@ def edge_elements(
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(here.gap_slope(left)) * here.lever_arm / curvature
     length = share * here.length_along(last - first)
-    kept = may_touch(gap, estimate, widest[rows]) & (curvature > 0.0) & (length > 0.0)
+    kept = (gap < widest[rows]) & (curvature > 0.0) & (length > 0.0)
     kept &= here.still_opens(left) & ~splines.in_hole(points)
-    return _at(EdgeElements(rows, points, gap, here.lever_arm, length, curvature, overhang, estimate), kept)
-
-
-def may_touch(gap: Array, estimate: Array, widest: Array) -> NDArray[np.bool_]:
-    """Whether pieces with a gap and its estimate (n) may touch, where nothing does above the gap ``widest`` (n)."""
-    return np.asarray((gap < widest) & (estimate < GAP_ESTIMATE_MARGIN * widest))
+    return _at(EdgeElements(rows, points, gap, here.lever_arm, length, curvature, overhang), kept)
 
 
 @dataclass(frozen=True)
@@ -236,8 +228,8 @@ def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array
     -------
     tuple
         Indices of the rotations, whether the edge is that of the pinion, the middle on the member (2, n), both ends of
-        the element on the gear (2, n each), where the middle of the part lies between them, its share of the element,
-        and an estimate of the gap.
+        the element on the gear (2, n each), where the middle of the part lies between them, and its share of the
+        element.
     """
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
@@ -247,8 +239,8 @@ def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array
         moved = edge.points[:, None] + edge.moving[:, None] * away
         other = moved if edge.of_pinion else edge.opposite.after(away)
         blade = np.broadcast_to(edge.blade_distance, gap.shape)
-        estimate = np.minimum(gap[:, 1:], gap[:, :-1])
-    row, element = np.nonzero(estimate < GAP_ESTIMATE_MARGIN * widest[:, None])
+        nearest = np.minimum(gap[:, 1:], gap[:, :-1])
+    row, element = np.nonzero(nearest < GAP_ESTIMATE_MARGIN * widest[:, None])
     low, high = np.zeros(row.size), np.ones(row.size)
     for margin in (falls, *other, *(1.0 - other), blade):
         first, last = margin[row, element], margin[row, element + 1]
@@ -264,4 +256,4 @@ def _candidates(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Array
         edge.points[:, at] + edge.moving[:, at] * (rotations[row] - edge.here.roll_angle[at])
         for at in (element, following)
     ]
-    return row, np.full(row.size, edge.of_pinion), wanted, *ends, middle, high - low, estimate[row, element]
+    return row, np.full(row.size, edge.of_pinion), wanted, *ends, middle, high - low

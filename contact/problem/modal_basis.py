@@ -125,7 +125,8 @@ def modal_basis(factor: Array) -> ModalBasis:
         V (n, k) [(mm/N)^0.5].
     """
     blocks = factor_blocks(factor)
-    compressed = [compressed_block(factor[np.ix_(*both)]) for both in blocks]
+    whole = len(blocks) == 1 and blocks[0][1].size == factor.shape[1]
+    compressed = [compressed_block(factor if whole else factor[np.ix_(*both)]) for both in blocks]
     return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], compressed)
 
 
@@ -170,6 +171,8 @@ def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp
         columns.
     """
     present = factor != 0.0
+    if present.all() and present.shape[1] > 0:
+        return [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))]
     # Few patterns occur among many rows: compare patterns, not rows.
     packed = np.ascontiguousarray(np.packbits(present, axis=1))
     if packed.shape[1] == 0:

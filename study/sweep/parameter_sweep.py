@@ -19,8 +19,8 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_in_mesh import case_attributes
-from ..deviation_source import Deviated, Source
+from ..case_in_mesh import case_attributes, prepared_pair
+from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
 from .distribution import Sampler
@@ -277,7 +277,9 @@ def _attributes(plan: SweepPlan) -> dict[str, Any]:
         "compliance_model": case.compliance.model,
         "pinion_teeth": case.pinion.number_of_teeth,
         "gear_teeth": case.gear.number_of_teeth,
+        "edge_contact": int(case.contact.edge_contact if setup.edge_contact is None else setup.edge_contact),
         **_misalignment(plan),
+        **_departures(plan),
         **plan.sampling,
     }
 
@@ -292,3 +294,18 @@ def _misalignment(plan: SweepPlan) -> dict[str, float]:
         "Sigma": ("misalignment_shaft_angle_rad", found.shaft_angle),
     }
     return dict(pair for name, pair in errors.items() if name not in plan.table.names)
+
+
+def _departures(plan: SweepPlan) -> dict[str, Any]:
+    """Modification and deviations of every point that are not swept."""
+    setup, swept = plan.setup, plan.table.names
+    given = {} if setup.modification is None else dict(setup.modification.coefficients)
+    terms = {name: value for name, value in given.items() if f"modification.{name}" not in swept}
+    sources: dict[Any, Source] = {
+        member: one for member, one in setup.deviations.items() if f"deviation.{member}" not in swept
+    }
+    found: dict[str, Any] = {"modification_um": json.dumps(terms)} if terms else {}
+    if sources and "flank" not in swept:
+        pair = prepared_pair(setup.case, setup.flank, None)
+        found |= deviation_attributes(flank_deviations(pair, sources, setup.interpolation), setup.deviated)
+    return found
