@@ -460,13 +460,15 @@ def test_comparison_takes_texts_and_names_of_entry_points(installed: Path, monke
     from easeoff.study.compare import compare
 
     monkeypatch.chdir(installed)
-    two = [problem for problem in problems("realistic", 30, 1) if problem.size == 21][:2]
-    write_problems(two or [PROBLEM], installed / "problems.nc")
+    write_problems([PROBLEM, PROBLEM.with_torque(1.1 * PROBLEM.torque)], installed / "problems.nc")
     chosen = ["native", "mine", "declared", "a_solver_of_mine:function"]
     table = compare(["problems.nc"], "study", solvers=chosen, repetitions=1)
     assert set(table["solver"].values) == set(chosen)
     assert table["certified"].values.all()
     assert (table["rotation_error"] < 1e-9).all()
+    starts = {name: set(table["start"].values[table["solver"].values == name]) for name in chosen}
+    assert starts["declared"] == starts["native"] == {"cold", "warm"}  # it declares that it takes a start
+    assert starts["mine"] == {"cold"}
     versions = json.loads(table.attrs["solver_versions"])
     assert versions["mine"].startswith("solvers-of-mine 1.2, file ")
     assert versions["a_solver_of_mine:function"].startswith("file ")

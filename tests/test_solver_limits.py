@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from solver_choice import BACKENDS, installed
+from solver_choice import BACKENDS, CHOLESKY, installed
 
 from easeoff import InputError
 from easeoff.contact import (
@@ -21,7 +21,7 @@ from easeoff.contact.compliance.material import Material
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.solver_limits import Limits, StepBudget, backend_keywords
-from easeoff.verification import problems
+from easeoff.verification import PROBLEM_CLASSES, problems
 
 PROBLEMS = [next(iter(problems(name, 1, seed=3))) for name in ("realistic", "plain", "lattice", "mixed_arms")]
 REALISTIC = PROBLEMS[0]
@@ -47,6 +47,17 @@ def test_certificate_reaches_the_tolerance(name: str) -> None:
             assert solution.certified, (tolerance, solution.message)
             assert solution.certificate.worst <= tolerance
             assert solution.tolerance == (min(tolerance, EXACT_TOLERANCE) if name == "native" else tolerance)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [name for name in SOLVERS if name not in CHOLESKY])
+def test_every_class_of_problems_reaches_the_tolerance(name: str) -> None:
+    for kind in PROBLEM_CLASSES:
+        problem = next(iter(problems(kind, 1, seed=11)))
+        for tolerance in (1e-2, 1e-4, 1e-6, 1e-8):
+            if tolerance >= BEST_OF.get(name, 0.0):
+                solution = solve(problem, installed(name), tolerance=tolerance, polish=False)
+                assert solution.certificate.worst <= tolerance, (kind, solution.message)
 
 
 @pytest.mark.parametrize("name", ["osqp", "scs", "proxqp", "qpalm", "sip", "piqp", "cvxopt", "cvxpy"])
