@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from ..compliance_matrix import ModalCompliance
 from ..contact_problem import ContactProblem
 from ..operator_compliance import OperatorCompliance
-from .error_free import UNIT_ROUNDOFF
+from .error_free import UNIT_ROUNDOFF, dot_terms
 from .residuals import exact_gap_error, exact_residuals
 
 Array = NDArray[np.float64]
@@ -164,13 +164,13 @@ class _Split:
         loaded = (given > 0.0) & ~(gap > root**2 * given)
         force = np.where(loaded, given, 0.0)
         # Forces with a positive lever arm are scaled to balance the others and the torque.
-        moments = force * problem.lever_arm
-        driving, resisting = float(moments[moments > 0.0].sum()), -float(moments[moments < 0.0].sum())
+        arm = problem.lever_arm
+        driving, resisting = (math.fsum(dot_terms(force[own], arm[own])) for own in (arm > 0.0, arm < 0.0))
         if driving > 0.0:
-            force = np.where(moments > 0.0, force * ((problem.torque + resisting) / driving), force)
-        elif problem.torque + resisting > 0.0:
+            force = np.where(arm > 0.0, force * ((problem.torque - resisting) / driving), force)
+        elif problem.torque - resisting > 0.0:
             return None
-        size = UNIT_ROUNDOFF * (force.size + 4) * force
+        size = 8.0 * UNIT_ROUNDOFF * force
         rest = np.where(loaded, np.abs(given - force) + size, np.abs(given))
         residual = np.where(loaded, np.abs(gap), np.maximum(-gap, 0.0)) + unknown + root * float(root @ rest)
         positive = root[root > 0.0]
