@@ -7,6 +7,7 @@ on the turned flanks finds the minimum within the bounds.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -23,6 +24,7 @@ from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 Array = NDArray[Any]
 
 STARTS_PER_ROTATION = 4
+NODES_PER_BLOCK = 20_000  # of all rotations that are looked at together, so that they stay in the processor's cache
 GAP_LIMIT = 0.02  # [rad]; a tooth pair farther from contact has no part in the mesh
 START_MARGIN = 0.1  # fraction of the pinion flank by which a first guess may lie beyond it
 APPROACH_ITERATIONS = 3  # of Newton's method for the pinion point opposite a first guess
@@ -118,28 +120,34 @@ def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.i
         Pinion rotations (n) [rad].
     """
     field = {name: ordered(geometry.ease_off, name, "lengthwise", "profile") for name in _SEARCH_FIELDS}
-    roll = field["roll_angle"]
-    across = [np.nan_to_num(np.abs(np.gradient(roll, axis=axis))) for axis in (0, 1)]
-    left = rotations[:, None, None] - roll
+    across = [np.nan_to_num(np.abs(np.gradient(field["roll_angle"], axis=axis))) for axis in (0, 1)]
     reach = 0.5 * (across[0] + across[1])
-    nearer = left - np.clip(left, -reach, reach)
+    step = max(NODES_PER_BLOCK // reach.size, 1)
+    found = [_lowest(field, reach, rotations[start : start + step]) for start in range(0, rotations.size, step)]
+    row = np.concatenate([rows + step * block for block, (rows, _) in enumerate(found)])
+    return row, np.concatenate([node for _, node in found])
+
+
+def _lowest(field: Mapping[str, Array], reach: Array, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """As ``lowest_nodes``, from the ease-off's fields (nt, nh) and how far the roll angle reaches around its nodes."""
     curvature, skew = field["separation_curvature"], field["separation_skew"]
+    left = rotations[:, None, None] - field["roll_angle"]
+    nearer = left - np.minimum(np.maximum(left, -reach), reach)
     with np.errstate(invalid="ignore"):
         gap = gap_beside(field["ease_off_angle"], curvature, skew, nearer)
         usable = still_opens(curvature, skew, nearer) & (gap < GAP_LIMIT)
         for name in PINION_FRACTIONS:
             there = field[name] + (field[f"{name}_rate"] + 0.5 * field[f"{name}_acceleration"] * left) * left
             usable &= np.abs(there - 0.5) < 0.5 + START_MARGIN
-    gap = np.where(usable, gap, np.inf)
-    padded = np.pad(gap, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
-    nt, nh = roll.shape
-    lowest = usable.copy()
-    for i, j in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2)):
-        lowest &= gap <= padded[:, i : i + nt, j : j + nh]
-    gap = np.where(lowest, gap, np.inf).reshape(rotations.size, -1)
-    chosen = np.argsort(gap, axis=1, kind="stable")[:, :STARTS_PER_ROTATION]
-    row, rank = np.nonzero(np.isfinite(np.take_along_axis(gap, chosen, axis=1)))
-    return row, chosen[row, rank]
+    padded = np.full((rotations.size, reach.shape[0] + 2, reach.shape[1] + 2), np.inf)
+    padded[:, 1:-1, 1:-1] = gap = np.where(usable, gap, np.inf)
+    beside = np.minimum(np.minimum(padded[:, :-2], padded[:, 1:-1]), padded[:, 2:])
+    around = np.minimum(np.minimum(beside[..., :-2], beside[..., 1:-1]), beside[..., 2:])
+    row, node = np.divmod(np.flatnonzero(usable & (gap <= around)), reach.size)
+    order = np.lexsort((gap.reshape(rotations.size, -1)[row, node], row))
+    row, node = row[order], node[order]
+    chosen = np.arange(row.size) - np.searchsorted(row, row) < STARTS_PER_ROTATION
+    return row[chosen], node[chosen]
 
 
 def refined(
