@@ -39,6 +39,7 @@ MISS_TOLERANCE = 0.01  # [mm]; the gap is extrapolated over it to second order
 DAMPING_MINIMUM = 1e-6  # least curvature of the gap that a step reckons with, by the greatest one
 BLADES = BOUNDS.index("gear_blade"), BOUNDS.index("pinion_blade")
 EDGE_COUNT = len(BLADES) + min(BLADES)  # bounds that are edges of a flank; the others lie between its parts
+_BOUND_PAIRS = np.array(list(combinations(range(NEAREST_BOUNDS), 2))).T  # (2, pairs)
 _EXPANSION_FIELDS = ("roll_angle", "ease_off_angle", "separation_curvature", "separation_skew")
 _SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
 
@@ -231,14 +232,12 @@ def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
         columns = np.arange(slope.shape[1])
         normal = here.margin_slopes[nearest, :, columns[None]].transpose(0, 2, 1) / size[nearest, columns][:, None]
         margin = distance[nearest, columns]
-        tried = [-_solved(bend, slope)]
-        for k in range(NEAREST_BOUNDS):
-            foot, along = -margin[k] * normal[k], np.stack([-normal[k][1], normal[k][0]])
-            push = np.sum(along * (slope + _times(bend, foot)), axis=0)
-            tried.append(foot - along * push / np.sum(along * _times(bend, along), axis=0))
-        for i, j in combinations(range(NEAREST_BOUNDS), 2):
-            tried.append(-_solved(np.stack([normal[i], normal[j]]), np.stack([margin[i], margin[j]])))
-        steps = np.stack(tried, axis=1)  # (2, candidates, n)
+        across = normal.swapaxes(0, 1)  # (2, k, n)
+        foot, along = -margin * across, np.array([-across[1], across[0]])
+        push = np.sum(along * (slope[:, None] + _times(bend[:, :, None], foot)), axis=0)
+        on_bounds = foot - along * push / np.sum(along * _times(bend[:, :, None], along), axis=0)
+        corners = -_solved(across[:, _BOUND_PAIRS].swapaxes(0, 1), margin[_BOUND_PAIRS])
+        steps = np.concatenate([-_solved(bend, slope)[:, None], on_bounds, corners], axis=1)  # (2, candidates, n)
         beyond = -np.min(margin[:, None] + np.einsum("kin,icn->kcn", normal, steps), axis=0)
         model = np.einsum("in,icn->cn", slope, steps) + 0.5 * np.einsum("icn,ijn,jcn->cn", steps, bend, steps)
         allowed = beyond <= BOUND_TOLERANCE
@@ -261,11 +260,11 @@ def _convex(bend: Array, ratio: Array) -> Array:
 
 
 def _times(matrix: Array, vector: Array) -> Array:
-    return np.stack([matrix[k, 0] * vector[0] + matrix[k, 1] * vector[1] for k in range(2)])
+    return np.asarray(matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1])
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """Solutions (2, n) of systems (2, 2, n); infinite or NaN where there is none."""
+    """Solutions (2, ...) of systems (2, 2, ...); infinite or NaN where there is none."""
     determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
     first = right[0] * matrix[1, 1] - matrix[0, 1] * right[1]
-    return np.asarray(np.stack([first, matrix[0, 0] * right[1] - right[0] * matrix[1, 0]]) / determinant)
+    return np.array([first, matrix[0, 0] * right[1] - right[0] * matrix[1, 0]]) / determinant
