@@ -21,11 +21,11 @@ from ...core.ordered_values import ordered
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
 Array = NDArray[Any]
+BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # end the common flank
 
 POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped
 LENGTH_RATIO_LIMIT = 1e-3  # to the longest curve; shorter curves are dropped
 SEPARATION_CURVATURE_SCALE = 0.1  # [1/rad], of ordinary pairs; matters for the interpolation alone
-BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # end the common flank
 CROSSING_ITERATIONS = 24  # false position on the boundary; eight are usual
 
 
