@@ -267,4 +267,5 @@ def _solved(matrix: Array, right: Array) -> Array:
     """Solutions (2, ...) of systems (2, 2, ...); infinite or NaN where there is none."""
     determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
     first = right[0] * matrix[1, 1] - matrix[0, 1] * right[1]
-    return np.array([first, matrix[0, 0] * right[1] - right[0] * matrix[1, 0]]) / determinant
+    second = matrix[0, 0] * right[1] - right[0] * matrix[1, 0]
+    return np.asarray(np.array([first, second]) / determinant)

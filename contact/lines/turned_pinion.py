@@ -126,8 +126,8 @@ def nearer_parameters(
         return np.array([z, np.sqrt(x**2 + y**2)])
 
     with np.errstate(all="ignore"):
-        value, slopes = complex_steps(seen, parameters)
-        return np.asarray(parameters + cramers_rule(*slopes, place - value))
+        value, (first, second) = complex_steps(seen, parameters)
+        return parameters + cramers_rule(first, second, place - value)
 
 
 def _blocks(count: int) -> list[slice]:
