@@ -59,19 +59,16 @@ def _line_ends(
     # Along the line the gap grows like a parabola: its root is nearly straight between two points.
     gap = (closest.separation_angle - smallest[:, None]) * closest.lever_arm
     excess = np.sqrt(np.maximum(gap, 0.0)) - separation**0.5
-    count = excess.shape[1]
-    ends = np.empty((2, smallest.size))
-    for side, step in enumerate((-1, 1)):
-        for row in range(smallest.size):
-            index = round(float(where[row]))
-            while 0 <= index + step < count and excess[row, index + step] <= 0.0:
-                index += step
-            beyond = index + step
-            if 0 <= beyond < count and excess[row, index] < 0.0:
-                share = -excess[row, index] / (excess[row, beyond] - excess[row, index])
-                ends[side, row] = index + step * share
-            else:
-                ends[side, row] = index
+    count, rows = excess.shape[1], np.arange(smallest.size)
+    start, place, wide = np.rint(where).astype(int)[:, None], np.arange(count), ~(excess <= 0.0)
+    before = np.where(wide & (place < start), place, -1).max(axis=1)
+    after = np.where(wide & (place > start), place, count).min(axis=1)
+    ends = np.empty((2, rows.size))
+    for side, (step, beyond) in enumerate(((-1, before), (1, after))):
+        index = beyond - step
+        here, there = excess[rows, index], excess[rows, np.clip(beyond, 0, count - 1)]
+        cut = (beyond >= 0) & (beyond < count) & (here < 0.0)
+        ends[side] = index + step * np.where(cut, -here, 0.0) / np.where(cut, there - here, 1.0)
     length = (ends[1] - ends[0]) / (count - 1) * lines.length
     points = np.stack([_at(lines.points, ends[side]) for side in range(2)], axis=-1)
     return points[0], points[1], length

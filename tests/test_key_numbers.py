@@ -194,6 +194,30 @@ def test_a_thicker_compound_prints_more_up_to_the_common_flank() -> None:
 STEPS = np.array([[1e-6, 0.0], [0.0, 1e-6]]).reshape(2, 2, 1, 1)
 
 
+@pytest.mark.parametrize("name", ["nasa-12x36", "fm-11x41", "fh-12x41-45"])
+def test_print_searched_beside_its_border_alone_has_the_same_region(name: str) -> None:
+    cycle = cycle_of(name)
+    error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
+    plane = ProjectionPlane.of(cycle.geometry.flanks)
+    for thickness in (0.5, 6.0, 20.0, 100.0):
+        whole, border = (MarkingPrint.of(cycle.fields, error, thickness, whole=w) for w in (True, False))
+        wanted, found = (each.region(plane) for each in (whole, border))
+        np.testing.assert_array_equal(border.excess < 0.0, whole.excess < 0.0)
+        np.testing.assert_array_equal(found.extent, wanted.extent)
+        assert (found.area, *found.centre) == (wanted.area, *wanted.centre)
+
+
+def test_error_near_a_rotation_stays_below_its_bound() -> None:
+    cycle = cycle_of("fm-11x41")
+    error = CarryingError.of(cycle.unloaded(), cycle.pinion_pitch)
+    rotations = np.linspace(-1.0, 1.0, 301) * cycle.pinion_pitch
+    for reach in (0.0, 0.01, 0.07):
+        near = error.least(rotations + reach * np.linspace(-1.0, 1.0, 501)[:, None]).max(axis=0)
+        excess = error.greatest_near(rotations, reach) - near
+        assert np.all(excess >= 0.0)
+        assert np.min(excess) < 1e-3 * np.ptp(error.over_cycle)
+
+
 def test_without_unloaded_contact_the_numbers_are_nan() -> None:
     cycle = cycle_of("fm-11x41")
     nothing = cycle.unloaded()

@@ -71,6 +71,16 @@ def test_tensor_spline_passes_through_its_nodes_and_keeps_its_parts() -> None:
     np.testing.assert_array_equal(spline.part(np.array([2, 0])).evaluate(points, [(0, 0)])[0], found[[2, 0]])
 
 
+@pytest.mark.parametrize("shape", [(31, 21), (5, 4)])
+def test_values_on_a_grid_are_those_of_its_points(shape: tuple[int, int]) -> None:
+    nodes = np.linspace(0.0, 1.0, shape[0]) ** 1.1, np.linspace(0.0, 2.0, shape[1])
+    spline = TensorSpline.through(nodes, surface(nodes), (min(5, shape[0] - 1), min(5, shape[1] - 1)))
+    axes = np.linspace(-0.01, 1.01, 70), np.concatenate([nodes[1], [0.13, 2.02]])
+    points = np.stack(np.meshgrid(*axes, indexing="ij"))
+    (wanted,) = spline.evaluate(points.reshape(2, -1), [(0, 0)])
+    np.testing.assert_allclose(spline.on_grid(*axes), wanted.reshape(3, *points.shape[1:]), rtol=0, atol=1e-13)
+
+
 def test_polynomials_of_fifth_degree_are_exact() -> None:
     nodes = np.linspace(0.0, 1.0, 12), np.linspace(0.0, 1.0, 9)
     t, h = np.meshgrid(*nodes, indexing="ij")

@@ -16,7 +16,7 @@ from test_ease_off import contact_path
 from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle, harmonics, lines_in_mesh, peak_to_peak, rms, unloaded_contact
-from easeoff.contact.lines import turned_pinion
+from easeoff.contact.lines import touching_points, turned_pinion
 from easeoff.contact.lines.closest_approach import closest_approach
 from easeoff.contact.lines.contact_lines import (
     POINTS_PER_LINE,
@@ -528,6 +528,31 @@ def test_unloaded_contact_does_not_depend_on_the_size_of_blocks(monkeypatch: pyt
     for module in (newton, turned_pinion):
         monkeypatch.setattr(module, "COLUMNS_PER_BLOCK", 7)
     xr.testing.assert_allclose(unloaded(), whole, rtol=1e-9, atol=1e-9)
+
+
+def test_starts_do_not_depend_on_the_size_of_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (15, 9))
+    rotations = np.linspace(-1.0, 1.0, 23)
+    row, node = touching_points.lowest_nodes(geometry, rotations)
+    assert np.all(np.diff(row) >= 0)
+    assert np.unique(row).size > 5
+    for nodes in (1, 500):
+        monkeypatch.setattr(touching_points, "NODES_PER_BLOCK", nodes)
+        for found, wanted in zip(touching_points.lowest_nodes(geometry, rotations), (row, node), strict=True):
+            np.testing.assert_array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("name", ["nasa-12x36", "fh-12x41-45"])
+def test_parameters_alone_are_those_of_the_circles_met(name: str) -> None:
+    exact = pair_geometry(gear_pair(read_case(name)), (9, 7)).exact
+    known = np.flatnonzero(np.isfinite(exact.pinion_parameters[0]))
+    parameters = exact.pinion_parameters[:, known] + 1e-3
+    rotations = np.full(known.size, 0.02)
+    motion = exact.motion
+    place = np.array([[60.0], [90.0]]) + np.linspace(0.0, 5.0, known.size)
+    met = turned_pinion.circles_met(exact, motion.surface, parameters, rotations, place)
+    found = turned_pinion.nearer_parameters(motion, motion.surface, parameters, rotations, place)
+    np.testing.assert_allclose(found, met.parameters, rtol=1e-11, atol=1e-11)
 
 
 def test_a_pair_that_nowhere_comes_near_contact_is_refused() -> None:

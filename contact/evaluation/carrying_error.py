@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from .monotone_cubic import MonotoneCubic
@@ -73,6 +75,22 @@ class CarryingError:
         """Transmission error [rad] of the pair that carries, at any pinion rotations (...) [rad]."""
         time, values = self._cycle
         return np.asarray(np.interp(self.step(rotation) % self.passage.per_cycle, time, values))
+
+    def greatest_near(self, rotation: Array, reach: float) -> Array:
+        """Bound (...) [rad] that ``least`` nowhere exceeds within ``reach`` [rad] of pinion rotations (...) [rad].
+
+        Examples
+        --------
+        >>> parabola = ToothPassage(-4, 4, 0.01 * np.linspace(-1.0, 1.0, 9) ** 2)
+        >>> CarryingError(parabola, 0.0, 0.5).greatest_near(np.array([0.1, 0.2]), 0.05).round(4)
+        array([0.0009, 0.0025])
+        """
+        values, count = self.over_cycle[:-1], self.passage.per_cycle
+        cells = math.ceil(reach / self.pinion_pitch * values.size)
+        around = np.pad(values, (cells, cells + 1), mode="wrap")
+        greatest = sliding_window_view(around, 2 * cells + 2).max(axis=1)
+        place = (self.step(rotation) % count * FINE_STEP_COUNT).astype(int)
+        return np.asarray(greatest[np.minimum(place, values.size - 1)])
 
     @property
     def over_cycle(self) -> Array:

@@ -50,16 +50,17 @@ def with_unloaded_numbers(cycle: MeshCycle, unloaded: xr.Dataset) -> xr.Dataset:
     axes = [cycle.geometry.ease_off[name].values for name in ("lengthwise", "profile")]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"))
     gap = np.where(boundary_distance(cycle.fields, nodes) >= 0.0, least_gap(cycle.fields, error, nodes), np.nan)
-    printed = MarkingPrint.of(cycle.fields, error, separation).region(ProjectionPlane.of(cycle.geometry.flanks))
+    plane = ProjectionPlane.of(cycle.geometry.flanks)
+    printed = MarkingPrint.of(cycle.fields, error, separation, whole=False).region(plane)
     numbers = {
         "contact_ratio": unloaded_contact_ratio(cycle.fields, unloaded, error, limits, separation),
         "geometric_contact_ratio": (limits[1] - limits[0]) / cycle.pinion_pitch,
         "pinion_peak_to_peak": cycle.ratio * unloaded.attrs["peak_to_peak"],
         "least_gap": (("lengthwise", "profile"), gap),
+        **{name: (name, values) for name, values in zip(("lengthwise", "profile"), axes, strict=True)},
         **{name: float(values[0]) for name, values in _pattern([printed]).items()},
     }
-    coords = {name: cycle.geometry.ease_off[name] for name in ("lengthwise", "profile")}
-    return labelled(unloaded.assign(numbers).assign_coords(coords))
+    return labelled(unloaded.assign(numbers))
 
 
 def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[LoadedCase]) -> xr.Dataset:

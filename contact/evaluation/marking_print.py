@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from ...core.checks import number
 from ...core.compiled.compiled_use import compiled_code_of
 from ...core.errors import InputError
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS, gap_beside, still_opens
-from ..lines.contact_lines import boundary_distance, curvature_and_skew
+from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_inside
 from ..lines.flank_splines import FlankSplines
 from .carrying_error import CarryingError
 from .flank_region import FlankRegion, grid_triangles, region_below
@@ -25,6 +27,7 @@ SHIFT_ROUND_COUNT, SHIFT_SAMPLE_COUNT = 2, 17  # of the search for that rotation
 GAIN_MINIMUM = 0.001  # [um]; where the search could close less of the gap it is left out
 THICKNESS_MINIMUM, THICKNESS_LIMIT = 1e-3, 1000.0  # [um] of the marking compound
 BORDER_SLOPE = 20.0  # of the excess, by the distance from the boundary of the common flank
+_GAP_FIELDS = ("roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS)
 
 
 def checked_thickness(marking: Any) -> float:
@@ -46,7 +49,7 @@ def checked_thickness(marking: Any) -> float:
     return thickness
 
 
-def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below: float = np.inf) -> Array:
+def least_gap(splines: FlankSplines, error: CarryingError, points: Array) -> Array:
     """Least gap (...) [um] at points of the gear flank over the mesh, the carrying pair in contact.
 
     A point whose pinion rotation is ``d`` beyond its roll angle has the gap ``a - e + c d^2 / 2 + s d^3 / 6`` with its
@@ -61,8 +64,6 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below:
         Transmission error of the unloaded pair.
     points
         Lengthwise and profile fractions (2, ...) on the gear.
-    below
-        Gaps above it need not be the least [um].
 
     Examples
     --------
@@ -76,20 +77,56 @@ def least_gap(splines: FlankSplines, error: CarryingError, points: Array, below:
     >>> bool(middle < 6.0 < corner)
     True
     """
-    flat = np.reshape(points, (2, -1))
-    value = splines.evaluate(["roll_angle", "ease_off_angle", "lever_arm", *SEPARATION_FIELDS], flat)
-    curvature, skew = curvature_and_skew(*(value[name] for name in SEPARATION_FIELDS))
-    roll, ease_off, arm = (value[name] for name in ("roll_angle", "ease_off_angle", "lever_arm"))
-    gap = ease_off - error.least(roll)
-    # The gap is least where the error falls as fast as the flanks open: c d is at most the error's greatest slope.
-    limit = SHIFT_LIMIT * error.pinion_pitch
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = np.where(curvature > 0.0, np.minimum(error.steepest / curvature, limit), limit)
-    gain = 1e3 * arm * error.steepest * reach
-    searched = np.flatnonzero((gain > GAIN_MINIMUM) & (1e3 * arm * gap - gain < below))
+    gaps = _Gaps.of(splines.evaluate(list(_GAP_FIELDS), np.reshape(points, (2, -1))), error)
+    gap = gaps.at_roll_angle.copy()
+    gaps.search(gaps.gain > GAIN_MINIMUM, gap)
+    return gap.reshape(np.shape(points)[1:])
 
-    gap[searched] = _least_beside(error, *(v[searched] for v in (ease_off, curvature, skew, roll, reach)))
-    return np.asarray((1e3 * arm * gap).reshape(np.shape(points)[1:]))
+
+@dataclass(frozen=True)
+class _Gaps:
+    """Gap at points (n) when the pinion is at their roll angle, and what is needed to search where it is least.
+
+    The least gap is no further from there than ``reach`` [rad], and smaller by no more than ``gain`` [um].
+    """
+
+    error: CarryingError
+    value: Mapping[str, Array]
+    curvature: Array
+    skew: Array
+    at_roll_angle: Array
+    reach: Array
+    gain: Array
+
+    @classmethod
+    def of(cls, value: Mapping[str, Array], error: CarryingError) -> _Gaps:
+        """From values (n) of the ``_GAP_FIELDS``."""
+        curvature, skew = curvature_and_skew(*(value[name] for name in SEPARATION_FIELDS))
+        # The gap is least where the error falls as fast as the flanks open: their curvature times the rotation from the
+        # roll angle is at most the error's greatest slope.
+        limit = SHIFT_LIMIT * error.pinion_pitch
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.where(curvature > 0.0, np.minimum(error.steepest / curvature, limit), limit)
+        arm = 1e3 * value["lever_arm"]
+        gap = arm * (value["ease_off_angle"] - error.least(value["roll_angle"]))
+        return cls(error, value, curvature, skew, gap, reach, arm * (error.steepest * reach))
+
+    def crossing(self, thickness: float, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which of some points (n) may have a gap below a thickness [um], though not at their roll angle."""
+        found = among & (self.at_roll_angle >= thickness)
+        index = np.flatnonzero(found)
+        if index.size:
+            ease_off, roll, arm = (self.value[name][index] for name in ("ease_off_angle", "roll_angle", "lever_arm"))
+            greatest = self.error.greatest_near(roll, float(np.max(self.reach[index])))
+            found[index] = 1e3 * arm * (ease_off - greatest) < thickness
+        return found
+
+    def search(self, wanted: NDArray[np.bool_], gap: Array) -> None:
+        """Put the least gaps [um] of the wanted points (n) among gaps (n)."""
+        index = np.flatnonzero(wanted)
+        ease_off, roll, arm = (self.value[name][index] for name in ("ease_off_angle", "roll_angle", "lever_arm"))
+        curvature, skew, reach = self.curvature[index], self.skew[index], self.reach[index]
+        gap[index] = 1e3 * arm * _least_beside(self.error, ease_off, curvature, skew, roll, reach)
 
 
 def _least_beside(
@@ -153,14 +190,68 @@ class MarkingPrint:
 
     @classmethod
     def of(
-        cls, splines: FlankSplines, error: CarryingError, thickness: float, shape: tuple[int, int] = PRINT_GRID
+        cls,
+        splines: FlankSplines,
+        error: CarryingError,
+        thickness: float,
+        shape: tuple[int, int] = PRINT_GRID,
+        *,
+        whole: bool = True,
     ) -> MarkingPrint:
-        """Print of a compound of a thickness [um], on a grid of a shape; other arguments as of ``least_gap``."""
-        points = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in shape), indexing="ij"))
-        beyond = -BORDER_SLOPE * boundary_distance(splines, points)
-        return cls(points, np.maximum(least_gap(splines, error, points, 2.0 * thickness) / thickness - 1.0, beyond))
+        """Print of a marking compound.
+
+        Parameters
+        ----------
+        splines, error
+            As of ``least_gap``.
+        thickness
+            Of the compound [um].
+        shape
+            Points of the grid along the face and the profile.
+        whole
+            Whether the gap is the least one at every point where it is below twice the thickness, or only in the cells
+            through which the border of the print runs; then it is elsewhere on the right side of the thickness.
+        """
+        axes = [np.linspace(0.0, 1.0, n) for n in shape]
+        points = np.stack(np.meshgrid(*axes, indexing="ij"))
+        value = splines.on_grid([*_GAP_FIELDS, *BOUNDARY_FIELDS], *axes)
+        beyond = -BORDER_SLOPE * distance_inside(value, splines.in_hole(points)).ravel()
+        gaps = _Gaps.of({name: value[name].ravel() for name in _GAP_FIELDS}, error)
+        gap = gaps.at_roll_angle.copy()
+        worth = (gaps.gain > GAIN_MINIMUM) & (gap - gaps.gain < 2.0 * thickness)
+        if not whole:
+            undecided = gaps.crossing(thickness, worth & (beyond < 0.0))
+            gaps.search(undecided, gap)
+            worth &= ~undecided & _beside_border(((beyond < 0.0) & (gap < thickness)).reshape(shape)).ravel()
+        gaps.search(worth, gap)
+        return cls(points, np.maximum(gap / thickness - 1.0, beyond).reshape(shape))
 
     def region(self, plane: ProjectionPlane) -> FlankRegion:
         """The printed part of the flank."""
-        flat = self.points.reshape(2, -1)
-        return region_below(flat, self.excess.ravel(), grid_triangles(self.excess.shape), 0.0, plane)
+        touched = np.any(_corners(self.excess < 0.0), axis=0).ravel()
+        triangles = _triangles(self.excess.shape)[np.tile(touched, 2)]
+        return region_below(self.points.reshape(2, -1), self.excess.ravel(), triangles, 0.0, plane)
+
+
+@lru_cache(maxsize=2)
+def _triangles(shape: tuple[int, int]) -> NDArray[np.int64]:
+    """Triangles of a grid, made once: read only."""
+    triangles = grid_triangles(shape)
+    triangles.setflags(write=False)
+    return triangles
+
+
+def _corners(values: Array) -> Array:
+    """Values (4, p - 1, q - 1) at the corners of the cells of a grid (p, q)."""
+    return np.stack([values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]])
+
+
+def _beside_border(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Corners (p, q) of the cells that have corners (p, q) inside and outside."""
+    corners = _corners(inside)
+    cut = np.any(corners, axis=0) & ~np.all(corners, axis=0)
+    found = np.zeros_like(inside)
+    for i in (slice(None, -1), slice(1, None)):
+        for j in (slice(None, -1), slice(1, None)):
+            found[i, j] |= cut
+    return found

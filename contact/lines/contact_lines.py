@@ -21,6 +21,7 @@ from ...core.ordered_values import ordered
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
 Array = NDArray[Any]
+BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # end the common flank
 
 POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped
 LENGTH_RATIO_LIMIT = 1e-3  # to the longest curve; shorter curves are dropped
@@ -89,11 +90,15 @@ class ContactLines:
 
 def boundary_distance(splines: FlankSplines, points: Array) -> Array:
     """Distance from the boundary of the common flank (...): positive inside, negative outside."""
-    values = splines.evaluate(["pinion_lengthwise", "pinion_profile", "blade_distance"], np.clip(points, 0.0, 1.0))
-    t, h = values["pinion_lengthwise"], values["pinion_profile"]
+    values = splines.evaluate(list(BOUNDARY_FIELDS), np.clip(points, 0.0, 1.0))
+    return distance_inside(values, splines.in_hole(points))
+
+
+def distance_inside(values: Mapping[str, Array], in_hole: NDArray[np.bool_]) -> Array:
+    """The same (...) from the ``BOUNDARY_FIELDS`` at points of the flank, and whether they lie in a hole of it."""
+    t, h, blade = (values[name] for name in BOUNDARY_FIELDS)
     inside = np.minimum(np.minimum(t, 1.0 - t), np.minimum(h, 1.0 - h))
-    inside = np.minimum(inside, values["blade_distance"])
-    return np.where(splines.in_hole(points), -1.0, inside)
+    return np.where(in_hole, -1.0, np.minimum(inside, blade))
 
 
 def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 3, beyond: float = 0.0) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -86,13 +87,29 @@ class FlankSplines:
         """
         shape = np.shape(points)[1:]
         found = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
-        results: list[dict[str, Array]] = [{} for _ in orders]
+        return self._by_name(names, [values.reshape(len(values), *shape) for values in found])
+
+    def on_grid(self, names: Sequence[str], lengthwise: Array, profile: Array) -> dict[str, Array]:
+        """Values (*field shape, p, q) of fields on the grid from fractions (p) and (q), which is quicker than by point.
+
+        Parameters
+        ----------
+        names
+            Names of the fields.
+        lengthwise, profile
+            Fractions along both directions.
+        """
+        return self._by_name(names, [self._part(tuple(names)).on_grid(lengthwise, profile)])[0]
+
+    def _by_name(self, names: Sequence[str], found: Sequence[Array]) -> list[dict[str, Array]]:
+        """Values (components, ...) of several derivatives, by the names of the fields."""
+        results: list[dict[str, Array]] = [{} for _ in found]
         start = 0
         for name in names:
             own, of_field = self.columns[name]
             rows = slice(start, start := start + own.stop - own.start)
             for result, values in zip(results, found, strict=True):
-                result[name] = values[rows].reshape(*of_field, *shape)
+                result[name] = values[rows].reshape(*of_field, *values.shape[1:])
         return results
 
     def _part(self, names: tuple[str, ...]) -> TensorSpline:
@@ -102,8 +119,14 @@ class FlankSplines:
             self._parts[names] = self.spline.part(np.concatenate([np.arange(one.start, one.stop) for one in own]))
         return self._parts[names]
 
+    @cached_property
+    def _has_holes(self) -> bool:
+        return bool(np.any(self.holes))
+
     def in_hole(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (2, ...) lie in a cell with a node that has no value."""
+        if not self._has_holes:
+            return np.zeros(np.shape(points)[1:], dtype=bool)
         i = np.clip(np.searchsorted(self.lengthwise, points[0], side="right") - 1, 0, self.lengthwise.size - 2)
         j = np.clip(np.searchsorted(self.profile, points[1], side="right") - 1, 0, self.profile.size - 2)
         return np.asarray(self.holes[i, j], dtype=bool)

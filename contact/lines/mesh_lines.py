@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
 from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
-from .contact_lines import ContactLines, boundary_distance, trace
+from .contact_lines import BOUNDARY_FIELDS, ContactLines, distance_inside, trace
 from .flank_splines import FlankSplines
 
 Array = NDArray[Any]
 
 GAUSS_POINTS = 3
 ROLL_SEARCH_GRID = (61, 31)
+ROLL_SIGNS = np.array([-1.0, 1.0])  # of the roll angle where its least and its greatest value are searched
 ZOOM_ROUND_COUNT, ZOOM_GRID = 6, (21, 21)  # each round looks at a window of four cells of the round before
 
 
@@ -177,22 +178,21 @@ def roll_limits(splines: FlankSplines) -> tuple[float, float]:
     >>> least < 0.0 < greatest
     True
     """
-    return -_greatest(splines, -1.0), _greatest(splines, 1.0)
-
-
-def _greatest(splines: FlankSplines, sign: float) -> float:
-    """Greatest roll angle times a sign, by grids around the best point so far."""
-    low, high, shape, best = np.zeros(2), np.ones(2), ROLL_SEARCH_GRID, -np.inf
-    for _ in range(ZOOM_ROUND_COUNT):
+    low, high, shape = np.zeros((2, 2)), np.ones((2, 2)), ROLL_SEARCH_GRID  # by fraction and by side
+    sides, best = np.arange(2), np.full(2, -np.inf)
+    for _ in range(ZOOM_ROUND_COUNT):  # grids around the best point so far
         axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, shape, strict=True)]
-        points = np.stack(np.meshgrid(*axes, indexing="ij"))
-        roll = np.where(boundary_distance(splines, points) >= 0.0, sign * splines("roll_angle", points), -np.inf)
-        row, column = np.unravel_index(int(np.argmax(roll)), shape)
-        best = max(best, float(roll[row, column]))
-        reach = 2.0 * (high - low) / (np.array(shape) - 1)
-        low, high = (np.clip(points[:, row, column] + side * reach, 0.0, 1.0) for side in (-1.0, 1.0))
+        points = np.stack(np.broadcast_arrays(axes[0][:, None], axes[1][None])).reshape(2, -1, 2)
+        value = splines.evaluate(["roll_angle", *BOUNDARY_FIELDS], points)
+        within = distance_inside(value, splines.in_hole(points)) >= 0.0
+        roll = np.where(within, value["roll_angle"] * ROLL_SIGNS, -np.inf)
+        place = np.argmax(roll, axis=0)
+        best = np.maximum(best, roll[place, sides])
+        reach = 2.0 * (high - low) / (np.array(shape)[:, None] - 1)
+        low, high = (np.clip(points[:, place, sides] + way * reach, 0.0, 1.0) for way in (-1.0, 1.0))
         shape = ZOOM_GRID
-    return best if np.isfinite(best) else float("nan")
+    least, greatest = np.where(np.isfinite(best), ROLL_SIGNS * best, np.nan)
+    return float(least), float(greatest)
 
 
 def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:

@@ -75,13 +75,13 @@ class KnotIntervals:
         """Ends, and pieces as (interval, power, B-spline), as the compiled evaluation reads them."""
         return np.ascontiguousarray(self.ends), np.ascontiguousarray(self.pieces.swapaxes(1, 2))
 
-    def collocation(self, nodes: Array) -> Array:
-        """Values (n, n) of the B-splines at the nodes (n)."""
-        index, local = self.place(nodes)
+    def collocation(self, points: Array) -> Array:
+        """Values (n, s) of the s B-splines at points (n); at the nodes of the spline, the matrix of its equations."""
+        index, local = self.place(points)
         degree = self.pieces.shape[1] - 1
         values = np.einsum("nbp,np->nb", self.pieces[index], local[:, None] ** np.arange(degree + 1))
-        matrix = np.zeros((nodes.size, nodes.size))
-        matrix[np.arange(nodes.size)[:, None], index[:, None] + np.arange(degree + 1)] = values
+        matrix = np.zeros((points.size, len(self.pieces) + degree))
+        matrix[np.arange(points.size)[:, None], index[:, None] + np.arange(degree + 1)] = values
         return matrix
 
 
@@ -182,6 +182,20 @@ class TensorSpline:
                 for _ in range(order):
                     result *= scale
         return results
+
+    def on_grid(self, along: Array, across: Array) -> Array:
+        """Values (m, p, q) at all points of a grid from coordinates (p) and (q), as the product of both directions.
+
+        Examples
+        --------
+        >>> nodes = np.linspace(0.0, 1.0, 6)
+        >>> cubes = np.repeat(nodes[:, None, None] ** 3, 6, axis=1)
+        >>> spline = TensorSpline.through((nodes, nodes), cubes, (5, 5))
+        >>> spline.on_grid(np.array([0.5]), np.array([0.2, 0.9])).round(12).tolist()
+        [[[0.125, 0.125]]]
+        """
+        first, second = (each.collocation(one) for each, one in zip(self.intervals, (along, across), strict=True))
+        return np.asarray(first @ self.coefficients @ second.T)
 
     def _suits(self, kernel: Any, derivatives: Sequence[tuple[int, int]]) -> bool:
         """Whether the compiled evaluation is made for this spline and these derivatives."""

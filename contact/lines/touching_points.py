@@ -7,6 +7,7 @@ on the turned flanks finds the minimum within the bounds.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -23,6 +24,7 @@ from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 Array = NDArray[Any]
 
 STARTS_PER_ROTATION = 4
+NODES_PER_BLOCK = 20_000  # of all rotations that are looked at together, so that they stay in the processor's cache
 GAP_LIMIT = 0.02  # [rad]; a tooth pair farther from contact has no part in the mesh
 START_MARGIN = 0.1  # fraction of the pinion flank by which a first guess may lie beyond it
 APPROACH_ITERATIONS = 3  # of Newton's method for the pinion point opposite a first guess
@@ -37,6 +39,7 @@ MISS_TOLERANCE = 0.01  # [mm]; the gap is extrapolated over it to second order
 DAMPING_MINIMUM = 1e-6  # least curvature of the gap that a step reckons with, by the greatest one
 BLADES = BOUNDS.index("gear_blade"), BOUNDS.index("pinion_blade")
 EDGE_COUNT = len(BLADES) + min(BLADES)  # bounds that are edges of a flank; the others lie between its parts
+_BOUND_PAIRS = np.array(list(combinations(range(NEAREST_BOUNDS), 2))).T  # (2, pairs)
 _EXPANSION_FIELDS = ("roll_angle", "ease_off_angle", "separation_curvature", "separation_skew")
 _SEARCH_FIELDS = (*_EXPANSION_FIELDS, *PINION_FRACTIONS, *PASSING_FIELDS)
 
@@ -118,28 +121,34 @@ def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.i
         Pinion rotations (n) [rad].
     """
     field = {name: ordered(geometry.ease_off, name, "lengthwise", "profile") for name in _SEARCH_FIELDS}
-    roll = field["roll_angle"]
-    across = [np.nan_to_num(np.abs(np.gradient(roll, axis=axis))) for axis in (0, 1)]
-    left = rotations[:, None, None] - roll
+    across = [np.nan_to_num(np.abs(np.gradient(field["roll_angle"], axis=axis))) for axis in (0, 1)]
     reach = 0.5 * (across[0] + across[1])
-    nearer = left - np.clip(left, -reach, reach)
+    step = max(NODES_PER_BLOCK // reach.size, 1)
+    found = [_lowest(field, reach, rotations[start : start + step]) for start in range(0, rotations.size, step)]
+    row = np.concatenate([rows + step * block for block, (rows, _) in enumerate(found)])
+    return row, np.concatenate([node for _, node in found])
+
+
+def _lowest(field: Mapping[str, Array], reach: Array, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """As ``lowest_nodes``, from the ease-off's fields (nt, nh) and how far the roll angle reaches around its nodes."""
     curvature, skew = field["separation_curvature"], field["separation_skew"]
+    left = rotations[:, None, None] - field["roll_angle"]
+    nearer = left - np.minimum(np.maximum(left, -reach), reach)
     with np.errstate(invalid="ignore"):
         gap = gap_beside(field["ease_off_angle"], curvature, skew, nearer)
         usable = still_opens(curvature, skew, nearer) & (gap < GAP_LIMIT)
         for name in PINION_FRACTIONS:
             there = field[name] + (field[f"{name}_rate"] + 0.5 * field[f"{name}_acceleration"] * left) * left
             usable &= np.abs(there - 0.5) < 0.5 + START_MARGIN
-    gap = np.where(usable, gap, np.inf)
-    padded = np.pad(gap, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
-    nt, nh = roll.shape
-    lowest = usable.copy()
-    for i, j in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2)):
-        lowest &= gap <= padded[:, i : i + nt, j : j + nh]
-    gap = np.where(lowest, gap, np.inf).reshape(rotations.size, -1)
-    chosen = np.argsort(gap, axis=1, kind="stable")[:, :STARTS_PER_ROTATION]
-    row, rank = np.nonzero(np.isfinite(np.take_along_axis(gap, chosen, axis=1)))
-    return row, chosen[row, rank]
+    padded = np.full((rotations.size, reach.shape[0] + 2, reach.shape[1] + 2), np.inf)
+    padded[:, 1:-1, 1:-1] = gap = np.where(usable, gap, np.inf)
+    beside = np.minimum(np.minimum(padded[:, :-2], padded[:, 1:-1]), padded[:, 2:])
+    around = np.minimum(np.minimum(beside[..., :-2], beside[..., 1:-1]), beside[..., 2:])
+    row, node = np.divmod(np.flatnonzero(usable & (gap <= around)), reach.size)
+    order = np.lexsort((gap.reshape(rotations.size, -1)[row, node], row))
+    row, node = row[order], node[order]
+    chosen = np.arange(row.size) - np.searchsorted(row, row) < STARTS_PER_ROTATION
+    return row[chosen], node[chosen]
 
 
 def refined(
@@ -223,14 +232,12 @@ def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
         columns = np.arange(slope.shape[1])
         normal = here.margin_slopes[nearest, :, columns[None]].transpose(0, 2, 1) / size[nearest, columns][:, None]
         margin = distance[nearest, columns]
-        tried = [-_solved(bend, slope)]
-        for k in range(NEAREST_BOUNDS):
-            foot, along = -margin[k] * normal[k], np.stack([-normal[k][1], normal[k][0]])
-            push = np.sum(along * (slope + _times(bend, foot)), axis=0)
-            tried.append(foot - along * push / np.sum(along * _times(bend, along), axis=0))
-        for i, j in combinations(range(NEAREST_BOUNDS), 2):
-            tried.append(-_solved(np.stack([normal[i], normal[j]]), np.stack([margin[i], margin[j]])))
-        steps = np.stack(tried, axis=1)  # (2, candidates, n)
+        across = normal.swapaxes(0, 1)  # (2, k, n)
+        foot, along = -margin * across, np.array([-across[1], across[0]])
+        push = np.sum(along * (slope[:, None] + _times(bend[:, :, None], foot)), axis=0)
+        on_bounds = foot - along * push / np.sum(along * _times(bend[:, :, None], along), axis=0)
+        corners = -_solved(across[:, _BOUND_PAIRS].swapaxes(0, 1), margin[_BOUND_PAIRS])
+        steps = np.concatenate([-_solved(bend, slope)[:, None], on_bounds, corners], axis=1)  # (2, candidates, n)
         beyond = -np.min(margin[:, None] + np.einsum("kin,icn->kcn", normal, steps), axis=0)
         model = np.einsum("in,icn->cn", slope, steps) + 0.5 * np.einsum("icn,ijn,jcn->cn", steps, bend, steps)
         allowed = beyond <= BOUND_TOLERANCE
@@ -253,11 +260,12 @@ def _convex(bend: Array, ratio: Array) -> Array:
 
 
 def _times(matrix: Array, vector: Array) -> Array:
-    return np.stack([matrix[k, 0] * vector[0] + matrix[k, 1] * vector[1] for k in range(2)])
+    return np.asarray(matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1])
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """Solutions (2, n) of systems (2, 2, n); infinite or NaN where there is none."""
+    """Solutions (2, ...) of systems (2, 2, ...); infinite or NaN where there is none."""
     determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
     first = right[0] * matrix[1, 1] - matrix[0, 1] * right[1]
-    return np.asarray(np.stack([first, matrix[0, 0] * right[1] - right[0] * matrix[1, 0]]) / determinant)
+    second = matrix[0, 0] * right[1] - right[0] * matrix[1, 0]
+    return np.asarray(np.array([first, second]) / determinant)

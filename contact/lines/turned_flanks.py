@@ -27,7 +27,7 @@ from ...geometry.newton import COLUMNS_PER_BLOCK
 from ...geometry.pair.gear_pair import Member, PairGeometry
 from .flank_cuts import FlankCuts
 from .flank_splines import BENDS, VALUE_AND_SLOPES, FlankSplines, fit
-from .turned_pinion import CirclesMet, circles_met
+from .turned_pinion import CirclesMet, circles_met, nearer_parameters
 
 Array = NDArray[Any]
 
@@ -149,13 +149,13 @@ class TurnedFlanks:
         each = [spline.derivatives(_OWN_FIELDS, points, [*VALUE_AND_SLOPES, *BENDS]) for spline in self.own]
         taken = each[0] if len(each) == 1 else [_picked(values, of_gear) for values in zip(*each, strict=True)]
         value, by_t, by_h, by_tt, by_th, by_hh = taken
-        slopes = {name: np.stack([by_t[name], by_h[name]]) for name in _OWN_FIELDS}
+        slopes = {name: np.array([by_t[name], by_h[name]]) for name in _OWN_FIELDS}
         place, along, twist = self._circles(points)
         every = self._met(parameters, rotations - value["later"], place)
         met = every[0] if len(every) == 1 else _of_parts(every, of_pinion)
 
         mixed = np.sum(met.slope * twist, axis=0) + by_th["closing"]
-        own_bend = np.stack([np.stack([by_tt["closing"], mixed]), np.stack([mixed, by_hh["closing"]])])
+        own_bend = np.array([[by_tt["closing"], mixed], [mixed, by_hh["closing"]]])
         t, h = points
         one, none = np.ones_like(t), np.zeros_like(t)
         gear_edges = [[one, none], [-one, none], [none, one], [none, -one]]
@@ -171,10 +171,8 @@ class TurnedFlanks:
             gap=np.mod(met.azimuth + value["closing"] + np.pi, 2.0 * np.pi) - np.pi,
             slope=slopes["closing"] + _chain(met.slope, along) - met.ahead * slopes["later"],
             bend=own_bend + _chain(_chain(met.bend, along).swapaxes(0, 1), along),
-            margins=np.stack([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), *ends_and_slopes[0]]),
-            margin_slopes=np.stack(
-                [*map(np.stack, gear_edges), lengthwise, -lengthwise, profile, -profile, *ends_and_slopes[1]]
-            ),
+            margins=np.array([t, 1.0 - t, h, 1.0 - h, *_between(met.bounds[:2]), *ends_and_slopes[0]]),
+            margin_slopes=np.array([*gear_edges, lengthwise, -lengthwise, profile, -profile, *ends_and_slopes[1]]),
             parameters=np.concatenate([m.parameters for m in every]),
             following=np.concatenate([_chain(m.following, along) for m in every]),
             miss=met.miss,
@@ -184,7 +182,9 @@ class TurnedFlanks:
         """Parameters (2 p, n) of the points opposite, by one step of Newton's method; arguments as of ``at``."""
         place, of_gear = self._circles(points)[0], part // len(self.parts[0])
         later = pick([spline("later", points) for spline in self.own], of_gear)
-        return np.concatenate([met.parameters for met in self._met(parameters, rotations - later, place)])
+        motion, near = self.geometry.exact.motion, np.split(parameters, len(self.parts[0]))
+        each = zip(self.parts[0], near, strict=True)
+        return np.concatenate([nearer_parameters(motion, *one, rotations - later, place) for one in each])
 
     def in_hole(self, points: Array, part: NDArray[np.int8]) -> NDArray[np.bool_]:
         """Whether points (2, n) lie in a cell of the gear's grid with a node without a value; ``part`` as of ``at``."""
@@ -197,7 +197,7 @@ class TurnedFlanks:
         by_t = np.multiply.outer(heel_root - toe_root, 1.0 - h) + np.multiply.outer(heel_tip - toe_tip, h)
         by_h = np.multiply.outer(toe_tip - toe_root, 1.0 - t) + np.multiply.outer(heel_tip - heel_root, t)
         twist = heel_tip - heel_root - toe_tip + toe_root
-        return self.geometry.pair.gear.section.points(t, h), np.stack([by_t, by_h], axis=1), twist[:, None]
+        return self.geometry.pair.gear.section.points(t, h), np.array([by_t, by_h]).swapaxes(0, 1), twist[:, None]
 
     def _met(self, parameters: Array, rotations: Array, place: Array) -> list[CirclesMet]:
         near = np.split(parameters, len(self.parts[0]))

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from ...geometry.cutting.generating_surface import GeneratingSurface, area_ratio
 from ...geometry.flanks.seed_lattice import seed_lattice
-from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule
+from ...geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule, determinant
 from ...geometry.pair.conjugate_motion import ConjugateMotion
 from ...geometry.pair.ease_off import EaseOff
-from ...geometry.vectors import column, rotate
+from ...geometry.vectors import column, cos_sin, turn_z
 
 Array = NDArray[Any]
 
@@ -72,7 +72,7 @@ def circles_met(
         Axial and radial coordinates (2, n) of the circles [mm].
     """
     if rotations.size > COLUMNS_PER_BLOCK:  # of which each has a rotation of its own
-        parts = [slice(i, i + COLUMNS_PER_BLOCK) for i in range(0, rotations.size, COLUMNS_PER_BLOCK)]
+        parts = _blocks(rotations.size)
         blocks = [circles_met(exact, surface, parameters[:, i], rotations[i], place[:, i]) for i in parts]
         names = [one.name for one in fields(CirclesMet)]
         return CirclesMet(*(np.concatenate([getattr(met, name) for met in blocks], axis=-1) for name in names))
@@ -81,33 +81,29 @@ def circles_met(
 
     def seen(p: Array) -> Array:
         own, own_normal, coordinate = surface.evaluate(p)
-        x, y, z, *normal = _in_space(motion, own, own_normal, np.tile(turned, len(parameters)))
+        (x, y, z), normal = _in_space(motion, np.tile(turned, len(parameters)), own, own_normal)
         radial = np.sqrt(x**2 + y**2)
         # Along the surface the azimuth changes so that the step is at right angles to the normal.
         share = -motion.pinion_sense / (x * normal[1] - y * normal[0])
         by_radial = share * (x * normal[0] + y * normal[1]) / radial
         bounds = section.fractions(own[2], np.sqrt(own[0] ** 2 + own[1] ** 2))
-        rows = [z, radial, share * normal[2], by_radial, *bounds, coordinate, x, y, *normal, *own, *own_normal]
-        return np.stack(rows)
+        return np.array([x, y, z, radial, share * normal[2], by_radial, *bounds, coordinate, *normal])
 
     with np.errstate(all="ignore"):
         value, (first, second) = complex_steps(seen, parameters)
-        inverse = np.stack([cramers_rule(first[:2], second[:2], unit) for unit in np.eye(2)], axis=1)
-        away = place - value[:2]
-        slopes = first[:, None] * inverse[0] + second[:, None] * inverse[1]
-        bend, bound_slopes = slopes[2:4], slopes[4:7]
-        slope, bounds = value[2:4] + _along(bend, away), value[4:7] + _along(bound_slopes, away)
-        x, y, z = value[7], value[8], value[0]
-        here = np.stack([x, y, z + motion.assembly.gear_origin[2]])
-        orientation = area_ratio(first[12:15], second[12:15], value[15:18])
-        cut = orientation * seed_lattice(surface, section).orientation > 0.0
-        azimuth = motion.pinion_sense * np.arctan2(y, x) + turned / motion.assembly.ratio
+        inverse = np.array([[second[3], -second[2]], [-first[3], first[2]]]) / determinant(first[2:4], second[2:4])
+        away = place - value[2:4]
+        slopes = first[4:9, None] * inverse[0] + second[4:9, None] * inverse[1]
+        bend, bound_slopes = slopes[:2], slopes[2:]
+        position, normal = value[:3], value[9:]
+        cut = area_ratio(first[:3], second[:3], normal) * seed_lattice(surface, section).orientation > 0.0
+        azimuth = motion.pinion_sense * np.arctan2(value[1], value[0]) + turned / motion.assembly.ratio
         return CirclesMet(
-            azimuth=azimuth + np.sum((value[2:4] + 0.5 * _along(bend, away)) * away, axis=0),
-            slope=slope,
+            azimuth=azimuth + np.sum((value[4:6] + 0.5 * _along(bend, away)) * away, axis=0),
+            slope=value[4:6] + _along(bend, away),
             bend=bend,
-            ahead=-motion.closing_velocity(here, value[9:12]),
-            bounds=bounds,
+            ahead=-motion.closing_velocity(position + column(motion.assembly.gear_origin, position), normal),
+            bounds=value[6:9] + _along(bound_slopes, away),
             bound_slopes=bound_slopes,
             parameters=parameters + _along(inverse, away),
             following=inverse,
@@ -115,14 +111,36 @@ def circles_met(
         )
 
 
-def _in_space(motion: ConjugateMotion, position: Array, normal: Array, turned: Array) -> Array:
-    """Pinion points from the origin of the gear, and below them their normals (6, n), after the pinion has turned."""
+def nearer_parameters(
+    motion: ConjugateMotion, surface: GeneratingSurface, parameters: Array, rotations: Array, place: Array
+) -> Array:
+    """Of ``circles_met`` the parameters (2, n) alone."""
+    if rotations.size > COLUMNS_PER_BLOCK:
+        parts = _blocks(rotations.size)
+        blocks = [nearer_parameters(motion, surface, parameters[:, i], rotations[i], place[:, i]) for i in parts]
+        return np.concatenate(blocks, axis=-1)
+    turned = rotations + motion.center
+
+    def seen(p: Array) -> Array:
+        ((x, y, z),) = _in_space(motion, np.tile(turned, len(parameters)), surface.evaluate(p)[0])
+        return np.array([z, np.sqrt(x**2 + y**2)])
+
+    with np.errstate(all="ignore"):
+        value, (first, second) = complex_steps(seen, parameters)
+        return parameters + cramers_rule(first, second, place - value)
+
+
+def _blocks(count: int) -> list[slice]:
+    return [slice(start, start + COLUMNS_PER_BLOCK) for start in range(0, count, COLUMNS_PER_BLOCK)]
+
+
+def _in_space(motion: ConjugateMotion, turned: Array, *vectors: Array) -> tuple[Array, ...]:
+    """Pinion points (3, n) from the origin of the gear, and normals (3, n) if given, after the pinion has turned."""
     assembly = motion.assembly
-    position, normal = assembly.pinion_to_global(position, normal)
-    origin = column(assembly.pinion_origin, position)
-    position = rotate(motion.pinion_axis, turned, position - origin) + origin
-    gear = column(assembly.gear_origin, position)
-    return np.concatenate([position - gear, rotate(motion.pinion_axis, turned, normal)])
+    cosine, sine = cos_sin(motion.pinion_sense * turned)
+    found = [np.tensordot(assembly.pinion_frame, turn_z(cosine, sine, vector), axes=1) for vector in vectors]
+    found[0] += column(assembly.pinion_origin - assembly.gear_origin, found[0])
+    return tuple(found)
 
 
 def _along(slopes: Array, way: Array) -> Array:

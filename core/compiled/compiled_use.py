@@ -29,7 +29,12 @@ _told: ContextVar[Callable[[str], None] | None] = ContextVar("compilation_told",
 
 def is_used() -> bool:
     """Whether compiled code may be used here."""
-    return _used.get() and os.environ.get(SWITCH, "1") != "0"
+    return _used.get() and _is_switched_on()
+
+
+@cache
+def _is_switched_on() -> bool:
+    return os.environ.get(SWITCH, "1") != "0"
 
 
 def compiled_code_of(imported: Callable[[], Any]) -> Any:
