@@ -111,12 +111,13 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
         value, *by_fraction = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], here, VALUE_AND_SLOPES))
         slope = np.stack(by_fraction)
         step = (target[active] - value) * slope / (slope[0] ** 2 + slope[1] ** 2)
-        there = np.clip(here + step, -beyond, 1.0 + beyond)
+        free = here + step
+        there = np.clip(free, -beyond, 1.0 + beyond)
         moved = np.array(moved)
         moved[:, active] = there
-        # A point held back by a border goes on along it; the others are there at once.
-        far = np.flatnonzero(np.max(np.abs(step), axis=0) > CONVERGED_STEP)
-        active = np.arange(target.size)[active][far]
+        # Newton's method converges at once, but not where a border holds a point back, which goes on along it.
+        on = np.any((np.abs(step) > CONVERGED_STEP) | (there != free), axis=0)
+        active = np.arange(target.size)[active][on]
         if active.size == 0:
             break
     return moved.reshape(shape)
