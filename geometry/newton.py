@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 Pair = Sequence[Array] | Array
 COMPLEX_STEP = 1e-30
-COLUMNS_PER_BLOCK = 2000  # so many that their intermediate results stay in the processor's cache
+COLUMNS_PER_BLOCK = 1000  # so many that their intermediate results stay in the processor's cache
 
 
 def complex_steps(

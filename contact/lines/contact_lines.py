@@ -203,17 +203,14 @@ def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
     points = onto_level(splines, points, levels[index][:, None])
     distance = boundary_distance(splines, points)
-    kept_index, ends = [], []
-    for row, inside in enumerate(distance > 0.0):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
-        for first, beyond in edges.reshape(-1, 2):
-            kept_index.append(row)
-            ends.append(((first, max(first - 1, 0)), (beyond - 1, min(beyond, POINTS_PER_LINE - 1))))
-    if not kept_index:
+    changes = np.diff(np.pad(distance > 0.0, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    (rows, first), (_, beyond) = np.nonzero(changes == 1), np.nonzero(changes == -1)
+    if not rows.size:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
-    rows = np.array(kept_index)
-    both = np.array(ends).swapaxes(0, 1)
-    parameter = _crossing(splines, levels[index], points, np.tile(rows, 2), both.reshape(-1, 2)).reshape(2, -1)
+    starts = np.stack([first, np.maximum(first - 1, 0)], axis=1)
+    ends = np.stack([beyond - 1, np.minimum(beyond, POINTS_PER_LINE - 1)], axis=1)
+    both = np.concatenate([starts, ends])
+    parameter = _crossing(splines, levels[index], points, np.tile(rows, 2), both).reshape(2, -1)
     # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
     pieces = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
