@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 Pair = Sequence[Array] | Array
 COMPLEX_STEP = 1e-30
-COLUMNS_PER_BLOCK = 2000  # so many that their intermediate results stay in the processor's cache
+COLUMNS_PER_BLOCK = 1000  # so many that their intermediate results stay in the processor's cache
 
 
 def complex_steps(
@@ -82,7 +82,7 @@ def cramers_rule(first: Pair, second: Pair, right: Pair) -> Array:
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """Outcome of ``solve``: parameters (2, n), jacobian (2, 2, n) and where it converged (n)."""
+    """Outcome of ``solve``: parameters (2, n), jacobian (coordinate, parameter, n) and where it converged (n)."""
 
     parameters: Array
     jacobian: Array
@@ -120,6 +120,35 @@ def solve(
     NewtonResult
         NaN parameters never appear; look at ``converged``.
     """
+    return solve_by(
+        lambda here, _: complex_steps(function, here),
+        start,
+        target,
+        max_step,
+        tolerance=tolerance,
+        iterations=iterations,
+    )
+
+
+def solve_by(
+    derivatives: Callable[[Array, NDArray[np.int64]], tuple[Array, Array]],
+    start: Array,
+    target: Array,
+    max_step: Array,
+    *,
+    tolerance: float = 1e-11,
+    iterations: int = 20,
+) -> NewtonResult:
+    """As ``solve``, of a function that gives its derivatives itself.
+
+    Parameters
+    ----------
+    derivatives
+        Values (2, k) and derivatives by both parameters (2, 2, k) at parameters (2, k) of the columns with given
+        numbers (k): those of all columns first, then of those that have not converged.
+    start, target, max_step, tolerance, iterations
+        As of ``solve``.
+    """
     parameters = np.array(start, dtype=float)
     count = parameters.shape[1]
     jacobian = np.full((2, 2, count), np.nan)
@@ -130,7 +159,7 @@ def solve(
     with np.errstate(all="ignore"):
         for _ in range(iterations):
             here = parameters[:, active]
-            value, (first, second) = complex_steps(function, here)
+            value, (first, second) = derivatives(here, active)
             residual = target[:, active] - value
             step = cramers_rule(first, second, residual)
             usable = np.all(np.isfinite(step), axis=0)

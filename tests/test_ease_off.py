@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from pairs import conjugate_pair
 
 from easeoff import GeometryError
@@ -27,12 +29,16 @@ from easeoff.geometry import (
     fit_pinion,
     with_settings,
 )
+from easeoff.geometry.cutting.surface_points import SurfacePoints
 from easeoff.geometry.flanks.curvature import shape_operator
+from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
-from easeoff.geometry.pair.gear_pair import grid
+from easeoff.geometry.pair.ease_off import SKEW_STEP
+from easeoff.geometry.pair.gear_pair import FlankName, grid
 from easeoff.geometry.vectors import cross, dot
 from easeoff.verification import PointContact, path_of_contact
 
+Array = NDArray[Any]
 ARC_SECOND = math.pi / 180 / 3600
 
 
@@ -289,3 +295,41 @@ def test_normal_vectors_agree_at_conjugate_points() -> None:
     gear_normal = rotate(motion.gear_axis, -turned, gear_normal)
     assert np.abs(cross(pinion_normal, gear_normal)).max() < 1e-10
     assert np.all(dot(pinion_normal, gear_normal) < 0.0)
+
+
+@pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45"])
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+def test_derivatives_of_contact_are_those_of_turned_pinion_points(name: str, flank: FlankName) -> None:
+    """Of the closing velocity and the place in the gear, and of the conjugate point, misaligned and out of contact."""
+    errors = Misalignment(offset=0.3, pinion_axial=-0.2, gear_axial=0.1, shaft_angle=2e-3)
+    _, result = surfaces(gear_pair(read_case(name), flank).misaligned(errors), (7, 5))
+    motion, origin = result.motion, result.motion.assembly.gear_origin
+    points = SurfacePoints.of(motion.surface, result.pinion_parameters)
+    rotation = result.roll_angle + motion.center + 0.02
+
+    def turned(arguments: Array) -> Array:
+        position, normal = motion.action_point(arguments[:2], arguments[2])
+        place = position[2] - origin[2], np.sqrt(position[0] ** 2 + position[1] ** 2)
+        return np.stack([motion.closing_velocity(position, normal), *place])
+
+    def conjugate(parameters: Array) -> Array:
+        point, _ = motion.conjugate_gear(parameters)
+        return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
+
+    values, slopes = motion.closing_and_place(points, rotation)
+    wanted, wanted_slopes = complex_steps(turned, np.stack([*points.parameters, rotation]))
+    np.testing.assert_allclose(values, wanted, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(slopes, wanted_slopes, rtol=1e-9, atol=1e-10)
+    place, place_slopes = motion.conjugate_place(points)
+    wanted, wanted_slopes = complex_steps(conjugate, points.parameters)
+    np.testing.assert_allclose(place, wanted, rtol=1e-12)
+    np.testing.assert_allclose(place_slopes, wanted_slopes, rtol=1e-9, atol=1e-9)
+
+
+def test_points_facing_a_node_before_and_after_keep_its_place_in_the_gear() -> None:
+    gear, result = surfaces(gear_pair(read_case("fm-11x41")).misaligned(Misalignment(offset=0.2)), (7, 5))
+    motion = result.motion
+    for sign, parameters in zip((-1.0, 1.0), result.pinion_passing, strict=True):
+        position, _ = motion.action_point(parameters, result.roll_angle + motion.center + sign * SKEW_STEP)
+        np.testing.assert_allclose(position[2], gear.position[2], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(np.hypot(*position[:2]), np.hypot(*gear.position[:2]), rtol=0, atol=1e-9)

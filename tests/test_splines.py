@@ -91,11 +91,13 @@ def test_polynomials_of_fifth_degree_are_exact() -> None:
     np.testing.assert_allclose(mixed[0], 60.0 * (t - 0.3) ** 4 * (h - 0.6) ** 2, rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 7])
-def test_compiled_evaluation_is_the_plain_one_at_every_point_alone(count: int) -> None:
+@pytest.mark.parametrize(
+    ("count", "power", "within"), [(1, 1.1, 1e-12), (2, 1.1, 1e-12), (3, 1.1, 1e-12), (7, 1.1, 1e-12), (3, 1.6, 1e-10)]
+)
+def test_compiled_evaluation_is_the_plain_one_at_every_point_alone(count: int, power: float, within: float) -> None:
     """At nodes, beside them, beyond the grid and where a point is not finite; whatever stands beside the point."""
     orders = [order for order in ORDERS if max(order) < 3]
-    nodes = np.linspace(0.0, 1.0, 31) ** 1.1, np.linspace(0.0, 2.0, 9)
+    nodes = np.linspace(0.0, 1.0, 31) ** power, np.linspace(0.0, 2.0, 9)
     spline = TensorSpline.through(nodes, np.tile(surface(nodes), 3)[..., :count], (5, 5))
     points = np.random.default_rng(1).uniform(-0.01, 1.01, (2, 300)) * [[1.0], [2.0]]
     points[0, :31], points[1, 40:49] = nodes[0], nodes[1]
@@ -105,7 +107,7 @@ def test_compiled_evaluation_is_the_plain_one_at_every_point_alone(count: int) -
         wanted = spline.evaluate(points, orders)
     for mine, other in zip(found, wanted, strict=True):
         scale = float(np.nanmax(np.abs(other)))
-        np.testing.assert_allclose(mine / scale, other / scale, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(mine / scale, other / scale, rtol=0, atol=within)
     for i in (0, 60, 299):
         for mine, alone in zip(found, spline.evaluate(points[:, [i]], orders), strict=True):
             np.testing.assert_array_equal(mine[:, i], alone[:, 0])

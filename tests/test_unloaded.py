@@ -242,6 +242,19 @@ def test_contact_line_ends_lie_at_the_chosen_separation(nasa: tuple[GearPair, Pa
     assert np.all(excess < 6.01)
 
 
+def test_traced_lines_end_on_a_boundary_and_lie_on_their_level(nasa: tuple[GearPair, PairGeometry]) -> None:
+    """To rounding: the search for the ends converges, and points that no border holds back are moved until they do."""
+    pair, geometry = nasa
+    fields = contact_splines(geometry.flanks, geometry.ease_off)
+    mesh = lines_in_mesh(fields, pair.assembly.pinion_pitch, 12)
+    points, levels = mesh.lines.points, mesh.rotations[mesh.position] - mesh.pair * mesh.pinion_pitch
+    border = np.min(np.minimum(points, 1.0 - points), axis=0)
+    ends = points[:, :, [0, -1]]
+    assert np.abs(np.minimum(boundary_distance(fields, ends), border[:, [0, -1]])).max() < 1e-9
+    off = np.abs(fields("roll_angle", points) - levels[:, None])
+    assert off[border > 0.0].max() < 1e-14
+
+
 def envelopes(geometry: PairGeometry, positions: int) -> tuple[xr.Dataset, np.ndarray]:
     """Unloaded contact, and the envelope by direct search of the smallest gap over both bounded flanks [urad]."""
     cycle = MeshCycle.of(geometry, mesh_positions=positions)

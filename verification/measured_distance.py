@@ -49,7 +49,7 @@ def distance_along_normals(surface: GeneratingSurface, section: BlankSection, po
     """
     seeds = seed_lattice(surface, section)
     target = np.stack([position[2], np.hypot(position[0], position[1])])
-    start = seeds.nearest(surface.axial_and_radial(seeds.parameters), seeds.side, target)
+    start = seeds.nearest(surface.axial_and_radial(seeds.points.parameters), seeds.side, target).parameters
     near = solve(surface.axial_and_radial, start, target, surface.max_step)
     unknowns = np.concatenate([near.parameters, np.zeros((1, position.shape[1]))])
     for _ in range(MAX_ITERATIONS):

@@ -324,7 +324,7 @@ def _fit(basis: Array, values: Array) -> Array:
 def _near_flank(surface: GeneratingSurface, member: Member) -> tuple[Array, float]:
     """Surface parameters (2, m) spread over the flank and a little beyond, and the orientation of its valid side."""
     seeds = seed_lattice(surface, member.section)
-    lattice = seeds.parameters[:, seeds.side]
+    lattice = seeds.points.parameters[:, seeds.side]
     position, _, _ = surface.evaluate(lattice)
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):

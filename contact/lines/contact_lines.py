@@ -26,7 +26,9 @@ BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # e
 POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped
 LENGTH_RATIO_LIMIT = 1e-3  # to the longest curve; shorter curves are dropped
 SEPARATION_CURVATURE_SCALE = 0.1  # [1/rad], of ordinary pairs; matters for the interpolation alone
-CROSSING_ITERATIONS = 24  # false position on the boundary; eight are usual
+CROSSING_ITERATIONS = 40  # false position on the boundary; five are usual, a hole takes thirty
+CROSSING_TOLERANCE = 1e-12  # distance from the boundary at which a crossing is found
+CONVERGED_STEP = 1e-8  # of a fraction; quadratic convergence leaves nothing to gain after such a step
 
 
 def contact_splines(flanks: xr.Dataset, ease_off: xr.Dataset, extra: Mapping[str, Array] | None = None) -> FlankSplines:
@@ -106,18 +108,37 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
 
     They may leave the flank by a fraction ``beyond``.
     """
+    shape, moved = np.shape(points), np.reshape(points, (2, -1))
+    target = np.broadcast_to(level, shape[1:]).ravel()
+    active: NDArray[np.int64] | slice = slice(None)
     for _ in range(steps):
-        value, *by_fraction = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], points, VALUE_AND_SLOPES))
+        here = moved[:, active]
+        value, *by_fraction = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], here, VALUE_AND_SLOPES))
         slope = np.stack(by_fraction)
-        step = (level - value) * slope / np.sum(slope**2, axis=0)
-        points = np.clip(points + step, -beyond, 1.0 + beyond)
-    return points
+        step = (target[active] - value) * slope / (slope[0] ** 2 + slope[1] ** 2)
+        free = here + step
+        there = np.clip(free, -beyond, 1.0 + beyond)
+        moved = np.array(moved)
+        moved[:, active] = there
+        # Newton's method converges at once, but not where a border holds a point back, which goes on along it.
+        on = np.any((np.abs(step) > CONVERGED_STEP) | (there != free), axis=0)
+        active = np.arange(target.size)[active][on]
+        if active.size == 0:
+            break
+    return moved.reshape(shape)
 
 
-def resampled(points: Array, measure: Array, count: int) -> Array:
-    """Points (2, count) evenly spaced in ``measure`` (k) along a polyline (2, k)."""
-    target = np.linspace(measure[0], measure[-1], count)
-    return np.stack([np.interp(target, measure, points[0]), np.interp(target, measure, points[1])])
+def resampled(polylines: list[Array], count: int) -> Array:
+    """Points (2, m, count) evenly spaced along each of m polylines (k, 2), k of every one its own."""
+    sizes = np.array([len(one) for one in polylines])
+    points, first = np.concatenate(polylines), np.cumsum(sizes) - sizes
+    steps = np.zeros(len(points))
+    steps[1:] = np.hypot(*np.diff(points, axis=0).T)
+    steps[first] = 1.0  # between one and the next
+    measure = np.cumsum(steps)
+    start, end = measure[first], measure[first + sizes - 1]
+    target = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, count)
+    return np.stack([np.interp(target.ravel(), measure, one).reshape(target.shape) for one in points.T])
 
 
 def evenly_spaced(points: Array, measure: Array, count: int) -> Array:
@@ -174,32 +195,27 @@ def trace(splines: FlankSplines, levels: Array) -> ContactLines:
     index, raw = [], []
     for i, level in enumerate(levels):
         for piece in generator.lines(float(level)):
-            polyline = np.asarray(piece).T
-            steps = np.hypot(*np.diff(polyline, axis=1))
-            measure = np.concatenate([[0.0], np.cumsum(steps)])
-            if measure[-1] > LENGTH_RATIO_LIMIT:
-                index.append(i)
-                raw.append(resampled(polyline, measure, POINTS_PER_LINE))
+            index.append(i)
+            raw.append(np.asarray(piece))
     if not raw:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
-    return _clip(splines, np.asarray(levels), np.array(index), np.stack(raw, axis=1))
+    points = resampled(raw, POINTS_PER_LINE)
+    kept = np.sum(np.hypot(*np.diff(points, axis=2)), axis=1) > LENGTH_RATIO_LIMIT
+    return _clip(splines, np.asarray(levels), np.array(index)[kept], points[:, kept])
 
 
 def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
     points = onto_level(splines, points, levels[index][:, None])
     distance = boundary_distance(splines, points)
-    kept_index, starts, ends = [], [], []
-    for row, inside in enumerate(distance > 0.0):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
-        for first, beyond in edges.reshape(-1, 2):
-            kept_index.append(row)
-            starts.append((first, max(first - 1, 0)))
-            ends.append((beyond - 1, min(beyond, POINTS_PER_LINE - 1)))
-    if not kept_index:
+    changes = np.diff(np.pad(distance > 0.0, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    (rows, first), (_, beyond) = np.nonzero(changes == 1), np.nonzero(changes == -1)
+    if not rows.size:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
-    rows = np.array(kept_index)
-    parameter = np.stack([_crossing(splines, levels[index], points, rows, np.array(pairs)) for pairs in (starts, ends)])
+    starts = np.stack([first, np.maximum(first - 1, 0)], axis=1)
+    ends = np.stack([beyond - 1, np.minimum(beyond, POINTS_PER_LINE - 1)], axis=1)
+    both = np.concatenate([starts, ends])
+    parameter = _crossing(splines, levels[index], points, np.tile(rows, 2), both).reshape(2, -1)
     # Lay POINTS_PER_LINE points between the two ends, then space them evenly in length.
     along = parameter[0][:, None] + (parameter[1] - parameter[0])[:, None] * np.linspace(0.0, 1.0, POINTS_PER_LINE)
     pieces = onto_level(splines, _between(points, rows, along), levels[index[rows]][:, None])
@@ -230,18 +246,24 @@ def _crossing(
     if np.any(cut):
         a, b = inside[cut], outside[cut]
         at_a, at_b = distance(a), distance(b)
+        found, last = a, np.zeros(a.size)
+        closed = np.zeros(a.size, dtype=bool)
         for _ in range(CROSSING_ITERATIONS):
             # False position with the Illinois weights, and a bisection where a hole makes the distance jump.
             with np.errstate(divide="ignore", invalid="ignore"):
                 guess = (a * at_b - b * at_a) / (at_b - at_a)
             jump = ~np.isfinite(guess) | (at_b <= -1.0)
-            guess = np.where(jump, 0.5 * (a + b), guess)
+            guess = np.where(closed, found, np.where(jump, 0.5 * (a + b), guess))
             here = distance(guess)
-            within = here > 0.0
-            at_b = np.where(within, 0.5 * at_b, here)
-            at_a = np.where(within, here, 0.5 * at_a)
-            a, b = np.where(within, guess, a), np.where(within, b, guess)
-            if np.all((np.abs(here) < 1e-11) | (np.abs(a - b) < 1e-9)):
+            side = np.where(here > 0.0, 1.0, -1.0)
+            again = np.where(side == last, 0.5, 1.0)  # the weight of an end that stays a second time
+            at_a = np.where(side > 0.0, here, again * at_a)
+            at_b = np.where(side > 0.0, np.where(jump, 1.0, again) * at_b, here)
+            a, b, last = np.where(side > 0.0, guess, a), np.where(side > 0.0, b, guess), side
+            reached = closed | (np.abs(here) < CROSSING_TOLERANCE)
+            found = np.where(reached, guess, a)
+            closed = reached | (np.abs(a - b) < 1e-9)
+            if np.all(closed):
                 break
-        inside[cut] = a
+        inside[cut] = found
     return inside

@@ -22,6 +22,7 @@ from ...core.compiled.compiled_use import compiled_code_of
 Array = NDArray[Any]
 TABLE_SIZE_LIMIT = 2_000_000  # numbers of a table of all cells; beyond it those of the cells that are asked for
 BLOCK_SIZE = 60_000  # numbers that are read from the table at a time
+PARTS_PER_INTERVAL = 8  # of the length, in the table that finds the interval of a point
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +72,16 @@ class KnotIntervals:
         return index, (points - middle[index]) / width[index]
 
     @cached_property
-    def compiled(self) -> tuple[Array, Array]:
-        """Ends, and pieces as (interval, power, B-spline), as the compiled evaluation reads them."""
-        return np.ascontiguousarray(self.ends), np.ascontiguousarray(self.pieces.swapaxes(1, 2))
+    def compiled(self) -> tuple[Array, NDArray[np.int64], Array, Array]:
+        """What the compiled evaluation reads.
+
+        Ends, intervals in which equal parts of the length begin, middles and one over widths (2, k), and pieces as
+        (interval, power, B-spline).
+        """
+        parts = np.linspace(self.ends[0], self.ends[-1], PARTS_PER_INTERVAL * len(self.pieces), endpoint=False)
+        first = np.searchsorted(self.ends[1:-1], parts, side="right")
+        local = np.stack([0.5 * (self.ends[1:] + self.ends[:-1]), 1.0 / np.diff(self.ends)])
+        return np.ascontiguousarray(self.ends), first, local, _with_zeros(self.pieces.swapaxes(1, 2))
 
     def collocation(self, points: Array) -> Array:
         """Values (n, s) of the s B-splines at points (n); at the nodes of the spline, the matrix of its equations."""
@@ -134,6 +142,11 @@ class TensorSpline:
     def part(self, components: NDArray[np.int64]) -> TensorSpline:
         """The spline of some of the components alone."""
         return TensorSpline(self.intervals, np.ascontiguousarray(self.coefficients[components]))
+
+    @cached_property
+    def _rows(self) -> Array:
+        """Coefficients as the compiled evaluation reads them."""
+        return _with_zeros(self.coefficients)
 
     @cached_property
     def _table(self) -> Array:
@@ -207,8 +220,13 @@ class TensorSpline:
         (t, h), (along, across) = np.ascontiguousarray(points, dtype=float), self.intervals
         results = np.empty((len(derivatives), len(self.coefficients), t.size))
         orders = np.array(derivatives, dtype=np.int64)
-        kernel.evaluate(*along.compiled, *across.compiled, self.coefficients, t, h, orders, results)
+        kernel.evaluate(*along.compiled, *across.compiled, self._rows, t, h, orders, results)
         return list(results)
+
+
+def _with_zeros(values: Array) -> Array:
+    """Values (..., n) with two zeros more in every row: compiled code reads six numbers as a row of eight."""
+    return np.concatenate([values, np.zeros((*values.shape[:-1], 2))], axis=-1)
 
 
 def _kernel() -> Any:

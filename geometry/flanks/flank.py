@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
-from ..newton import solve
+from ..cutting.surface_points import axial_and_radial, points_at
 from .blank_section import BlankSection
 from .flank_parts import deepest, pick
 from .seed_lattice import seed_lattice
@@ -159,15 +159,14 @@ def into_tooth(position: Array, normal: Array) -> float:
 def _solve_part(surface: GeneratingSurface, section: BlankSection, target: Array) -> Flank:
     """The surface that one section of the blade cuts, at all nodes, with a status for each."""
     seeds = seed_lattice(surface, section)
-    start = seeds.nearest(surface.axial_and_radial(seeds.parameters), seeds.side, target)
-    found = solve(surface.axial_and_radial, start, target, surface.max_step)
-    with np.errstate(all="ignore"):
-        position, normal, distance = surface.evaluate(found.parameters)
-        side = surface.orientation(found.parameters) * seeds.orientation
+    start = seeds.nearest(axial_and_radial(seeds.points)[0], seeds.side, target)
+    points, found = points_at(axial_and_radial, surface, start, target)
+    position, normal, distance = points.position, points.normal, points.coordinate
+    side = points.orientation * seeds.orientation
     status = np.full(target.shape[1], NodeStatus.INSIDE, dtype=np.int8)
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
     status[~(side > 0.0)] = NodeStatus.UNDERCUT
-    status[~found.converged | seeds.strayed(start, found.parameters)] = NodeStatus.NO_SOLUTION
+    status[~found.converged | seeds.strayed(start.parameters, found.parameters)] = NodeStatus.NO_SOLUTION
     unusable = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
     position, normal = np.where(unusable, np.nan, position), np.where(unusable, np.nan, normal)
     return Flank(surface, found.parameters, position, normal, distance, status, np.zeros(status.shape, dtype=np.int8))

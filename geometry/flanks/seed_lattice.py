@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.surface_points import SurfacePoints
 from ..newton import complex_steps, solve
 from .blank_section import BlankSection
 
@@ -82,8 +83,8 @@ class SeedLattice:
 
     Parameters
     ----------
-    parameters
-        Parameters of the seeds (2, m), m = ``SEEDS``^2.
+    points
+        The seeds (m), m = ``SEEDS``^2.
     side
         Which seeds lie on the same side of the surface as the mean point (m).
     orientation
@@ -92,13 +93,13 @@ class SeedLattice:
         Distance of neighbouring seeds in each parameter (2).
     """
 
-    parameters: Array
+    points: SurfacePoints
     side: NDArray[np.bool_]
     orientation: float
     step: Array
 
-    def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> Array:
-        """Parameters (2, n) of the usable seeds whose coordinates (2, m) lie nearest to each target (2, n).
+    def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> SurfacePoints:
+        """The usable seeds (n) whose coordinates (2, m) lie nearest to each target (2, n).
 
         NaN if no seed is usable. The envelope of a motion may fold twice: beyond the second fold it is on the mean
         point's side again and covers targets a second time. Where near seeds lie on two such sheets, the one nearest to
@@ -108,7 +109,7 @@ class SeedLattice:
 
         kept = np.flatnonzero(usable & np.all(np.isfinite(coordinates), axis=0))
         if kept.size == 0:
-            return np.full(target.shape, np.nan)
+            return self.points.at(np.zeros(target.shape[1], dtype=int)).moved(np.full(target.shape, np.nan))
         count = min(NEIGHBOURS, kept.size)
         _, found = cKDTree(coordinates[:, kept].T).query(target.T, k=count)
         found = kept[np.reshape(found, (target.shape[1], count))]
@@ -117,7 +118,7 @@ class SeedLattice:
         apart = np.max(np.abs(places - places[:, :, :1]), axis=0)
         best = np.argmin(np.hypot(*places), axis=1)
         choice = np.where(np.any(apart > SHEET_DISTANCE, axis=1), best, 0)
-        return np.asarray(self.parameters[:, found[np.arange(found.shape[0]), choice]])
+        return self.points.at(found[np.arange(found.shape[0]), choice])
 
     def strayed(self, start: Array, found: Array) -> NDArray[np.bool_]:
         """Whether solutions (2, n) lie so far from their starts (2, n) that they belong to another sheet."""
@@ -152,7 +153,8 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> SeedLatti
     axes = [np.linspace(-s, s, SEEDS) + m for s, m in zip(span, mean[:, 0], strict=True)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(2, -1)
     with np.errstate(all="ignore"):
-        side = np.sign(surface.orientation(lattice)) == orientation
-    for array in (lattice, side):
+        points = SurfacePoints.of(surface, lattice)
+        side = np.sign(points.orientation) == orientation
+    for array in (lattice, points.values, points.slopes, side):
         array.setflags(write=False)  # remembered for the next caller
-    return SeedLattice(lattice, side, orientation, 2.0 * span / (SEEDS - 1))
+    return SeedLattice(points, side, orientation, 2.0 * span / (SEEDS - 1))

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
-from ..vectors import column, cos_sin, cross, dot, rotate
+from ..cutting.surface_points import SurfacePoints
+from ..vectors import column, cos_sin, cross, dot, rotate, rotate_z
 from .assembly import Assembly
 
 Array = NDArray[Any]
@@ -81,21 +82,24 @@ class ConjugateMotion:
 
     def roots(self, position: Array, normal: Array) -> tuple[Array, Array]:
         """Both roots (n) [rad] of the conjugacy equation, within half a turn of ``center``; NaN where there is none."""
-        a, b, c = self._coefficients(position.real, normal.real)
+        coefficients = self._coefficients(position.real, normal.real)
+        return self._root(coefficients, 1.0), self._root(coefficients, -1.0)
+
+    def _root(self, coefficients: tuple[Array, Array, Array], sign: float) -> Array:
+        """One of the roots (n) [rad]."""
+        a, b, c = coefficients
         with np.errstate(invalid="ignore"):
             half = np.arccos(c / np.hypot(a, b))
-        phase = np.arctan2(b, a)
-        wrapped = [np.mod(phase + s * half - self.center + np.pi, 2 * np.pi) - np.pi + self.center for s in (1, -1)]
-        return wrapped[0], wrapped[1]
+        from_center = np.arctan2(b, a) + sign * half - self.center
+        return np.asarray(np.mod(from_center + np.pi, 2 * np.pi) - np.pi + self.center)
 
     def rotation(self, position: Array, normal: Array) -> Array:
         """Pinion rotation (n) [rad] that brings each point into conjugate contact, on the chosen branch.
 
         Analytic: the real root takes one Newton step in the (possibly complex) coefficients.
         """
-        plus, minus = self.roots(position, normal)
-        q = plus if self.branch > 0 else minus
         a, b, c = self._coefficients(position, normal)
+        q = self._root((a.real, b.real, c.real), self.branch)
         cosine, sine = cos_sin(q)
         return np.asarray(q - (a * cosine + b * sine - c) / (b * cosine - a * sine))
 
@@ -123,6 +127,60 @@ class ConjugateMotion:
         origin = column(self.assembly.pinion_origin, position)
         action = rotate(self.pinion_axis, rotation, position - origin) + origin
         return self.in_gear(action, rotation), rotation
+
+    def closing_and_place(self, points: SurfacePoints, rotation: Array) -> tuple[Array, Array]:
+        """What decides where pinion points are in contact, at any rotation of the pinion, and its derivatives.
+
+        Parameters
+        ----------
+        points
+            Points of the pinion (n).
+        rotation
+            Pinion rotations (n) [rad].
+
+        Returns
+        -------
+        tuple
+            ``closing_velocity``, and axial and radial coordinate about the gear axis [mm] (3, n), and their derivatives
+            by both surface parameters and the rotation (3, 3, n).
+        """
+        # All is seen from the pinion, about whose z axis the gear turns backwards.
+        frame, sense = self.assembly.pinion_frame, self.pinion_sense
+        axis = rotate_z(-sense * rotation, frame[2])
+        apart = frame.T @ (self.assembly.gear_origin - self.assembly.pinion_origin)
+        position, normal = points.position, points.normal
+        from_gear = position - rotate_z(-sense * rotation, apart)
+        axial = dot(axis, from_gear)
+        arm = cross(axis, from_gear)
+        radial = np.sqrt(dot(arm, arm))
+        # By the parameters the point moves on its surface, by the rotation about the pinion's axis; so for the normal.
+        moved, turned = (
+            np.stack([*points.slopes[:, rows], sense * np.stack([-v[1], v[0], np.zeros_like(v[0])])], axis=1)
+            for rows, v in ((slice(0, 3), position), (slice(3, 6), normal))
+        )
+        lever = -sense * dot(arm, normal)
+        lever_slopes = -sense * (dot(cross(normal, axis)[:, None], moved) + dot(arm[:, None], turned))
+        pinion_lever = sense * (position[0] * normal[1] - position[1] * normal[0])
+        pinion_slopes = sense * (
+            (moved[0] * normal[1] - moved[1] * normal[0]) + (position[0] * turned[1] - position[1] * turned[0])
+        )
+        share = pinion_lever / lever
+        outward = (from_gear - axial * axis) / radial
+        values = np.stack([share - 1.0 / self.assembly.ratio, axial, radial])
+        slopes = [
+            (pinion_slopes - share * lever_slopes) / lever,
+            dot(axis[:, None], moved),
+            dot(outward[:, None], moved),
+        ]
+        return values, np.stack(slopes, axis=1)
+
+    def conjugate_place(self, points: SurfacePoints) -> tuple[Array, Array]:
+        """Axial and radial coordinates (2, n) [mm] of the conjugate gear points, and their derivatives (2, 2, n)."""
+        rotation = self.rotation(*self.assembly.pinion_to_global(points.position, points.normal))
+        values, slopes = self.closing_and_place(points, rotation)
+        # The rotation follows so that the closing velocity stays zero.
+        following = -slopes[:2, 0] / slopes[2, 0]
+        return values[1:], slopes[:2, 1:] + following[:, None] * slopes[2, 1:]
 
     def closing_velocity(self, position: Array, normal: Array) -> Array:
         """Approach of the pinion surface to the gear per pinion rotation, as a gear angle (n).

@@ -127,7 +127,11 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
     motion = ease_off.motion
     dataset = xr.Dataset(
         {name: (grid, value.reshape(shape)) for name, value in values.items()}
-        | {name: ((*grid, "space"), _on_grid(value, shape)) for name, value in vectors.items()},
+        | {name: ((*grid, "space"), _on_grid(value, shape)) for name, value in vectors.items()}
+        | {
+            "status": (grid, ease_off.status.reshape(shape), STATUS),
+            "inside": (grid, ease_off.inside.astype(np.int8).reshape(shape)),
+        },
         coords={"lengthwise": lengthwise, "profile": profile, "space": list("xyz")},
         attrs={
             "first_contact_rad": zero,
@@ -138,8 +142,6 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
             "ratio": motion.assembly.ratio,
         },
     )
-    dataset["status"] = (grid, ease_off.status.reshape(shape), STATUS)
-    dataset["inside"] = (grid, ease_off.inside.astype(np.int8).reshape(shape))
     return labelled(dataset)
 
 

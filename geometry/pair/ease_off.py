@@ -9,7 +9,6 @@ shortcut is taken.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,12 @@ from numpy.typing import NDArray
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.surface_points import SurfacePoints, points_at
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, NodeStatus
 from ..flanks.flank_parts import deepest, pick
 from ..flanks.seed_lattice import SeedLattice, mean_parameters, seed_lattice
-from ..newton import NewtonResult, complex_steps, cramers_rule, determinant, solve
+from ..newton import cramers_rule, determinant
 from .assembly import Assembly
 from .conjugate_motion import ConjugateMotion
 
@@ -40,8 +40,8 @@ class EaseOff:
         Blank of the pinion.
     pinion_parameters
         Parameters (2, n) of the pinion point conjugate to each node.
-    pinion_following
-        Their derivatives (2, n) by the pinion rotation while the node stays where it is, see ``gap_curvature``.
+    pinion_passing
+        Parameters (2, 2, n) of the pinion points that face the node ``SKEW_STEP`` before and after that rotation.
     pinion_position, pinion_normal
         That point [mm] and its outward normal (3, n) in the pinion's frame.
     action_position, action_normal
@@ -80,7 +80,7 @@ class EaseOff:
     motion: ConjugateMotion
     pinion_section: BlankSection
     pinion_parameters: Array
-    pinion_following: Array
+    pinion_passing: Array
     pinion_position: Array
     pinion_normal: Array
     action_position: Array
@@ -145,40 +145,37 @@ def conjugate_motion(
 SKEW_STEP = 1e-3  # [rad]; central difference of a smooth function: error 1e-6 of it
 
 
-def _separation(motion: ConjugateMotion, parameters: Array, rotation: Array) -> tuple[Array, Array, Array]:
-    """Second and third derivative of the gap by the pinion rotation, at a fixed point of the gear, and what follows."""
-    arguments = np.concatenate([parameters, rotation[None]])
-    curvature, first, second = gap_curvature(motion, arguments)
-    along = SKEW_STEP * np.stack([first, second, np.ones_like(first)])
-    ahead, behind = (gap_curvature(motion, arguments + sign * along)[0] for sign in (1.0, -1.0))
-    return curvature, (ahead - behind) / (2.0 * SKEW_STEP), np.stack([first, second])
+def _separation(motion: ConjugateMotion, points: SurfacePoints, rotation: Array) -> tuple[Array, Array, Array]:
+    """Second and third derivative (n) of the gap by the pinion rotation at a fixed gear point; ``pinion_passing``."""
+    (_, *place), slopes = motion.closing_and_place(points, rotation)
+    curvature, following = _gap_curvature(slopes)
+    # The points that follow the node come near by their rates; one step of Newton's method then leaves an error of 1e-5
+    # in second derivatives.
+    before_and_after = np.repeat([-SKEW_STEP, SKEW_STEP], rotation.size)
+    near = np.tile(points.parameters, 2) + before_and_after * np.tile(following, 2)
+    values, slopes = motion.closing_and_place(
+        SurfacePoints.of(motion.surface, near), np.tile(rotation, 2) + before_and_after
+    )
+    before, after = _gap_curvature(slopes)[0].reshape(2, -1)
+    passing = near + cramers_rule(slopes[0, 1:], slopes[1, 1:], np.tile(place, 2) - values[1:])
+    return curvature, (after - before) / (2.0 * SKEW_STEP), passing.reshape(2, 2, -1).swapaxes(0, 1)
 
 
-def gap_curvature(motion: ConjugateMotion, arguments: Array) -> tuple[Array, Array, Array]:
-    """Second derivative of the gap by the pinion rotation at a fixed point of the gear, at any rotation.
+def _gap_curvature(slopes: Array) -> tuple[Array, Array]:
+    """Second derivative (n) of the gap by the pinion rotation at a fixed point of the gear, at any rotation.
 
     Parameters
     ----------
-    motion
-        The conjugate motion.
-    arguments
-        Pinion parameters and pinion rotation (3, n).
+    slopes
+        From ``ConjugateMotion.closing_and_place``.
 
     Returns
     -------
     tuple
-        The derivative (n), and how both pinion parameters follow the rotation while that point stays fixed (n).
+        The derivative, and how both pinion parameters follow the rotation while that point stays fixed (2, n).
     """
-
-    def approach_and_point(p: Array) -> Array:
-        position, normal = motion.action_point(p[:2], p[2])
-        relative = position - motion.assembly.gear_origin.reshape(3, 1)
-        radial = np.sqrt(relative[0] ** 2 + relative[1] ** 2)
-        return np.stack([motion.closing_velocity(position, normal), relative[2], radial])
-
-    _, d = complex_steps(approach_and_point, arguments)
-    first, second = -cramers_rule(d[0][1:], d[1][1:], d[2][1:])
-    return np.asarray(-(d[2][0] + d[0][0] * first + d[1][0] * second)), first, second
+    following = -cramers_rule(slopes[0, 1:], slopes[1, 1:], slopes[2, 1:])
+    return np.asarray(-(slopes[2, 0] + slopes[0, 0] * following[0] + slopes[1, 0] * following[1])), following
 
 
 def exact_ease_off(
@@ -228,9 +225,10 @@ def exact_ease_off(
         on_part = replace(motion, surface=part)
         seeds = seed_lattice(part, pinion_section)
         start, sheet = _starts(on_part, seeds, target)
-        found = solve(partial(_axial_and_radial, on_part), start, target, part.max_step)
-        sought = (_sheet(found.jacobian) == sheet) & ~seeds.strayed(start, found.parameters)
-        surfaces.append(_classified(on_part, pinion_section, gear, found, seeds.orientation, usable & sought))
+        points, found = points_at(on_part.conjugate_place, part, start, target)
+        sought = (_sheet(found.jacobian) == sheet) & ~seeds.strayed(start.parameters, found.parameters)
+        solved = found.converged & usable & sought
+        surfaces.append(_classified(on_part, pinion_section, gear, points, solved, seeds.orientation))
     result = surfaces[0] if len(surfaces) == 1 else _deepest(motion, surfaces)
     result = replace(result, blade_distance=np.minimum(result.blade_distance, gear.blade_distance))
     if not np.any(result.inside):
@@ -264,9 +262,11 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, sheet: float,
     """
     target, usable = _targets(gear)
     with np.errstate(all="ignore"):
-        found = solve(partial(_axial_and_radial, motion), start, target, motion.surface.max_step)
+        points, found = points_at(
+            motion.conjugate_place, motion.surface, SurfacePoints.of(motion.surface, start), target
+        )
         point, _ = motion.conjugate_gear(found.parameters)
-        valid_side = motion.surface.orientation(found.parameters) * side > 0.0
+        valid_side = points.orientation * side > 0.0
         valid_side &= _sheet(found.jacobian) == sheet
     known = usable & found.converged & np.all(np.isfinite(point), axis=0) & valid_side
     return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), found.parameters
@@ -306,20 +306,14 @@ def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     return EaseOff(motion=motion, pinion_section=section, angle=pick(angles, choice), part=choice, **picked)
 
 
-def _axial_and_radial(motion: ConjugateMotion, parameters: Array) -> Array:
-    """Axial and radial coordinate (2, n) [mm] of conjugate gear points."""
-    point, _ = motion.conjugate_gear(parameters)
-    return np.stack([point[2], np.sqrt(point[0] ** 2 + point[1] ** 2)])
-
-
-def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple[Array, float]:
-    """First guess of the pinion parameters (2, n) for each target, and the sheet of the conjugate gear to stay on.
+def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple[SurfacePoints, float]:
+    """First guess of the pinion points (n) for each target, and the sheet of the conjugate gear to stay on.
 
     The conjugate gear surface folds back on itself, at some distance from the flank or on it; seeds beyond the fold are
     left out.
     """
     with np.errstate(all="ignore"):
-        coordinates, slopes = complex_steps(partial(_axial_and_radial, motion), seeds.parameters)
+        coordinates, slopes = motion.conjugate_place(seeds.points)
         sheets = _sheet(slopes.swapaxes(0, 1))
     sheet = float(sheets[sheets.size // 2])
     return seeds.nearest(coordinates, seeds.side & (sheets == sheet), target), sheet
@@ -336,7 +330,7 @@ def sheet_area(motion: ConjugateMotion, parameters: Array) -> Array:
         Pinion parameters (2, n).
     """
     with np.errstate(all="ignore"):
-        _, (first, second) = complex_steps(partial(_axial_and_radial, motion), parameters)
+        _, (first, second) = motion.conjugate_place(SurfacePoints.of(motion.surface, parameters))
         return determinant(first, second)
 
 
@@ -350,29 +344,28 @@ def _classified(
     motion: ConjugateMotion,
     section: BlankSection,
     gear: Flank,
-    found: NewtonResult,
+    points: SurfacePoints,
+    solved: NDArray[np.bool_],
     side: float,
-    usable: NDArray[np.bool_],
 ) -> EaseOff:
     """Evaluate everything at the pinion points found, and give every node a status."""
-    parameters = found.parameters
+    position, normal, distance = points.position, points.normal, points.coordinate
     with np.errstate(all="ignore"):
-        position, normal, distance = motion.surface.evaluate(parameters)
         in_space = motion.assembly.pinion_to_global(position, normal)
         roll_angle = motion.rotation(*in_space)
         action_position, action_normal = motion.turned(*in_space, roll_angle)
         point = motion.in_gear(action_position, roll_angle)
-        valid_side = motion.surface.orientation(parameters) * side > 0.0
+        valid_side = points.orientation * side > 0.0
         # Along the gear axis as oriented by the drive rotation, closing the gap turns the gear backwards.
-        turned = _turned(gear, point, found.converged & usable)
-        curvature, skew, following = _separation(motion, parameters, roll_angle)
+        turned = _turned(gear, point, solved)
+        curvature, skew, passing = _separation(motion, points, roll_angle)
     lengthwise, profile = section.fractions(position[2], np.hypot(position[0], position[1]))
 
     on_pinion = (lengthwise >= 0.0) & (lengthwise <= 1.0) & (profile >= 0.0) & (profile <= 1.0)
     status = np.where(on_pinion, gear.status, NodeStatus.OUTSIDE_BLANK).astype(np.int8)
     status[distance < -1e-9] = NodeStatus.BEYOND_BLADE_TIP
     status[~valid_side] = NodeStatus.UNDERCUT
-    status[~(found.converged & usable & np.isfinite(turned))] = NodeStatus.NO_SOLUTION
+    status[~(solved & np.isfinite(turned))] = NodeStatus.NO_SOLUTION
     missing = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
 
     def known(values: Array) -> Array:
@@ -381,8 +374,8 @@ def _classified(
     return EaseOff(
         motion=motion,
         pinion_section=section,
-        pinion_parameters=parameters,
-        pinion_following=following,
+        pinion_parameters=points.parameters,
+        pinion_passing=passing,
         pinion_position=known(position),
         pinion_normal=known(normal),
         action_position=known(action_position),

@@ -7,7 +7,6 @@ they are velocities in space.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank_parts import on_parts
-from ..newton import complex_steps, cramers_rule
+from ..newton import complex_steps
 from ..vectors import column, cross, dot
 from .conjugate_motion import ConjugateMotion
 from .ease_off import SKEW_STEP, EaseOff
@@ -111,43 +110,26 @@ def drift(ease_off: EaseOff) -> Drift:
     ease_off
         From ``ease_off.exact_ease_off``.
     """
+    # Before and after that rotation, in one call.
+    rotation = ease_off.roll_angle + ease_off.motion.center
+    rotations = np.concatenate([rotation - SKEW_STEP, rotation + SKEW_STEP])
 
-    def on_part(surface: GeneratingSurface, arguments: Array) -> Array:
+    def on_part(surface: GeneratingSurface, parameters: Array) -> Array:
         motion = replace(ease_off.motion, surface=surface)
-        along = SKEW_STEP * np.concatenate([ease_off.pinion_following, np.ones((1, arguments.shape[1]))])
+        own, own_normal, _ = surface.evaluate(parameters)
+        position, normal = motion.turned(*motion.assembly.pinion_to_global(own, own_normal), rotations)
+        relative = position - column(motion.assembly.gear_origin, position)
+        lever = np.abs(relative[0] * normal[1] - relative[1] * normal[0])
+        radial = np.hypot(own[0], own[1])
+        return np.stack([own[2], radial, lever, *ease_off.pinion_section.fractions(own[2], radial)])
 
-        def shown(a: Array) -> Array:
-            own, _, _ = surface.evaluate(a[:2])
-            position, normal = motion.action_point(a[:2], a[2])
-            relative = position - column(motion.assembly.gear_origin, position)
-            lever = np.abs(relative[0] * normal[1] - relative[1] * normal[0])
-            radial = np.hypot(own[0], own[1])
-            return np.stack([own[2], radial, lever, *ease_off.pinion_section.fractions(own[2], radial)])
-
-        target = _axial_and_radial(motion, arguments)
-        ahead, behind = (shown(_opposite(motion, target, arguments + sign * along)) for sign in (1.0, -1.0))
-        rates = (ahead - behind) / (2.0 * SKEW_STEP)
-        return np.concatenate([rates, (ahead - 2.0 * shown(arguments) + behind)[3:] / SKEW_STEP**2])
-
-    arguments = np.concatenate([ease_off.pinion_parameters, (ease_off.roll_angle + ease_off.motion.center)[None]])
     with np.errstate(all="ignore"):
-        found = on_parts(ease_off.motion.surface.flank_parts, ease_off.part, arguments, on_part)
-    found = np.where(np.isfinite(ease_off.angle), found, np.nan)
-    return Drift(found[0], found[1], found[[3, 5]], found[[4, 6]], found[2])
-
-
-def _axial_and_radial(motion: ConjugateMotion, arguments: Array) -> Array:
-    """Axial and radial coordinate (2, n) [mm] about the gear axis of pinion points at rotations (3, n)."""
-    position, _ = motion.action_point(arguments[:2], arguments[2])
-    relative = position - motion.assembly.gear_origin.reshape(3, 1)
-    return np.stack([relative[2], np.sqrt(relative[0] ** 2 + relative[1] ** 2)])
-
-
-def _opposite(motion: ConjugateMotion, target: Array, near: Array) -> Array:
-    """Pinion parameters and rotations (3, n) that face points of the gear with given coordinates (2, n).
-
-    One step of Newton's method from ``near``, which is off by the second order of ``SKEW_STEP``: that leaves an error
-    of 1e-5 in second derivatives.
-    """
-    there, d = complex_steps(partial(_axial_and_radial, motion), near, 2)
-    return np.concatenate([near[:2] + cramers_rule(d[0], d[1], target - there), near[2:]])
+        parts, both = ease_off.motion.surface.flank_parts, ease_off.pinion_passing.swapaxes(0, 1).reshape(2, -1)
+        shown = on_parts(parts, np.tile(ease_off.part, 2), both, on_part).reshape(5, 2, -1)
+        before, after = shown[:, 0], shown[:, 1]
+        here = np.stack([ease_off.pinion_lengthwise, ease_off.pinion_profile])
+        rates = (after - before) / (2.0 * SKEW_STEP)
+        bends = (after[3:] - 2.0 * here + before[3:]) / SKEW_STEP**2
+    missing = ~np.isfinite(ease_off.angle)
+    rates[:, missing], bends[:, missing] = np.nan, np.nan
+    return Drift(rates[0], rates[1], np.stack([rates[3], bends[0]]), np.stack([rates[4], bends[1]]), rates[2])
