@@ -53,7 +53,7 @@ def milliseconds(problem: ContactProblem, name: str, form: str) -> float:
 def main() -> None:
     """Print the table."""
     sizes = [int(word) for word in sys.argv[1:]] or [60, 150, 240, 399, 600, 999]
-    names = [name for name in available_solvers() if SOLVERS[name].lifted_from is not None]
+    names = [name for name in available_solvers() if name in SOLVERS and SOLVERS[name].lifted_from is not None]
     rows = []
     for size in sizes:
         problem = structured_problem(size, np.random.default_rng(1))

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from .compliance import ElasticFoundation, Material, Shell, ToothDimensions, WeberLineContact
+    from .compliance import ElasticFoundation, HalfSpaceCompliance, Material, Shell, ToothDimensions, WeberLineContact
     from .compliance.elastic_model import STEEL, ElasticModel, solid_shells
+    from .line_contact.line_contact_path import LineContactPath, line_contact_path
+    from .line_contact.line_contact_sensitivity import line_contact_sensitivity
     from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
     from .loaded import loaded_contact, loaded_splines
@@ -20,13 +22,36 @@ if TYPE_CHECKING:
     from .problem.certificate import EXACT_TOLERANCE, Certificate, certify
     from .problem.compliance_matrix import ModalCompliance
     from .problem.contact_problem import ContactProblem
+    from .problem.exchange.fclib_file import read_fclib, write_fclib
+    from .problem.exchange.matlab_file import read_mat, write_mat
+    from .problem.exchange.problem_checksum import problem_checksum
     from .problem.exchange.problem_file import read_labels, read_problems, write_problems
+    from .problem.exchange.problem_formats import export_problems, import_problems
+    from .problem.exchange.problem_set import ProblemSet
     from .problem.exchange.programme_file import read_npz, write_npz
+    from .problem.exchange.qps_file import read_qps, write_qps
+    from .problem.exchange.reference_solutions import read_references
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
+    from .problem.modal_basis import ModalBasis
+    from .problem.operator_compliance import OperatorCompliance
     from .problem.proof.conditioning import Conditioning
-    from .solvers import SOLVERS, ContactSolution, ContactSolutions, Status, available_solvers, solve, solve_many
+    from .solvers import (
+        SOLVERS,
+        ContactSolution,
+        ContactSolutions,
+        Solver,
+        Status,
+        available_solvers,
+        solve,
+        solve_many,
+    )
+    from .solvers.parametric.problem_gradient import ProblemGradient
+    from .solvers.parametric.sensitivity import Sensitivity
+    from .solvers.parametric.solution_change import Differentiability, SolutionChange
+    from .solvers.parametric.solution_sensitivity import sensitivity
+    from .solvers.parametric.torque_path import TorquePath, torque_path
     from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
@@ -40,45 +65,79 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "ContactSolutions",
+    "Differentiability",
     "DualQP",
     "ElasticFoundation",
     "ElasticModel",
+    "HalfSpaceCompliance",
     "LiftedQP",
+    "LineContactPath",
     "Material",
     "MeshCycle",
     "MeshLines",
+    "ModalBasis",
     "ModalCompliance",
+    "OperatorCompliance",
+    "ProblemGradient",
+    "ProblemSet",
+    "Sensitivity",
     "Shell",
+    "SolutionChange",
+    "Solver",
     "Status",
     "ToothDimensions",
+    "TorquePath",
     "WeberLineContact",
     "available_solvers",
     "certify",
     "dual_qp",
+    "export_problems",
     "harmonics",
+    "import_problems",
     "lcp",
     "lifted_qp",
+    "line_contact_path",
+    "line_contact_sensitivity",
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
     "peak_to_peak",
+    "problem_checksum",
+    "read_fclib",
     "read_labels",
+    "read_mat",
     "read_npz",
     "read_problems",
+    "read_qps",
+    "read_references",
     "rms",
     "root_stress",
+    "sensitivity",
     "solid_shells",
     "solve",
     "solve_line_contact",
     "solve_many",
+    "torque_path",
     "unloaded_contact",
+    "write_fclib",
+    "write_mat",
     "write_npz",
     "write_problems",
+    "write_qps",
 ]
 
 _ORIGINS = {
-    ".compliance": ["ElasticFoundation", "Material", "Shell", "ToothDimensions", "WeberLineContact"],
+    ".compliance": [
+        "ElasticFoundation",
+        "HalfSpaceCompliance",
+        "Material",
+        "Shell",
+        "ToothDimensions",
+        "WeberLineContact",
+    ],
     ".compliance.elastic_model": ["STEEL", "ElasticModel", "solid_shells"],
+    ".line_contact.line_contact_path": ["LineContactPath", "line_contact_path"],
+    ".line_contact.line_contact_sensitivity": ["line_contact_sensitivity"],
     ".line_contact.line_contact_solution": ["solve_line_contact"],
     ".lines.mesh_lines": ["MeshLines", "lines_in_mesh"],
     ".mesh_harmonics": ["harmonics", "peak_to_peak", "rms"],
@@ -88,16 +147,31 @@ _ORIGINS = {
     ".problem.forms.complementarity_form": ["LCP", "lcp"],
     ".problem.compliance_matrix": ["ModalCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
+    ".problem.modal_basis": ["ModalBasis"],
+    ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.proof.conditioning": ["Conditioning"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
+    ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
+    ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
+    ".problem.exchange.problem_checksum": ["problem_checksum"],
+    ".problem.exchange.problem_formats": ["export_problems", "import_problems"],
+    ".problem.exchange.problem_set": ["ProblemSet"],
     ".problem.exchange.programme_file": ["read_npz", "write_npz"],
+    ".solvers.parametric.problem_gradient": ["ProblemGradient"],
+    ".solvers.parametric.sensitivity": ["Sensitivity"],
+    ".solvers.parametric.solution_change": ["Differentiability", "SolutionChange"],
+    ".solvers.parametric.solution_sensitivity": ["sensitivity"],
+    ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
+    ".problem.exchange.qps_file": ["read_qps", "write_qps"],
+    ".problem.exchange.reference_solutions": ["read_references"],
     ".tooth_root_stress": ["root_stress"],
     ".solvers": [
         "SOLVERS",
         "ContactSolution",
         "ContactSolutions",
+        "Solver",
         "Status",
         "available_solvers",
         "solve",

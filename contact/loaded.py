@@ -19,7 +19,7 @@ from .lines.mesh_lines import MeshLines
 from .lines.opposite_points import PASSING_FIELDS
 from .loaded_cases import LoadedCase, loaded_dataset
 from .segments import CycleSegments, LineSegments, Segments
-from .solvers import Status
+from .solvers import SolverChoice, Status
 
 Array = NDArray[Any]
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
@@ -58,7 +58,7 @@ def loaded_contact(
     model: ElasticModel,
     segments_per_line: int = 31,
     edge_contact: bool = True,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> tuple[xr.Dataset, list[LoadedCase]]:
@@ -114,7 +114,7 @@ def solve_cycle(
     torques: Array,
     ratio: float,
     edge_contact: bool,
-    solver: str,
+    solver: SolverChoice,
     options: Mapping[str, Any],
     progress: Callable[[], None] | None = None,
 ) -> tuple[xr.Dataset, list[LoadedCase]]:
@@ -155,7 +155,7 @@ def solve_all(
     segments: list[Segments | None],
     torques: Array,
     ratio: float,
-    solver: str,
+    solver: SolverChoice,
     options: Mapping[str, Any],
     progress: Callable[[], None] | None = None,
 ) -> list[LoadedCase]:
@@ -170,7 +170,7 @@ def solve_all(
     ratio
         Gear teeth over pinion teeth.
     solver
-        Name of the solver; the native one takes all mesh positions at once.
+        Solver, see `solve`; the native one takes all mesh positions at once.
     options
         Passed to the solver.
     progress

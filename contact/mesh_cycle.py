@@ -21,6 +21,7 @@ from .lines.opposite_points import PASSING_FIELDS
 from .loaded import loaded_splines, solve_all, solve_cycle
 from .loaded_cases import LoadedCase
 from .segments import CycleSegments, LineSegments
+from .solvers import SolverChoice
 from .unloaded import unloaded_contact
 
 Array = NDArray[Any]
@@ -148,7 +149,7 @@ class MeshCycle:
         torques: Sequence[float] | Array,
         *,
         edge_contact: bool = True,
-        solver: str = "auto",
+        solver: SolverChoice = "auto",
         progress: Callable[[], None] | None = None,
         **options: Any,
     ) -> tuple[xr.Dataset, list[LoadedCase]]:
@@ -161,7 +162,7 @@ class MeshCycle:
         edge_contact
             Whether edges of the teeth may touch beside the contact lines, or these alone.
         solver
-            Name of the solver, see ``contact.available_solvers``.
+            Name of the solver, see ``contact.available_solvers``, or one of your own, see ``contact.solve``.
         progress
             Called for every torque and mesh position where a tooth pair can touch.
         **options
@@ -181,7 +182,7 @@ class MeshCycle:
         """
         return solve_cycle(self.segments, np.asarray(torques), self.ratio, edge_contact, solver, options, progress)
 
-    def solved(self, torques: Sequence[float] | Array, solver: str = "auto") -> list[LoadedCase]:
+    def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
         """The cases of ``loaded`` alone, with contact on lines."""
         return solve_all(self.segments.by_position, np.asarray(torques, dtype=float), self.ratio, solver, {})
 

@@ -232,7 +232,7 @@ def array(
         count = f"{size}" if size is not None else f"{fewest} or more" if fewest else ""
         form = {None: "", 0: "one alone", 1: "in a row", 2: "in rows and columns"}.get(ndim, f"in {ndim} dimensions")
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
-        raise InputError(f"{name} = {shown(values)}: must be {wanted}")
+        raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
     valid = _within(found, above, least, below, most, infinite)
     if not valid.all():
         one = _range("number", unit, above, least, below, most, infinite)
@@ -321,12 +321,39 @@ def is_number(value: Any) -> TypeGuard[float]:
 def _numbers(values: Any, copied: bool) -> NDArray[np.float64] | None:
     """An array of what can be made numbers without loss, in C order if copied; None of anything else."""
     try:
+        if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+            return None
         given = np.asarray(values)
-        if given.dtype.kind not in "fiuO":
+        if given.dtype.kind not in "fiuO" or (given.dtype.kind == "O" and _strange(given) is not None):
             return None
         return np.array(given, np.float64, order="C") if copied else np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None
+
+
+def _strange(given: NDArray[Any]) -> Any:
+    """The first entry of an array of objects that is no real number, though float() may make one of it, or None."""
+    kinds = (str, bytes, bool, np.bool_, complex, np.complexfloating)
+    return next((entry for entry in given.flat if isinstance(entry, kinds)), None)
+
+
+def _why_no_numbers(values: Any) -> str:
+    """What an array holds that is no real numbers, and what to do about it; empty where it is its shape alone."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        return f"; {np.count_nonzero(np.ma.getmaskarray(values))} are masked: fill them in, or leave them out"
+    try:
+        given = np.asarray(values)
+        entry = _strange(given) if given.dtype.kind == "O" else None
+        if given.dtype.kind == "c" or isinstance(entry, complex | np.complexfloating):
+            return "; they are complex: give their real part (.real), if the imaginary one is zero"
+        if given.dtype.kind == "b" or isinstance(entry, bool | np.bool_):
+            return "; they are truth values: give them as floats, if they are meant as 0 and 1"
+        if given.ndim and entry is None and given.dtype.kind in "fiuO":
+            np.asarray(given, dtype=np.float64)
+            return ""
+    except (TypeError, ValueError, OverflowError):
+        return ""
+    return "; they are texts or other objects: convert them to floats" if given.ndim else ""
 
 
 def _within(

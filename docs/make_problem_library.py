@@ -2,7 +2,7 @@
 
 ``python docs/make_problem_library.py`` updates the page; with ``--print`` it only prints the tables; with ``--answers``
 it first makes every problem and proves its reference answer anew, which takes minutes and belongs to a new version of
-the library.
+the library; with ``--new-answers`` it proves those that are missing.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-import easeoff.study.library.reference_answers as answers_module
+import easeoff.study.library
 from easeoff.study.library import KINDS, PARTS, ReferenceAnswer, entries, generate, proved_answer, reference_answers
 from easeoff.study.library.problem_changes import CHANGES
 from easeoff.study.library.reference_answers import TABLE, write_answers
@@ -105,12 +105,12 @@ def updated(page: str) -> str:
 def main() -> None:
     """Prove the answers if asked to; print the tables or update the page."""
     arguments = sys.argv[1:]
-    if "--answers" in arguments:
-        found = []
-        for entry, problem in generate(entries()):
-            found.append(proved_answer(entry.name, problem))
-            print(found[-1], flush=True)
-        write_answers(found, Path(answers_module.__file__).with_name(TABLE))
+    if "--answers" in arguments or "--new-answers" in arguments:
+        found = reference_answers() if "--new-answers" in arguments else {}
+        for entry, problem in generate(entry for entry in entries() if entry.name not in found):
+            found[entry.name] = proved_answer(entry.name, problem)
+            print(found[entry.name], flush=True)
+        write_answers([found[entry.name] for entry in entries()], Path(easeoff.study.library.__file__).with_name(TABLE))
     if "--print" in arguments:
         print("\n\n".join(table() for table in TABLES.values()))
         return

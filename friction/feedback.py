@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..contact.line_contact.line_contact_law import LineContacts, solve_line_contacts
 from ..contact.loaded_cases import LoadedCase
-from ..contact.solvers import Status
+from ..contact.solvers import SolverChoice, Status
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
 from .efficiency import OPERATION, friction
@@ -68,7 +68,12 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
 
 
 def _solved_again(
-    cases: Sequence[LoadedCase], torque: Array, due: NDArray[np.bool_], loaded: xr.Dataset, ratio: float, solver: str
+    cases: Sequence[LoadedCase],
+    torque: Array,
+    due: NDArray[np.bool_],
+    loaded: xr.Dataset,
+    ratio: float,
+    solver: SolverChoice,
 ) -> xr.Dataset:
     """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
     result = loaded.copy(deep=True)
@@ -90,7 +95,7 @@ def _solved_again(
 
 
 def _one_operation(
-    tree: xr.DataTree, cases: Sequence[LoadedCase], operation: Operation, model: FrictionModel, solver: str
+    tree: xr.DataTree, cases: Sequence[LoadedCase], operation: Operation, model: FrictionModel, solver: SolverChoice
 ) -> xr.Dataset:
     """Friction with feedback at one speed, temperature and roughness."""
     loaded = loaded_segments(tree)
@@ -139,7 +144,7 @@ def friction_feedback(
     operation: Operation,
     model: FrictionModel | str | float | CoefficientModel | None = None,
     *,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     progress: Callable[[], None] | None = None,
 ) -> xr.Dataset:
     """Friction and efficiency as ``friction``, with loads that balance the torque of friction, too.

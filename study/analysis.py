@@ -16,7 +16,7 @@ from ..cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_ra
 from ..contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ..contact.evaluation.marking_print import checked_thickness
 from ..contact.loaded_cases import LoadedCase
-from ..contact.solvers import require_solver
+from ..contact.solvers import SolverChoice, require_solver
 from ..contact.tooth_root_stress import root_stress
 from ..core.checks import distinct
 from ..core.errors import InputError
@@ -90,7 +90,7 @@ def contact_analysis(
     *,
     edge_contact: bool | None = None,
     marking: float | None = None,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
@@ -157,7 +157,7 @@ def analyze(
     modification: Modification | None = None,
     edge_contact: bool | None = None,
     marking: float | None = None,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     speed: Numbers | None = None,
     temperature: Numbers | None = None,
     roughness: Roughness | list[Roughness] | Array | None = None,
@@ -195,7 +195,8 @@ def analyze(
     marking
         Thickness of the marking compound of the unloaded pattern [um]; ``contact.separation`` of the case if left out.
     solver
-        Name of a contact solver, see ``contact.available_solvers``.
+        Name of a contact solver, see ``contact.available_solvers``; or one of your own: a ``contact.Solver``, a
+        function, or ``module:function``.
     speed
         Speed of the pinion [1/min], one or several; the case's own if left out. With it the result has friction, power
         loss and efficiency, at every combination of speeds, temperatures and roughnesses.
@@ -212,7 +213,7 @@ def analyze(
     stage
         Called with the name of what takes long before it begins: each elastic tooth, the loaded contact, the friction.
     **options
-        Passed to the solver.
+        Passed to the solver: ``tolerance``, ``time_limit``, ``max_iterations`` and what else ``contact.solve`` takes.
 
     Returns
     -------
@@ -278,7 +279,7 @@ def with_friction(
     model: FrictionModel | None = None,
     *,
     feedback: bool = False,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     progress: Callable[[], None] | None = None,
     stage: Callable[[str], None] | None = None,
 ) -> Analysis:
@@ -372,14 +373,14 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
     return Operation(**given)
 
 
-def _provenance(state: CaseInMesh, solver: str, *, edge_contact: bool) -> dict[str, Any]:
+def _provenance(state: CaseInMesh, solver: SolverChoice, *, edge_contact: bool) -> dict[str, Any]:
     """Origin of a result, as netCDF attributes."""
     flanks = (state.pair.pinion.opposite, state.pair.gear.opposite)
     return {
         **case_attributes(state.case, "analyze"),
         **state.attributes,
         "schema_version": RESULT_SCHEMA_VERSION,
-        "solver": solver,
+        "solver": solver if isinstance(solver, str) else require_solver(solver),
         "compliance_model": state.case.compliance.model,
         "edge_contact": int(edge_contact),
         "opposite_flanks": "given" if all(flanks) else "assumed from the loaded ones",

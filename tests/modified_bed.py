@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from easeoff.contact import ContactProblem, Status, solve
 from easeoff.contact.modification.convex_programme import Goal, Objective, figures, worst_assembly
 from easeoff.contact.modification.load_response import LoadResponse, held_in_contact, load_response, stacked
+from easeoff.contact.problem.compliance_matrix import DenseCompliance
 
 Array = NDArray[np.float64]
 
@@ -50,7 +51,7 @@ class Bed:
                 problem = self.problem(t, k, coefficients)
                 if held:
                     force, rotation = held_in_contact(
-                        self.compliance[k], problem.separation, problem.lever_arm, problem.torque
+                        DenseCompliance(self.compliance[k]), problem.separation, problem.lever_arm, problem.torque
                     )
                     gap = np.zeros(force.size)
                 else:
@@ -59,7 +60,7 @@ class Bed:
                     force, rotation, gap = solution.force, solution.rotation, solution.gap
                 parts.append(
                     load_response(
-                        self.compliance[k],
+                        DenseCompliance(self.compliance[k]),
                         self.lever_arm[k],
                         force,
                         gap,

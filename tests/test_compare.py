@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import importlib
+import importlib.metadata
 import json
 import math
+import os
 import sys
 import types
 from collections.abc import Iterator
@@ -25,16 +27,19 @@ from easeoff.contact import EXACT_TOLERANCE, ContactProblem, read_problems, writ
 from easeoff.contact import SOLVERS as SOLVERS_TABLE
 from easeoff.contact import SOLVERS as SOLVER_TABLE
 from easeoff.study.cli import main
-from easeoff.study.compare import compare, read_table, worker, write_comparison, write_test_set
-from easeoff.study.compare.attempt import attempt, load_adapter
+from easeoff.study.compare import compare, read_table, write_comparison, write_test_set
 from easeoff.study.compare.comparison import CHECKPOINT
-from easeoff.study.compare.comparison_figures import draw_growth, draw_profiles
-from easeoff.study.compare.comparison_report import comparison_report
-from easeoff.study.compare.comparison_statistics import by_problem, growth, performance_profile, shifted_geometric_mean
 from easeoff.study.compare.comparison_table import RESIDUALS
+from easeoff.study.compare.measurement import environment, worker
+from easeoff.study.compare.measurement.attempt import attempt, load_adapter
+from easeoff.study.compare.measurement.method import Method
+from easeoff.study.compare.presentation.comparison_report import comparison_report
+from easeoff.study.compare.presentation.profile_figures import draw_performance_profile
+from easeoff.study.compare.presentation.time_figures import draw_growth
+from easeoff.study.compare.statistics.method_statistics import by_problem
 from easeoff.verification import problems
 
-FAKES = ["fault", "hang", "fail", "deny"]
+FAKES = ["lie", "stale", "fault", "hang", "fail", "deny"]
 SOLVERS = ["native", *(f"fake_solvers:{name}" for name in FAKES)]
 REPETITIONS = 2
 LIMIT = 3600.0  # no solver of these tests is ended because the machine is busy
@@ -97,7 +102,8 @@ def dataset(file: Path, folder: Path) -> xr.Dataset:
 def lies(file: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     """A comparison with a solver that lies."""
     solvers = ["fake_solvers:lie"]
-    return compare([file], tmp_path_factory.mktemp("lies"), solvers=solvers, repetitions=1, time_limit=LIMIT, raw=True)
+    folder = tmp_path_factory.mktemp("lies")
+    return compare([file], folder, solvers=solvers, repetitions=1, time_limit=LIMIT, polish=True, raw=True)
 
 
 @pytest.fixture(scope="module")
@@ -142,23 +148,20 @@ def test_solver_that_lies_is_found_out(lies: xr.Dataset) -> None:
     found = rows(lies, "fake_solvers:lie")
     assert set(found["claim"]) == {"solved"}
     assert set(found["iterations"]) == {7}
-    own = found[found["settings"] != "default"]
-    assert not own["certified"].any()
-    assert (own["equilibrium"] < 1e-12).all()  # its forces do balance the torque
-    assert (own["worst_residual"] > 0.1).all()
-    assert (own["rotation_error"] > 0.1).all()
-    # With polish it gets away with it, and that is said.
-    saved = found[found["settings"] == "default"]
-    assert saved["certified"].all()
-    assert saved["polished"].all()
+    assert set(found["settings"]) == {"scaled", "polished", "raw"}
+    assert not found["certified"].any()
+    assert not found["polished"].any()
+    assert (found["equilibrium"] < 1e-12).all()  # its forces do balance the torque
+    assert (found["worst_residual"] > 0.1).all()
+    assert (found["rotation_error"] > 0.1).all()
 
 
 def test_answer_of_the_wrong_length_is_an_error() -> None:
-    for settings in ("default", "unpolished"):
-        found = attempt(same_size(1)[0], "nonsense", fake_solvers.nonsense, settings, LIMIT)
+    for settings in ("scaled", "polished"):
+        found = attempt(same_size(1)[0], Method("nonsense", settings), fake_solvers.nonsense, LIMIT)
         assert found.claim == "raised"
         assert "Error" in found.message
-    found = attempt(same_size(1)[0], "nonsense", fake_solvers.nonsense, "raw", LIMIT)
+    found = attempt(same_size(1)[0], Method("nonsense", "raw"), fake_solvers.nonsense, LIMIT)
     assert found.claim == "solved"
     assert not found.certificate.passes(1.0)
 
@@ -166,12 +169,13 @@ def test_answer_of_the_wrong_length_is_an_error() -> None:
 @pytest.mark.parametrize("name", BACKENDS)
 def test_every_solver_of_the_table_is_tried_as_it_is(name: str) -> None:
     adapter = load_adapter(installed(name))
-    for settings in ("default", "unpolished"):
-        found = attempt(same_size(1)[0], name, adapter, settings, LIMIT)
+    for settings in ("scaled", "polished"):
+        found = attempt(same_size(1)[0], Method(name, settings), adapter, LIMIT)
         assert found.certificate.passes(SOLVER_TABLE[name].tolerance)
-        assert found.polished == (settings == "default")
+        assert found.polished == (settings == "polished")
+        assert found.exchanges == 0
     if not SOLVER_TABLE[name].package:  # others need a process of their own: raw units can bring one down
-        assert attempt(same_size(1)[0], name, adapter, "raw", LIMIT).certificate.passes(1e-9)
+        assert attempt(same_size(1)[0], Method(name, "raw"), adapter, LIMIT).certificate.passes(1e-9)
 
 
 def test_solver_that_denies_its_right_answer_is_certified(dataset: xr.Dataset) -> None:
@@ -187,6 +191,7 @@ def test_native_solver_is_certified_and_exact_cold_and_warm(dataset: xr.Dataset)
     assert not native["polished"].any()
     assert (native["worst_residual"] <= EXACT_TOLERANCE).all()
     assert (native["rotation_error"] < 1e-12).all()
+    assert set(native["settings"]) == {"scaled"}
     assert (native["run_time"] > 0.0).all()
     assert sorted(native["start"]) == ["cold"] * 2 * REPETITIONS + ["warm"] * REPETITIONS
     warm = native[native["start"] == "warm"]
@@ -195,15 +200,16 @@ def test_native_solver_is_certified_and_exact_cold_and_warm(dataset: xr.Dataset)
 
 
 def test_without_polish_the_answer_is_the_backends_own(file: Path, tmp_path: Path) -> None:
-    found = compare([file], tmp_path, solvers=["osqp"], repetitions=1, raw=True).to_dataframe()
+    table = compare([file], tmp_path, solvers=["osqp"], repetitions=1, polish=True, raw=True)
+    found = table.to_dataframe()
+    assert list(dict.fromkeys(found["settings"])) == ["scaled", "polished", "raw"]
     by_settings = dict(list(found.groupby("settings")))
-    assert set(by_settings) == {"default", "unpolished", "raw"}
-    assert by_settings["default"]["polished"].all()
-    assert not by_settings["unpolished"]["polished"].any()
+    assert by_settings["polished"]["polished"].all()
+    assert not by_settings["scaled"]["polished"].any()
     assert not by_settings["raw"]["polished"].any()
     # Its own tolerances, met in units in which they mean little: the error is what the certificate says it is.
-    assert (by_settings["raw"]["worst_residual"] > 1e3 * by_settings["unpolished"]["worst_residual"].max()).all()
-    assert (by_settings["raw"]["rotation_error"] > 1e3 * by_settings["default"]["rotation_error"].max()).all()
+    assert (by_settings["raw"]["worst_residual"] > 1e3 * by_settings["scaled"]["worst_residual"].max()).all()
+    assert (by_settings["raw"]["rotation_error"] > 1e3 * by_settings["polished"]["rotation_error"].max()).all()
     assert set(by_settings["raw"]["claim"]) == {"solved"}
 
 
@@ -212,12 +218,12 @@ def test_solver_of_the_page_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     code = page.split("```python\n")[1].split("```")[0]
     (tmp_path / "my_solver.py").write_text(code, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    adapter = load_adapter("my_solver:solve_scaled")
-    for settings in ("default", "unpolished", "raw"):
-        found = attempt(same_size(1)[0], "my_solver:solve_scaled", adapter, settings, LIMIT)
-        assert (found.claim, found.message) == ("solved", "by DAQP")
+    adapter = load_adapter("my_solver:by_daqp")
+    for settings in ("scaled", "polished", "raw"):
+        found = attempt(same_size(1)[0], Method("my_solver:by_daqp", settings), adapter, LIMIT)
+        assert (found.claim, found.message) == ("solved", "")
         assert found.certificate.passes(1e-6)
-        assert found.polished == (settings == "default")
+        assert found.polished == (settings == "polished")
 
 
 # Resuming
@@ -258,6 +264,48 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
         compare([file], tmp_path, solvers=["native"], repetitions=1, time_limit=9.0)
     with pytest.raises(AssertionError, match="measured again"):
         compare([file], tmp_path, solvers=["native"], repetitions=1, fresh=True)
+
+
+@pytest.mark.parametrize("changed", ["numba", "no numba", "compiled code", "BLAS", "kernels", "processor", "threads"])
+def test_measurements_of_another_machine_are_stale(
+    changed: str, dataset: xr.Dataset, file: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    honest: Any = importlib.metadata.version
+
+    def version(package: str) -> str:
+        if package == "numba" and changed == "no numba":
+            raise importlib.metadata.PackageNotFoundError(package)
+        return str(honest(package)) + (".1" if package == changed else "")
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    if changed == "compiled code":
+        monkeypatch.setenv("EASEOFF_COMPILED", "0")
+    if changed == "BLAS":
+        library = {"Build Dependencies": {"blas": {"name": "another", "version": "1"}}}
+        monkeypatch.setattr(np, "show_config", lambda mode: library)
+    if changed == "kernels":
+        monkeypatch.setenv("OPENBLAS_CORETYPE", "Haswell" if "OPENBLAS_CORETYPE" not in os.environ else "Zen")
+    if changed == "processor":
+        monkeypatch.setattr(environment, "processor", lambda: "another")
+    monkeypatch.setattr(worker.Worker, "launch", nobody)
+    with pytest.raises(AssertionError, match="measured again"):
+        compare(
+            [file], folder, solvers=["native"], repetitions=REPETITIONS, time_limit=LIMIT,
+            threads=2 if changed == "threads" else 1,
+        )  # fmt: skip
+
+
+def test_change_of_the_code_makes_measurements_stale(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = environment.machine()
+    assert environment.machine() == before
+    source = Path(environment.__file__).read_bytes()
+    honest = Path.read_bytes
+
+    def read(self: Path) -> bytes:
+        return source + b"#" if self.name == "modal_newton.py" else honest(self)
+
+    monkeypatch.setattr(Path, "read_bytes", read)
+    assert {name for name, value in environment.machine().items() if value != before[name]} == {"code of easeoff"}
 
 
 def test_other_data_are_measured_anew(file: Path, folder: Path, dataset: xr.Dataset, tmp_path: Path) -> None:
@@ -329,10 +377,13 @@ def test_columns_of_the_page_are_those_of_the_table(dataset: xr.Dataset) -> None
 
 
 def cells(text: str, heading: str) -> dict[tuple[str, ...], dict[str, str]]:
-    """Rows of the first table behind a heading, by solver, settings and start."""
-    table = text.split(f"## {heading}\n", 1)[1].strip().split("\n\n")[0].splitlines()
-    split = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
-    return {tuple(row[:3]): dict(zip(split[0], row, strict=True)) for row in split[2:]}
+    """Rows of the tables with the first head behind a heading, by solver, settings and start."""
+    section = text.split(f"## {heading}\n", 1)[1].split("\n## ")[0]
+    lines = [line for line in section.splitlines() if line.startswith("|")]
+    split = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    width = len(split[0])
+    found = [row for row in split if len(row) == width and row[0] != "solver" and set(row[0]) != {"-"}]
+    return {tuple(row[:3]): dict(zip(split[0], row, strict=True)) for row in found}
 
 
 def counts(line: dict[str, str]) -> tuple[int, ...]:
@@ -342,23 +393,39 @@ def counts(line: dict[str, str]) -> tuple[int, ...]:
 
 def test_report_counts_claims_against_certificates(dataset: xr.Dataset, written: list[Path], folder: Path) -> None:
     text = (folder / "report.md").read_text(encoding="utf-8")
-    success = cells(text, "Who was right")
+    success = cells(text, "Answers")
 
     def row(solver: str, start: str = "cold") -> tuple[int, ...]:
-        return counts(success[(solver, "default", start)])
+        return counts(success[(solver, "scaled", start)])
 
     assert row("native") == (2, 2, 2, 2, 0, 0, 0)
     assert row("native", "warm") == (1, 1, 1, 1, 0, 0, 0)
-    assert row("fake_solvers:deny") == (2, 0, 2, 2, 2, 0, 2)
+    assert row("fake_solvers:deny") == (2, 0, 2, 2, 0, 0, 2)
     for name in ("fault", "hang", "fail"):
         assert row(f"fake_solvers:{name}") == (2, 0, 0, 0, 0, 0, 0)
+    for name in ("lie", "stale"):
+        assert row(f"fake_solvers:{name}") == (2, 2, 0, 0, 0, 2, 0)
+
+
+def test_who_is_wrong_is_last_in_every_table(written: list[Path], folder: Path) -> None:
+    """Who has no answer is before who has a wrong one, called solved."""
+    tables = [path for path in written if path.parent.name == "tables" and path.suffix == ".csv"]
+    assert {"answers_scaled.csv", "run_time.csv", "time_parts.csv", "residuals.csv"} <= {path.name for path in tables}
+    for path in tables:
+        with path.open(newline="", encoding="utf-8") as file:
+            head, *lines = csv.reader(file)
+        if path.stem == "failures" or head[:3] != ["solver", "settings", "start"]:
+            continue
+        cold = [line[0].removeprefix("fake_solvers:") for line in lines if line[2] == "cold"]
+        assert set(cold[:2]) == {"native", "deny"}, path.name
+        assert set(cold[2:5]) == {"fault", "hang", "fail"}, path.name
+        assert set(cold[5:]) == {"lie", "stale"}, path.name
 
 
 def test_report_counts_false_claims_and_does_not_time_them(lies: xr.Dataset) -> None:
     text = comparison_report(lies)
-    success, times = cells(text, "Who was right"), cells(text, "Run time")
-    assert counts(success[("fake_solvers:lie", "default", "cold")]) == (2, 2, 2, 2, 2, 0, 0)
-    for settings in ("unpolished", "raw"):
+    success, times = cells(text, "Answers"), cells(text, "Run time")
+    for settings in ("scaled", "polished", "raw"):
         method = ("fake_solvers:lie", settings, "cold")
         assert counts(success[method]) == (2, 2, 0, 0, 0, 2, 0)
         assert float(times[method]["mean [ms]"]) == pytest.approx(1e3 * LIMIT)  # a wrong answer counts as none
@@ -378,9 +445,9 @@ def test_backend_gets_the_form_that_solve_gives_it() -> None:
     pair = (np.full(size, 1e-6), 1e-3 * rng.standard_normal((size, 4)))
     large = ContactProblem(1e-3 * rng.standard_normal(size) ** 2, np.full(size, 40.0), 1e5, pair)
     for problem in (large, same_size(1)[0]):
-        for settings in ("default", "unpolished", "raw"):
-            attempt(problem, "piqp", adapter, settings, LIMIT)
-    attempt(large, "my_solver:solve_scaled", adapter, "default", LIMIT)
+        for settings in ("scaled", "polished", "raw"):
+            attempt(problem, Method("piqp", settings), adapter, LIMIT)
+    attempt(large, Method("my_solver:solve_scaled", "scaled"), adapter, LIMIT)
     assert seen == ["lifted", "lifted", "dense", *["dense"] * 4]
 
 
@@ -395,20 +462,20 @@ def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) ->
             assert found[column].tolist() == [labels[label][number] for number in found["problem"]]
     # Lemke's method needs no package of its own, and no settings.
     assert rows(table, "lemke")["certified"].all()
-    assert set(rows(table, "lemke")["settings"]) == {"default", "unpolished", "raw"}
+    assert set(rows(table, "lemke")["settings"]) == {"scaled", "raw"}
     text = comparison_report(table)
-    by_kind = cells(text.replace("Certified, by kind of problem:", "## kinds"), "kinds")
+    by_kind = cells(text.replace("Certified, by kind of problem:", "## kinds\n"), "kinds")
     wanted = {"easy": "1 of 1", "hard": "2 of 2"}
     assert {kind: by_kind[("lemke", "raw", "cold")][kind] for kind in wanted} == wanted
-    assert {kind: by_kind[("native", "default", "warm")][kind] for kind in ("hard",)} == {"hard": "2 of 2"}
+    assert {kind: by_kind[("native", "scaled", "warm")][kind] for kind in ("hard",)} == {"hard": "2 of 2"}
 
 
 def test_report_says_which_problems_failed(dataset: xr.Dataset, written: list[Path], folder: Path) -> None:
     failures = cells((folder / "report.md").read_text(encoding="utf-8"), "Failures")
-    assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "two.nc 0, two.nc 1"
+    assert failures[("fake_solvers:hang", "scaled", "cold")]["which"] == "two.nc 0, two.nc 1"
     named = dataset.assign(problem_name=dataset["problem"].astype(str).astype(object) + " of many")
     failures = cells(comparison_report(named), "Failures")
-    assert failures[("fake_solvers:hang", "default", "cold")]["which"] == "0 of many, 1 of many"
+    assert failures[("fake_solvers:hang", "scaled", "cold")]["which"] == "0 of many, 1 of many"
 
 
 def test_without_kinds_the_report_has_no_table_of_kinds(lies: xr.Dataset) -> None:
@@ -426,8 +493,8 @@ def test_report_says_what_it_was_made_with_and_how_means_were_taken(written: lis
         "shift 1 ms",
         f"time limit, {1e3 * LIMIT:g} ms",
         "1e-05",
-        "![Performance profile](performance_profile.png)",
-        "![Run time against size](run_time.png)",
+        "![Performance profile](figures/performance_profile.png)",
+        "![Data profile](figures/data_profile.png)",
         "ended with code -11",
         "no?[2J luck / today",
     ):
@@ -445,63 +512,32 @@ def test_profile_counts_the_problems_of_files_of_different_length(dataset: xr.Da
     one = native.isel(attempt=native["problem"].values == 0)
     more = native.assign(problem_file=native["problem_file"].copy(data=np.full(native.sizes["attempt"], "other.nc")))
     both = xr.concat([one, more], "attempt")
-    (axes,) = draw_profiles(both, by_problem(both)).axes
+    (axes,) = draw_performance_profile(both, by_problem(both)).axes
     count = len(np.unique(native["problem"].values))
     assert count > 1
     assert axes.get_title("right") == f"{count + 1} problems"
 
 
 def test_pictures_show_the_numbers(dataset: xr.Dataset, written: list[Path]) -> None:
-    assert [path.name for path in written] == [
-        "report.md", "results.nc", "results.csv", "performance_profile.png", "run_time.png",
-    ]  # fmt: skip
-    assert all(path.stat().st_size > 1000 for path in written)
+    figures = {path.name for path in written if path.parent.name == "figures"}
+    names = ("performance_profile", "data_profile", "pairs")  # of two sizes no growth is drawn
+    assert figures == {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf", "svg")}
+    assert all(path.stat().st_size > 1000 for path in written if path.parent.name == "figures")
     problems_of_all = by_problem(dataset)
-    (axes,) = draw_profiles(dataset, problems_of_all).axes
+    (axes,) = draw_performance_profile(dataset, problems_of_all).axes
     heights = {str(line.get_label()): float(np.asarray(line.get_ydata())[-1]) for line in axes.lines}
     assert heights == {name: float(name in ("native", "fake_solvers:deny")) for name in SOLVERS}
-    (axes,) = draw_growth(dataset, problems_of_all).axes
-    sizes = np.unique(problems_of_all["size"])
-    assert list(axes.get_xticks()) == list(sizes)
+    by_size = [dataset.assign(size=dataset["size"] * factor) for factor in (1, 2, 3, 4)]
+    sizes = [factor * int(dataset["size"][0]) for factor in (1, 2, 3, 4)]
+    more = xr.concat([one.assign(problem=one["problem"] + 2 * number) for number, one in enumerate(by_size)], "attempt")
+    (axes,) = draw_growth(more, by_problem(more)).axes
+    assert list(axes.get_xticks()) == sizes
     assert [label.get_text() for label in axes.get_xticklabels()] == [f"{size:g}" for size in sizes]
     assert not any(label.get_text() for label in axes.get_yticklabels(minor=True))
     legend = axes.get_legend()
     assert legend is not None
-    assert {text.get_text() for text in legend.get_texts()} >= {
-        "native",
-        "fake_solvers:hang  none certified",
-    }
-
-
-# Statistics
-
-
-def test_performance_profile_is_its_definition() -> None:
-    rng = np.random.default_rng(1)
-    time = np.where(rng.uniform(size=(4, 30)) < 0.2, np.inf, rng.uniform(0.1, 5.0, (4, 30)))
-    time[:, 3] = np.inf
-    factor, share = performance_profile(time)
-    for method in range(4):
-        for column, tau in enumerate(factor):
-            solved = [math.isfinite(time[method, p]) and time[method, p] / time[:, p].min() <= tau for p in range(30)]
-            assert share[method, column] == pytest.approx(sum(solved) / 30)
-
-
-def test_growth_finds_a_power_and_refuses_too_few_sizes() -> None:
-    size = np.repeat(np.array([20.0, 40.0, 80.0, 160.0, 320.0]), 3)
-    fit = growth(size, 1e-6 * size**1.7)
-    assert fit == pytest.approx((1e-6, 1.7))
-    overhead = np.maximum(1e-6 * size**1.7, 1e-6 * 80.0**1.7)  # the cost of the call hides the small problems
-    assert growth(size, overhead) == pytest.approx((1e-6, 1.7))
-    assert growth(np.array([62.0, 93.0, 93.0]), np.ones(3)) is None
-    assert growth(size, np.full(size.size, np.inf)) is None
-
-
-def test_shifted_mean_lies_between_plain_geometric_and_arithmetic_mean() -> None:
-    values = np.random.default_rng(2).lognormal(size=50)
-    geometric = math.exp(np.log(values).mean())
-    assert shifted_geometric_mean(values, 0.0) == pytest.approx(geometric)
-    assert geometric < shifted_geometric_mean(values, 1.0) < shifted_geometric_mean(values, 100.0) < values.mean()
+    assert any(text.get_text().startswith("native  n^") for text in legend.get_texts())
+    assert "fake_solvers:hang  none certified" in {text.get_text() for text in legend.get_texts()}
 
 
 # Command line
@@ -515,11 +551,12 @@ def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_
     out = tmp_path / "new" / "out"
     said = call(str(file), "-o", str(out), "--solvers", "fake_solvers:leave", "--repetitions", "1", "--test-set")
     assert said.exit_code == 0, said.output
-    names = ["report.md", "results.nc", "results.csv", "performance_profile.png", "run_time.png"]
+    names = ["report.md", "results.nc", "results.csv"]
     assert set(read_table(out / "results.nc")["message"].values) == {"its process ended with code 3"}
-    expected = [out / name for name in names] + [out / "test_set" / "contact_qpbenchmark.py"]
+    folders = [f"{out / name}: {len(list((out / name).iterdir()))} files" for name in ("tables", "figures")]
+    expected = [*(str(out / name) for name in names), *folders, str(out / "test_set" / "contact_qpbenchmark.py")]
     assert said.output == "".join(f"wrote {path}\n" for path in expected)
-    assert sorted(p.name for p in out.iterdir()) == sorted([*names, CHECKPOINT, "test_set"])
+    assert sorted(p.name for p in out.iterdir()) == sorted([*names, CHECKPOINT, "tables", "figures", "test_set"])
 
 
 @pytest.mark.parametrize(
@@ -534,6 +571,10 @@ def test_command_writes_everything_and_is_not_upset_by_failures(file: Path, tmp_
         (["{file}", "--time-limit", "-1"], ["time_limit = -1"]),
         (["{file}", "--time-limit", "nan"], ["time_limit = nan"]),
         (["{file}", "--tolerance", "2"], ["tolerance = 2"]),
+        (["{file}", "--tolerances", "1e-3,2"], ["tolerances = 2"]),
+        (["{file}", "--tolerances", "1e-3,0.001"], ["tolerances = 0.001", "twice"]),
+        (["{file}", "--tolerances", "fine"], ["fine", "1e-3,1e-6,1e-9"]),
+        (["{file}", "--threads", "0"], ["threads = 0"]),
         (["{tmp}/none.nc"], ["none.nc", "no such file"]),
         (["{tmp}/text.nc"], ["text.nc", "not a netCDF file"]),
         (["{tmp}/empty.nc"], ["empty.nc", "no contact problems"]),

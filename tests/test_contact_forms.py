@@ -28,8 +28,8 @@ from easeoff.contact import (
     write_npz,
 )
 from easeoff.contact.problem.answer import Answer
+from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact.solvers.adapters import lemke
 from easeoff.contact.solvers.backend import chosen_form
 from easeoff.study import CaseInMesh, contact_analysis
 from easeoff.verification import PROBLEM_CLASSES, problems
@@ -121,7 +121,7 @@ def try_all_forms(problem: ContactProblem) -> None:
     assert_same(problem, dual.recover(x))
     assert_same(problem, dual.recover(x, z))
     form = lcp(problem)
-    assert_same(problem, form.recover(lemke.lemke(form.matrix, form.vector, 1000).z))
+    assert_same(problem, form.recover(lemke(form.matrix, form.vector, 1000).z))
 
 
 def is_loaded(problem: ContactProblem) -> bool:
@@ -168,7 +168,7 @@ def test_exact_answer_in_closed_form_comes_out_of_every_form() -> None:
     dense = ContactProblem(problem.separation, problem.lever_arm, torque, problem.dense_compliance)
     lifted, form = lifted_qp(problem), lcp(problem)
     x, y, _ = exact(lifted.programme)
-    answers = [lifted.recover(x, y), form.recover(lemke.lemke(form.matrix, form.vector, 10).z)]
+    answers = [lifted.recover(x, y), form.recover(lemke(form.matrix, form.vector, 10).z)]
     answers += [dual_qp(p).recover(exact(dual_qp(p).programme)[0]) for p in (problem, dense)]
     for answer in answers:
         np.testing.assert_allclose(answer.force, [first, torque / arm - first], rtol=1e-12)

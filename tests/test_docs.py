@@ -7,6 +7,7 @@ import inspect
 import re
 import shlex
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.schema_table import Table
-from easeoff.contact import SOLVERS, read_problems, solve
+from easeoff.contact import SOLVERS, ContactProblem, read_problems, solve
 from easeoff.geometry import FREE_SETTINGS, MachineSettings, ease_off, machine_pose
 from easeoff.geometry.cutting.machine import IncrementSense
 from easeoff.geometry.cutting.named_settings import BLADE_STEPS, CURVATURE_STEPS, MACHINE_STEPS, MODIFIED_ROLL_ORDERS
@@ -37,6 +38,7 @@ WITH_CODE = (
     "index",
     "results",
     "contact_problems",
+    "parametric",
     "python",
     "cad",
     "compare",
@@ -50,6 +52,7 @@ WITH_CODE = (
     "sweeps",
     "vh_check",
     "load_cases",
+    "half_space",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 
@@ -141,7 +144,8 @@ def test_tables_of_the_problem_library_are_those_of_its_description(monkeypatch:
 
 def test_labels_of_the_problem_library_are_those_of_the_page() -> None:
     named = re.findall(r"`(\w+)`", " ".join(row[0] for row in rows(text("problem_library"), "## A file")))
-    assert named == list(labels([entries()[0]], reference_answers()))
+    springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.eye(2))
+    assert named == list(labels([entries()[0]], reference_answers(), [springs]))
 
 
 def test_case_reference_is_what_the_schema_makes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -289,6 +293,25 @@ def test_table_of_solvers_is_that_of_the_code() -> None:
         if requirement != "easeoff":
             extra = project["optional-dependencies"][requirement[8:-1]]
             assert SOLVERS[name].package.replace("_", "-") in {re.split(r"[^\w-]", wanted)[0] for wanted in extra}
+
+
+def test_table_of_limits_is_that_of_the_code() -> None:
+    listed = {row[0].strip("`"): row[1:] for row in rows(text("contact_problems"), "### Tolerance, time and steps")}
+
+    def shown(names: Sequence[str]) -> str:
+        return ", ".join(f"`{name}`" for name in names if name) or "-"
+
+    assert {name: (float(row[0]), *row[1:]) for name, row in listed.items()} == {
+        name: (
+            entry.tolerance,
+            shown(entry.tolerance_settings),
+            str(entry.tolerance_power) if entry.tolerance_settings else "-",
+            shown([entry.time_setting]),
+            shown([entry.step_setting]),
+            "yes" if entry.warm_start else "no",
+        )
+        for name, entry in SOLVERS.items()
+    }
 
 
 def spin(axis: str, angle: float) -> np.ndarray[Any, Any]:

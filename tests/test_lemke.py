@@ -9,7 +9,7 @@ import pytest
 
 from easeoff import InputError
 from easeoff.contact import ContactProblem, Status, lcp, solve
-from easeoff.contact.solvers.adapters.lemke import lemke
+from easeoff.contact.problem.forms.complementary_pivoting import lemke
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
 from easeoff.verification import problems
 

@@ -23,6 +23,7 @@ from easeoff.contact.modification.convex_programme import (
 )
 from easeoff.contact.modification.load_response import slopes
 from easeoff.contact.modification.modification_search import ModificationSearch, optimal_modification, search
+from easeoff.contact.problem.compliance_matrix import DenseCompliance
 
 
 def free_bed(seed: int, *, winkler: bool, torques: tuple[float, ...] = (4e5,)) -> Bed:
@@ -278,7 +279,7 @@ def test_yielding_is_what_one_more_segment_would_carry() -> None:
     problem = bed.problem(0, 0, np.zeros(2))
     solution = solve(problem)
     active, gap = solution.force > 0.0, solution.gap
-    found = slopes(bed.compliance[0], bed.lever_arm[0], active, bed.basis[0])
+    found = slopes(DenseCompliance(bed.compliance[0]), bed.lever_arm[0], active, bed.basis[0])
     for i in np.flatnonzero(~active):
         on = np.flatnonzero(active | (np.arange(12) == i))
         right = (solution.rotation * bed.lever_arm[0] - bed.separation[0])[on]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
@@ -23,7 +25,9 @@ from easeoff.study import CaseInMesh, contact_analysis
 from easeoff.study.cli import main
 from easeoff.study.library import (
     KINDS,
+    LIBRARY_VERSION,
     PARTS,
+    USUAL_PARTS,
     Entry,
     entries,
     generate,
@@ -35,7 +39,7 @@ from easeoff.study.library import library_files as files
 from easeoff.study.library.library_entries import BASES, MESH_POSITIONS, TORQUES
 from easeoff.study.library.problem_changes import CHANGES, copied_segments, next_contact
 from easeoff.study.library.problem_generation import dense
-from easeoff.study.library.reference_answers import TABLE, condition_number, refined_rotation
+from easeoff.study.library.reference_answers import TABLE, condition_number, condition_of, refined_rotation
 
 EVERY = {entry.name: entry for entry in entries()}
 BASE = "nasa-12x36"
@@ -63,7 +67,7 @@ def real() -> ContactProblem:
 
 def test_description_holds_together() -> None:
     assert len(EVERY) == len(entries())  # names are unique
-    assert 100 <= len(EVERY) <= 200
+    assert len(EVERY) >= 500
     assert {entry.kind for entry in EVERY.values()} == set(KINDS)
     assert {entry.change for entry in EVERY.values()} == {"", *CHANGES}
     assert set(TORQUES) == set(shipped_cases())
@@ -76,6 +80,33 @@ def test_description_holds_together() -> None:
         assert light < min(own)
         assert design in own
         assert heavy == 2.0 * max(own)
+
+
+def test_sequences_are_neighbours_in_order() -> None:
+    """Every sequence counts from 0, in one part, on one pair of flanks, and one quantity changes along it."""
+    sequences: dict[str, list[Entry]] = {}
+    for entry in entries():
+        assert (entry.step >= 0) == bool(entry.sequence)
+        if entry.sequence:
+            sequences.setdefault(entry.sequence, []).append(entry)
+    assert len(sequences) == 18
+    for name, chosen in sequences.items():
+        assert [entry.step for entry in chosen] == list(range(len(chosen))), name
+        assert len(chosen) in (16, MESH_POSITIONS)
+        assert len({(e.part, e.source.case, e.source.flank, e.source.segments_per_line) for e in chosen}) == 1
+        changing = [
+            [getattr(entry.source, key) for entry in chosen]
+            for key in ("torque", "mesh_position", "offset_error", "pinion_axial_error")
+        ]
+        assert sum(len(set(values)) > 1 for values in changing) == (2 if "drift" in name else 1)
+        assert all(values in (sorted(values), sorted(values, reverse=True)) for values in changing)
+
+
+def test_what_takes_long_is_not_made_unless_asked_for() -> None:
+    usual = [answer for answer in reference_answers().values() if EVERY[answer.name].part in USUAL_PARTS]
+    assert max(answer.size for answer in usual) == 5001
+    assert max(answer.size for answer in reference_answers().values()) == 100_005
+    assert USUAL_PARTS == ("small", "medium", "large")
 
 
 def test_every_problem_has_a_reference_answer() -> None:
@@ -159,6 +190,16 @@ def test_refinement_knows_a_closed_form() -> None:
     assert proved_answer("springs", problem).touching == 3
 
 
+def test_large_problems_are_proved_as_small_ones(real: ContactProblem, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the matrix of C: the same rotation and condition."""
+    active = solve(real).active
+    rotation, condition = refined_rotation(real, active), condition_of(real)
+    monkeypatch.setattr(sys.modules[refined_rotation.__module__], "DENSE_SIZE_LIMIT", 0)
+    assert refined_rotation(real, active) == pytest.approx(rotation, rel=1e-15)
+    assert condition_of(real) == pytest.approx(condition, rel=1e-3)
+    assert math.isnan(refined_rotation(real, ~active))
+
+
 def test_condition_number_of_known_matrices() -> None:
     assert condition_number(np.diag([2.0, 8.0, 4.0])) == 4.0
     assert condition_number(np.ones((3, 3))) == math.inf
@@ -219,6 +260,14 @@ def test_changes_that_leave_the_answer_known(real: ContactProblem) -> None:
     scaled = flat.with_torque(3.0 * flat.torque)  # then all is proportional to the torque
     np.testing.assert_allclose(solve(scaled).force, 3.0 * solve(flat).force, rtol=1e-9)
 
+    pinions = made("several_pinions", real, 3.0)
+    assert isinstance(pinions.compliance, tuple)
+    assert pinions.torque == 3.0 * real.torque
+    together = ContactProblem(np.tile(real.separation, 3), pinions.lever_arm, pinions.torque, pinions.compliance)
+    assert conditions(together, np.tile(solution.force, 3), solution.rotation) < 1e-12
+    lag = (pinions.separation - together.separation) / together.lever_arm
+    np.testing.assert_allclose(lag, np.repeat([0.0, 2e-5, 4e-5], real.size), rtol=0, atol=1e-15)
+
     assert made("twin_segments", real).size == 2 * real.size
     assert np.unique(np.round(made("tied_separations", real, 0.002).separation / 0.002)).size < real.size
     assert touching.size < real.size
@@ -276,9 +325,26 @@ def test_file_says_what_every_problem_is(tmp_path: Path, monkeypatch: pytest.Mon
     for name in ("elastic_rotation", "touching", "condition_number"):
         assert labels[name].tolist() == [getattr(answers[entry.name], name) for entry in chosen]
     with xr.open_dataset(written.path, engine="netcdf4") as dataset:
-        assert dataset.attrs["library_version"] == 1
+        assert dataset.attrs["library_version"] == LIBRARY_VERSION
         assert dataset["pinion_torque"].attrs["units"] == "N m"
         assert all("long_name" in dataset[name].attrs for name in dataset.variables)
+        assert "version 2" in dataset.attrs["citation"]
+        lines = []
+        for i in range(written.problems):  # the checksums, by hand
+            one = dataset.isel(problem=i).load()
+            n, k = int(one["size"]), int(one["mode_count"])
+            S, r, T = one["separation"].values[:n], one["lever_arm"].values[:n], one["torque"].values
+            dense = one["compliance"].values[:n, :n]
+            C = (one["compliance_diagonal"].values[:n], one["compliance_factor"].values[:n, :k])
+            parts = (T, S, r, *(C if one["structured"] else (dense,)))
+            digest = hashlib.sha256(b"".join(np.ascontiguousarray(p + 0.0, "<f8").tobytes() for p in parts)).hexdigest()
+            assert digest == str(one["checksum"].values)
+            lines.append(f"{one['name'].values} {digest}\n")
+            force, gap = one["reference_force"].values[:n], one["reference_gap"].values[:n]
+            assert abs(r @ force / T - 1.0) < 1e-9
+            assert np.minimum(force / force.max(), gap / max(gap.max(), 1e-3)).min() > -1e-9
+            assert np.isnan(one["reference_force"].values[n:]).all()
+        assert hashlib.sha256("".join(lines).encode()).hexdigest() == dataset.attrs["checksum"]
     for (_, problem), read in zip(generate(chosen), read_problems(written.path), strict=True):
         assert problem.identical(read)
 
@@ -316,8 +382,8 @@ def test_mistakes_are_told_before_any_work(tmp_path: Path, monkeypatch: pytest.M
         raise AssertionError
 
     monkeypatch.setattr(files, "generate", never)
-    with pytest.raises(InputError, match=r"huge.*small, medium, large"):
-        write_library(tmp_path, ["huge"])
+    with pytest.raises(InputError, match=r"tiny.*small, medium, large"):
+        write_library(tmp_path, ["tiny"])
     with pytest.raises(InputError, match="parts = none"):
         write_library(tmp_path, [])
     (tmp_path / "file").write_text("")

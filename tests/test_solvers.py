@@ -391,3 +391,19 @@ def test_status_flags_follow_the_cf_conventions() -> None:
 def test_native_solver_comes_first_and_needs_nothing() -> None:
     assert available_solvers()[0] == "native"
     assert solve(realistic()[0], "auto").solver == "native"
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_energy_is_the_work_of_the_torque_less_the_work_on_the_separations(name: str) -> None:
+    """Of springs, 1/2 c F^2 each; of any problem 1/2 (theta T - S'F), both counted from first contact."""
+    for problem in realistic(3):
+        solution = solve(problem, installed(name))
+        work = solution.elastic_rotation * problem.torque - problem.separation_at_first_contact @ solution.force
+        assert solution.energy == pytest.approx(0.5 * work, rel=1e-9)
+        assert solution.problem is problem
+    springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    assert solve(springs, name).energy == pytest.approx(2 * 0.5 * 1e-6 * 1000.0**2)
+
+
+def test_energy_without_an_answer_is_not_a_number() -> None:
+    assert np.isnan(solve(realistic()[0], installed("clarabel"), polish=False, max_iter=1).energy)

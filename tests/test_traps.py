@@ -19,7 +19,8 @@ from solver_choice import (
 
 from easeoff.contact import SOLVERS, ContactProblem, Status, available_solvers, certify, solve
 from easeoff.contact.solvers.scaled_answer import ScaledAnswer
-from easeoff.study.compare.worker import Request, workers
+from easeoff.study.compare.measurement.method import Method
+from easeoff.study.compare.measurement.worker import Request, workers
 from easeoff.verification import PROBLEM_CLASSES, problems
 
 
@@ -76,7 +77,7 @@ def test_raw_units_that_bring_a_process_down_do_no_harm_when_scaled() -> None:
         for seed in (0, 4):
             problem = next(problems("realistic", 1, seed=seed))
             reference = solve(problem).elastic_rotation
-            found = pool["highs"].run(Request(problem, "raw", 0.2))
+            found = pool["highs"].run(Request(problem, Method("highs", "raw"), 0.2))
             if not abs(found.elastic_rotation / reference - 1.0) < 1e-3:  # or there is no answer
                 assert not found.certificate.passes(1e-4)
             ours = solve(problem, "highs", polish=False)

@@ -8,6 +8,7 @@ from ...core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .elastic_foundation import ElasticFoundation
+    from .half_space_cells import HalfSpaceCompliance
     from .material import Material
     from .shell import Shell
     from .tooth_dimensions import ToothDimensions
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FOOT_OF_NORMAL_CORRECTION",
     "ElasticFoundation",
+    "HalfSpaceCompliance",
     "Material",
     "Shell",
     "ToothDimensions",
@@ -24,6 +26,7 @@ __all__ = [
 
 _ORIGINS = {
     ".elastic_foundation": ["ElasticFoundation"],
+    ".half_space_cells": ["HalfSpaceCompliance"],
     ".material": ["Material"],
     ".shell": ["Shell"],
     ".tooth_dimensions": ["ToothDimensions"],

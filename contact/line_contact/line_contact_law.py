@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..compliance import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
-from ..solvers import ContactSolution, require_solver
+from ..solvers import ContactSolution, SolverChoice, require_solver
 from ..solvers.compiled.compiled_answer import compiled_code, line_contact_answer
 from ..solvers.modal_batch import ModalBatch
 from ..solvers.modal_newton import newton_batch
@@ -87,7 +87,7 @@ def solve_line_contacts(
     bendings: Sequence[ContactProblem],
     contacts: LineContacts,
     starts: Sequence[Array | None],
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     **options: Any,
 ) -> Iterator[tuple[ContactSolution, ContactProblem]]:
     """Solve contact problems with load-dependent line contact, and prove the answers.
@@ -133,7 +133,7 @@ def _compiled_answer(bending: ContactProblem, contact: WeberLineContact) -> _Fou
         tolerance=EXACT_TOLERANCE,
         iterations=found.iterations,
         method="modal",
-        message=f"modal, {found.iterations} steps",
+        message=f"modal Newton's method on the line contacts themselves, compiled, {found.iterations} steps",
     )
     return solution, found.answer.problem or bending.with_secant(found.secant)
 
@@ -174,7 +174,7 @@ def newton_answers(
             tolerance=EXACT_TOLERANCE,
             iterations=count,
             method="modal",
-            message=f"modal, {count} steps",
+            message=f"modal Newton's method on the line contacts themselves, {count} steps",
         )
         found.append(solved if solved[0].certified else None)
     return found

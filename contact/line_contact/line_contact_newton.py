@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,9 +11,9 @@ from numpy.typing import NDArray
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaling import Scaling
-from ..solvers import Status, solve
+from ..solvers import SolverChoice, Status, solve
 from ..solvers.native import answers
-from ..solvers.solver_table import SOLVERS
+from ..solvers.solver_limits import Limits, StepBudget
 
 Array = NDArray[np.float64]
 
@@ -47,43 +48,49 @@ class LineContact(Protocol):
 class NativeStep:
     """Solves the scaled subproblems with the native methods, from the active set of the last one."""
 
-    tolerance = EXACT_TOLERANCE
     polished = False
 
     def __init__(self, linear: ContactProblem, bending: ContactProblem, settings: dict[str, Any]) -> None:
-        self._scaling, self._bending, self._settings = linear.scaling, bending, settings
-        self.method = ""
+        names = [field.name for field in fields(Limits) if field.name in settings]
+        limits = Limits(**{name: settings[name] for name in names})
+        self._scaling, self._bending = linear.scaling, bending
+        self._settings = {name: value for name, value in settings.items() if name not in names}
+        self._budget = None if limits.none else StepBudget(limits)
+        self.tolerance = limits.exact_tolerance
+        self.method = self.reason = ""
 
     def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
         compliance = self._bending.compliance_matrix.with_added(tangent)
         data = (separation, self._bending.lever_arm, self._bending.torque, compliance)
         problem = self._scaling.scale(*data, clip=False)
-        for method, answer in answers(problem, active, self._settings):
+        for method, answer in answers(problem, active, self._settings, self._budget):
             self.method = method
             return answer.force * self._scaling.force, self._scaling.unscale_elastic_rotation(answer.rotation)
-        return Status.NOT_CONVERGED
+        met = None if self._budget is None else self._budget.met
+        return Status.NOT_CONVERGED if met is None else met
 
 
 class BackendStep:
     """Solves the subproblems with a backend, each one certified."""
 
-    def __init__(self, bending: ContactProblem, name: str, polish: bool, settings: dict[str, Any]) -> None:
-        self._bending, self._name, self._polish, self._settings = bending, name, polish, settings
+    def __init__(self, bending: ContactProblem, solver: SolverChoice, polish: bool, settings: dict[str, Any]) -> None:
+        self._bending, self._solver, self._polish, self._settings = bending, solver, polish, settings
         self.tolerance = EXACT_TOLERANCE
         self.polished = polish
-        self.method = ""
+        self.method = self.reason = ""
 
     def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
         problem = self._bending.with_added_compliance(tangent, separation)
-        solution = solve(problem, self._name, polish=self._polish, **self._settings)
+        solution = solve(problem, self._solver, polish=self._polish, **self._settings)
         if not solution.certified:
+            self.reason = f": {solution.message}"
             return solution.status
         self.method = solution.method
         if not solution.polished:
             self.polished = False
-            self.tolerance = max(self.tolerance, SOLVERS[self._name].tolerance)
+            self.tolerance = max(self.tolerance, solution.tolerance)
         return solution.force, solution.rotation
 
 
@@ -136,7 +143,7 @@ class NewtonIteration:
         self.count += 1
         outcome = self.step(local, separation, active)
         if isinstance(outcome, Status):
-            self.message = f"linear problem {self.count} failed"
+            self.message = f"linear problem {self.count} failed{self.step.reason}"
         return outcome
 
     def _note(self, force: Array, rotation: float) -> bool:

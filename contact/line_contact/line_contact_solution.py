@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ...core.errors import InputError
 from ..problem.answer import vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
-from ..solvers import ContactSolution, Status, require_solver, solve
+from ..solvers import ContactSolution, SolverChoice, Status, require_solver, solve
 from ..solvers.solution import judged, no_solution
 from .line_contact_newton import BackendStep, LineContact, NativeStep, NewtonIteration
 
@@ -37,7 +37,7 @@ def solve_line_contact(
     torque: float,
     bending_compliance: Compliance,
     line_contact: LineContact,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     *,
     initial_force: Array | None = None,
     polish: bool = True,
@@ -63,7 +63,8 @@ def solve_line_contact(
     polish
         See `solve`.
     **settings
-        Passed to the solver.
+        Passed to the solver: a time limit or a step limit of the native solver holds for all linear problems together,
+        that of another one for each.
 
     Returns
     -------
@@ -97,7 +98,7 @@ def solve_line_contact(
 def solve_on_bending(
     bending: ContactProblem,
     line_contact: LineContact,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     *,
     initial_force: Array | None = None,
     polish: bool = True,
@@ -115,9 +116,9 @@ def solve_on_bending(
         return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}"), bending
     idle = bending.torque == 0.0 and bending.separation_at_first_contact.min() >= 0.0
     if idle or not linear.is_positive_semidefinite:
-        return solve(linear, name, polish=polish, **settings), linear
+        return solve(linear, solver, polish=polish, **settings), linear
 
-    step = NativeStep(linear, bending, settings) if name == "native" else BackendStep(bending, name, polish, settings)
+    step = NativeStep(linear, bending, settings) if name == "native" else BackendStep(bending, solver, polish, settings)
     iteration = NewtonIteration(bending, linear.scaling, line_contact, step)
     status = iteration.run(start if warm else None, linear)
     if status is not None:
@@ -132,7 +133,10 @@ def solve_on_bending(
         iterations=iteration.count,
         method=iteration.step.method,
         polished=iteration.step.polished,
-        message=f"{iteration.count} linear problems",
+        message=(
+            f"Newton's method on the line contacts with {name} ({iteration.step.method}): "
+            f"{iteration.count} linear problems"
+        ),
     )
 
 

@@ -4,7 +4,8 @@ On the segments A in contact the gap is zero, elsewhere the force is. With the s
 
     C_AA F_A + S_A + B_A m - r_A theta = 0,    r_A'F_A = T
 
-are linear, so forces and rotation are affine functions of the coefficients m (Conry and Seireg 1973).
+are linear, so forces and rotation are affine functions of the coefficients m (Conry and Seireg 1973). They are solved
+by the system of the touching segments that sensitivities and torque paths are solved by, too.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+
+from ..problem.compliance_matrix import ComplianceMatrix
+from ..solvers.parametric.touching_form import touching_system
 
 Array = NDArray[np.float64]
 
@@ -41,13 +44,13 @@ class Slopes:
     yielding: Array
 
 
-def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separation: Array) -> Slopes:
+def slopes(compliance: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_], separation: Array) -> Slopes:
     """Derivatives of forces, gaps and rotation.
 
     Parameters
     ----------
     compliance
-        Tangent compliance (n, n) [mm/N], positive definite on the segments in contact.
+        Tangent compliance [mm/N], positive definite on the segments in contact.
     lever_arm
         (n) [mm].
     active
@@ -55,22 +58,15 @@ def slopes(compliance: Array, lever_arm: Array, active: NDArray[np.bool_], separ
     separation
         Derivatives of the separation (n, p) [mm per unit].
     """
-    on, off = np.flatnonzero(active), np.flatnonzero(~active)
-    arm, coupling = lever_arm[on], compliance[np.ix_(on, off)]
-    right = np.concatenate([separation[on], arm[:, None], coupling], axis=1)
-    solved = cho_solve(cho_factor(compliance[np.ix_(on, on)], lower=True), right)
-    p = separation.shape[1]
-    by_separation, by_arm, by_coupling = solved[:, :p], solved[:, p], solved[:, p + 1 :]
-    rotation = arm @ by_separation / (arm @ by_arm)
-    force, gap = np.zeros(separation.shape), np.zeros(separation.shape)
-    force[on] = by_arm[:, None] * rotation - by_separation
-    gap[off] = separation[off] + coupling.T @ force[on] - lever_arm[off, None] * rotation
-    yielding = compliance.diagonal().copy()
-    yielding[off] -= np.einsum("ij,ij->j", coupling, by_coupling)
-    return Slopes(force, gap, rotation, yielding)
+    system = touching_system(compliance, lever_arm, active)
+    found = system.solve(-separation, np.zeros(separation.shape[1]))
+    yielding = compliance.diagonal if active.all() else np.where(active, compliance.diagonal, system.yielding())
+    return Slopes(found.force, found.gap, found.rotation, yielding)
 
 
-def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torque: float) -> tuple[Array, float]:
+def held_in_contact(
+    compliance: ComplianceMatrix, separation: Array, lever_arm: Array, torque: float
+) -> tuple[Array, float]:
     """Forces [N], pulling ones allowed, and rotation [rad] that close the gap of all segments (n).
 
     Parameters
@@ -78,9 +74,9 @@ def held_in_contact(compliance: Array, separation: Array, lever_arm: Array, torq
     compliance, separation, lever_arm, torque
         See ``ContactProblem``; the compliance is positive definite.
     """
-    solved = cho_solve(cho_factor(compliance, lower=True), np.column_stack([separation, lever_arm]))
-    rotation = (torque + lever_arm @ solved[:, 0]) / (lever_arm @ solved[:, 1])
-    return solved[:, 1] * rotation - solved[:, 0], float(rotation)
+    system = touching_system(compliance, lever_arm, np.ones(separation.size, dtype=np.bool_))
+    force, rotation, _ = system.solve(-separation[:, None], np.array([torque])).column(0)
+    return force, rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +129,7 @@ def stacked(parts: Sequence[LoadResponse]) -> LoadResponse:
 
 
 def load_response(
-    compliance: Array,
+    compliance: ComplianceMatrix,
     lever_arm: Array,
     force: Array,
     gap: Array,
@@ -151,7 +147,7 @@ def load_response(
     Parameters
     ----------
     compliance
-        Tangent compliance (n, n) [mm/N].
+        Tangent compliance [mm/N].
     lever_arm
         (n) [mm].
     force, gap, rotation

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry.pair.modification import Modification, basis, modified_ease_off
 from ..mesh_cycle import MeshCycle
+from ..problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..segments import Segments
 from ..solvers import Status
 from .load_response import LoadResponse, held_in_contact, load_response, stacked
@@ -114,7 +115,7 @@ class ModifiedContact:
             here, solution = case.segments, case.solution
             outcome = solution.force, solution.gap, solution.rotation
             local, slope = here.line_contact.tangent(solution.force), slopes[case.mesh_position]
-            parts.append(self._linear(here, _compliance(here, local), outcome, slope, first + case.torque))
+            parts.append(self._linear(here, ModalCompliance(local, here.bending), outcome, slope, first + case.torque))
         return stacked(parts)
 
     def held(self, coefficients: Array, first: int = 0) -> LoadResponse:
@@ -126,7 +127,7 @@ class ModifiedContact:
                 continue
             for index, torque in enumerate(1e3 * self.cycle.ratio * self.torques):
                 even = torque / float(here.lever_arm @ here.length) * here.length
-                compliance = _compliance(here, here.line_contact.secant(even))
+                compliance = ModalCompliance(here.line_contact.secant(even), here.bending)
                 force, rotation = held_in_contact(compliance, here.separation, here.lever_arm, torque)
                 outcome = force, np.zeros(force.size), rotation
                 parts.append(self._linear(here, compliance, outcome, slope, first + index, held=True))
@@ -141,7 +142,7 @@ class ModifiedContact:
     def _linear(
         self,
         here: Segments,
-        compliance: Array,
+        compliance: ComplianceMatrix,
         outcome: tuple[Array, Array, float],
         slope: Array,
         cycle: int,
@@ -161,9 +162,3 @@ class ModifiedContact:
             cycle=cycle,
             held=held,
         )
-
-
-def _compliance(here: Segments, local: Array) -> Array:
-    """Compliance (n, n) [mm/N] with this local part (n)."""
-    factor = here.bending.factor
-    return np.asarray(factor @ factor.T + np.diag(local))

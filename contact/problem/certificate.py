@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_problem import ContactProblem
+from .operator_compliance import OperatorCompliance
 from .proof.error_free import UNIT_ROUNDOFF
 from .proof.residuals import Residuals, Sizes, exact_residuals, rounded_residuals
 
@@ -191,7 +192,8 @@ def violations(
         sizes = Sizes.of(problem, force, deflection)
         rounded = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes)
         found = _relative_to_scales(problem, force, elastic_rotation, sizes, rounded)
-        if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf:
+        known = not isinstance(problem.compliance_matrix, OperatorCompliance)
+        if found.resolution <= RESOLUTION_LIMIT or not found.worst < math.inf or not known:
             return found
         sharp = rounded_residuals(problem, force, elastic_rotation, deflection, gap, sizes, sharp=True)
         found = _relative_to_scales(problem, force, elastic_rotation, sizes, sharp)

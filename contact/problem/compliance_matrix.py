@@ -1,4 +1,4 @@
-"""The compliance matrix C of a contact problem, in one of two forms: dense, or diagonal plus low rank.
+"""The compliance matrix C of a contact problem: dense, diagonal plus low rank, or known by its products alone.
 
 Solvers choose their method by the class of a compliance and of its modes, never by values computed earlier.
 """
@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from ...core.checks import array, read_only
 from ...core.errors import InputError
+from .given_compliance import factor_of, formed, is_operator, is_pair
 from .modal_basis import BendingFactor, ModalBasis
+from .operator_compliance import OperatorCompliance
 
 Array = NDArray[np.float64]
 
@@ -134,7 +136,7 @@ class ModalCompliance:
         return ModalCompliance(read_only(self.local + local), self.modes)
 
 
-ComplianceMatrix = DenseCompliance | ModalCompliance
+ComplianceMatrix = DenseCompliance | ModalCompliance | OperatorCompliance
 
 
 def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
@@ -143,7 +145,8 @@ def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
     Parameters
     ----------
     given
-        A `ComplianceMatrix`, an (n, n) array, or the pair of an (n) array d and an (n, k) array V [mm/N].
+        A `ComplianceMatrix`; an (n, n) array [mm/N], sparse or not, or a `LinearOperator`; or the pair of an (n) array
+        d [mm/N] and of V [(mm/N)^0.5], an (n, k) or (n) array, sparse or not, a `LinearOperator` or a `ModalBasis`.
     size
         Number of segments n.
 
@@ -152,15 +155,22 @@ def compliance_matrix(given: Any, size: int) -> ComplianceMatrix:
     InputError
         A wrong shape, a number that is not finite, a negative diagonal or an asymmetric matrix.
     """
+    if is_operator(given):
+        given = OperatorCompliance(given)
     if isinstance(given, ComplianceMatrix):
+        if isinstance(given, OperatorCompliance) and given.size != size:
+            shape = tuple(given.operator.shape)
+            raise InputError(f"compliance = LinearOperator of shape {shape}: must have the shape ({size}, {size})")
         return given
-    if isinstance(given, tuple | list) and len(given) == 2 and np.ndim(given[0]) == 1 and np.ndim(given[1]) == 2:
+    modal = isinstance(given, tuple | list) and len(given) == 2 and isinstance(given[1], ModalBasis)
+    if modal or is_pair(given, size):
         diagonal = array("compliance diagonal", given[0], "mm/N", ndim=1, size=size, least=0.0, frozen=True)
-        factor = array("compliance factor", given[1], "(mm/N)^0.5", ndim=2, frozen=True)
-        if factor.shape[0] != size:
-            raise InputError(f"compliance factor = array of shape {factor.shape}: must have {size} rows")
-        return ModalCompliance(diagonal, BendingFactor(factor))
-    return DenseCompliance(_symmetric(given, size))
+        if not modal:
+            return ModalCompliance(diagonal, BendingFactor(factor_of(given[1], size)))
+        if given[1].size != size:
+            raise InputError(f"compliance factor = ModalBasis of {given[1].size} segments: must have {size}")
+        return ModalCompliance(diagonal, given[1])
+    return DenseCompliance(_symmetric(formed("compliance", given, "mm/N"), size))
 
 
 def _symmetric(given: Any, size: int) -> Array:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -26,6 +26,7 @@ from ...core.checks import array
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
 from .modal_basis import ModalBasis
+from .operator_compliance import OperatorCompliance
 from .problem_dataset import problem_data, problem_dataset
 from .proof.first_contact import FirstContact, first_contact
 from .scaled_problem import ScaledProblem
@@ -51,7 +52,9 @@ class ContactProblem:
         Torque T about the gear axis [N mm], not negative.
     compliance
         C (n, n) [mm/N], symmetric and positive semidefinite; or the pair (d, V) of an (n) and an (n, k) array that
-        stands for C = diag(d) + V V^T, d >= 0; or either as a `ComplianceMatrix`, which is not copied.
+        stands for C = diag(d) + V V^T, d >= 0. C and V may be sparse, a V of one column (n), or a `ModalBasis`. A
+        `scipy.sparse.linalg.LinearOperator` for V is multiplied out; one for C is not, see `OperatorCompliance`. A
+        `ComplianceMatrix` is not copied.
 
     Raises
     ------
@@ -81,7 +84,7 @@ class ContactProblem:
         separation: ArrayLike,
         lever_arm: ArrayLike,
         torque: float,
-        compliance: ArrayLike | tuple[ArrayLike, ArrayLike] | ComplianceMatrix,
+        compliance: Any,
     ) -> None:
         gap = array("separation", separation, "mm", ndim=1, fewest=1, frozen=True)
         arm = array("lever_arm", lever_arm, "mm", ndim=1, size=gap.size, frozen=True)
@@ -115,8 +118,8 @@ class ContactProblem:
         return int(self.separation.size)
 
     @property
-    def compliance(self) -> Array | tuple[Array, Array]:
-        """C [mm/N] in the form in which it was given: an (n, n) array, or the pair of d (n) and V (n, k)."""
+    def compliance(self) -> Any:
+        """C [mm/N] as given: an (n, n) array, the pair of d (n) and V (n, k), or an `OperatorCompliance`."""
         return self.compliance_matrix.given
 
     @property
@@ -126,7 +129,7 @@ class ContactProblem:
 
     @property
     def dense_compliance(self) -> Array:
-        """C as an (n, n) array [mm/N]."""
+        """C as an (n, n) array [mm/N]; `InputError` where only its products are known."""
         return self.compliance_matrix.dense
 
     @property
@@ -142,7 +145,10 @@ class ContactProblem:
 
     @property
     def is_positive_semidefinite(self) -> bool:
-        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum."""
+        """Whether C is positive semidefinite up to rounding, without which the problem is no minimum.
+
+        Of a compliance known by its products alone this is assumed unless they show a negative eigenvalue.
+        """
         return self.compliance_matrix.is_positive_semidefinite
 
     @cached_property
@@ -263,15 +269,21 @@ class ContactProblem:
 
     def identical(self, other: ContactProblem) -> bool:
         """Whether all data of two problems agree to the bit and in form."""
+        if isinstance(self.compliance_matrix, OperatorCompliance):
+            same = self.compliance_matrix is other.compliance_matrix
+        else:
+            same = not isinstance(other.compliance_matrix, OperatorCompliance)
         return (
-            self.torque == other.torque
+            same
+            and self.torque == other.torque
             and self.is_structured == other.is_structured
             and all(np.array_equal(a, b) for a, b in zip(_arrays(self), _arrays(other), strict=True))
         )
 
     def to_dataset(self) -> xr.Dataset:
         """Return the problem as a Dataset with units, without loss: `from_dataset` gives the identical problem back."""
-        return problem_dataset(self.separation, self.lever_arm, self.torque, self.compliance)
+        compliance = self.compliance if self.is_structured else self.dense_compliance
+        return problem_dataset(self.separation, self.lever_arm, self.torque, compliance)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> ContactProblem:
@@ -290,5 +302,7 @@ def _local(local: ArrayLike, size: int) -> Array:
 
 
 def _arrays(problem: ContactProblem) -> tuple[Array, ...]:
+    if isinstance(problem.compliance_matrix, OperatorCompliance):
+        return problem.separation, problem.lever_arm
     parts = problem.compliance if isinstance(problem.compliance, tuple) else (problem.compliance,)
     return (problem.separation, problem.lever_arm, *parts)

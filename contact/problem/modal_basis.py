@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.errors import InputError
 from .mode_columns import ModeColumns, mode_columns
 
 Array = NDArray[np.float64]
@@ -34,11 +35,41 @@ class ModalBasis:
         Segments of each block (p, m); n where padded. Every segment is in one block.
     modes
         U of each block (p, m, k) [(mm/N)^0.5], zero where padded.
+
+    Raises
+    ------
+    InputError
+        The arrays do not fit each other, a segment is in no block or in two, or a mode is not finite.
+
+    Examples
+    --------
+    Two tooth pairs of two segments each, with one mode a pair:
+
+    >>> from easeoff.contact import ContactProblem, solve
+    >>> basis = ModalBasis(4, np.array([[0, 1], [2, 3]]), np.array([[[1e-3], [2e-3]], [[2e-3], [1e-3]]]))
+    >>> basis.factor.shape, len(basis.blocks)
+    ((4, 2), 2)
+    >>> problem = ContactProblem(np.zeros(4), np.full(4, 40.0), 1.6e5, (np.full(4, 1e-6), basis))
+    >>> solve(problem).certified, problem.modal_basis is basis
+    (True, True)
     """
 
     size: int
     index: NDArray[np.intp]
     modes: Array
+
+    def __post_init__(self) -> None:
+        """Check that the arrays fit: compiled code reads them without asking."""
+        index, modes, size = np.asarray(self.index), np.asarray(self.modes), self.size
+        if not (index.ndim == 2 and index.dtype.kind in "iu" and modes.ndim == 3 and modes.dtype == np.float64):
+            raise InputError("index, modes: must be whole numbers (p, m), and floats (p, m, k) [(mm/N)^0.5]")
+        if modes.shape[:2] != index.shape:
+            raise InputError(f"modes = array of shape {modes.shape}: must have the shape (p, m, k), index being (p, m)")
+        within = bool(index.size) and index.min() >= 0 and index.max() <= size
+        if not (within and (np.bincount(index.ravel(), minlength=size + 1)[:size] == 1).all()):
+            raise InputError(f"index = array of shape {index.shape}: must have each segment from 0 to {size - 1} once")
+        if not np.isfinite(modes).all() or modes[index == size].any():
+            raise InputError("modes: must be finite, and zero where index is padded")
 
     @cached_property
     def factor(self) -> Array:

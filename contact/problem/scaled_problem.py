@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .compliance_matrix import ModalCompliance
 from .modal_basis import ModalBasis
+from .operator_compliance import OperatorCompliance
 
 if TYPE_CHECKING:
     import qpsolvers
@@ -81,13 +82,43 @@ class ScaledModes:
 
 
 @dataclass(frozen=True, eq=False)
+class ScaledOperator:
+    """A compliance known by its products alone, in another unit.
+
+    Attributes
+    ----------
+    compliance
+        In a unit of its own.
+    unit
+        Unit in which its numbers are wanted [mm/N], a power of two.
+    """
+
+    compliance: OperatorCompliance
+    unit: float
+
+    @property
+    def dense(self) -> Array:
+        """Refused, see `OperatorCompliance.dense`."""
+        return self.compliance.dense
+
+    @property
+    def whole_diagonal(self) -> Array:
+        """Diagonal of C, (n)."""
+        return self.compliance.diagonal * (1.0 / self.unit)
+
+    def deflection(self, force: Array) -> Array:
+        """C F, (n)."""
+        return self.compliance.deflection(force) * (1.0 / self.unit)
+
+
+@dataclass(frozen=True, eq=False)
 class ScaledProblem:
     """A contact problem in scaled numbers: minimise 1/2 F'CF + S'F subject to r'F = T, F >= 0.
 
     Attributes
     ----------
     given_compliance
-        Mean diagonal of order one: an (n, n) array, or local compliance and modes.
+        Mean diagonal of order one: an (n, n) array, local compliance and modes, or what gives products alone.
     separation
         Counted from first contact and clipped (n).
     lever_arm
@@ -96,16 +127,16 @@ class ScaledProblem:
         Of the order of the number of segments in contact.
     """
 
-    given_compliance: Array | ScaledModes
+    given_compliance: Array | ScaledModes | ScaledOperator
     separation: Array
     lever_arm: Array
     torque: float
 
     @cached_property
     def compliance(self) -> Array:
-        """C as an (n, n) array."""
+        """C as an (n, n) array; `InputError` where only its products are known."""
         given = self.given_compliance
-        return given.dense if isinstance(given, ScaledModes) else given
+        return given if isinstance(given, np.ndarray) else given.dense
 
     @property
     def modal(self) -> ScaledModes | None:
@@ -113,11 +144,34 @@ class ScaledProblem:
         return self.given_compliance if isinstance(self.given_compliance, ScaledModes) else None
 
     @property
+    def has_matrix(self) -> bool:
+        """Whether C can be had as an array."""
+        return not isinstance(self.given_compliance, ScaledOperator)
+
+    def deflection(self, force: Array) -> Array:
+        """C F, (n), in O(n k) of a structured compliance."""
+        given = self.given_compliance
+        if isinstance(given, ScaledModes):
+            return given.diagonal * force + given.weight * (given.factor @ (force @ given.factor))
+        return given @ force if isinstance(given, np.ndarray) else given.deflection(force)
+
+    @property
     def is_finite(self) -> bool:
         """Whether no number has overflowed."""
         # No entry of a positive semidefinite matrix exceeds its diagonal.
-        compliance = self.compliance if self.modal is None else self.modal.whole_diagonal
+        given = self.given_compliance
+        compliance = given if isinstance(given, np.ndarray) else given.whole_diagonal
         return bool(np.isfinite(self.separation).all() and np.isfinite(compliance).all() and math.isfinite(self.torque))
+
+    def as_products(self) -> qpsolvers.Problem:
+        """Return the qpsolvers problem with P as a `scipy.sparse.linalg.LinearOperator`."""
+        import qpsolvers
+        from scipy.sparse.linalg import LinearOperator
+
+        size = self.separation.size
+        product: Any = LinearOperator((size, size), dtype=np.float64, matvec=lambda x: self.deflection(x.ravel()))
+        row, torque = self.lever_arm[np.newaxis, :].copy(), np.array([self.torque])
+        return qpsolvers.Problem(product, self.separation.copy(), A=row, b=torque, lb=np.zeros(size))
 
     def as_qp(self, *, sparse: bool = False) -> qpsolvers.Problem:
         """Return the qpsolvers problem, with csc matrices if `sparse`."""

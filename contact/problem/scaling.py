@@ -30,7 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compliance_matrix import ComplianceMatrix, ModalCompliance
-from .scaled_problem import ScaledModes, ScaledProblem
+from .operator_compliance import OperatorCompliance
+from .scaled_problem import ScaledModes, ScaledOperator, ScaledProblem
 
 Array = NDArray[np.float64]
 
@@ -143,13 +144,16 @@ class Scaling:
         """Return the data of a problem, see `of`, in scaled numbers; clipping lowers only what cannot matter."""
         if clip:
             separation = np.minimum(separation, self.separation_limit)
+        given: Array | ScaledModes | ScaledOperator
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            if isinstance(compliance, ModalCompliance):
+                given = ScaledModes(compliance, self.compliance)
+            elif isinstance(compliance, OperatorCompliance):
+                given = ScaledOperator(compliance, self.compliance)
+            else:
+                given = compliance.dense * (1.0 / self.compliance)
             return ScaledProblem(
-                (
-                    ScaledModes(compliance, self.compliance)
-                    if isinstance(compliance, ModalCompliance)
-                    else compliance.dense * (1.0 / self.compliance)
-                ),
+                given,
                 separation / self.gap,
                 lever_arm * (1.0 / self.lever_arm),
                 torque / self.lever_arm / self.force,

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from ...core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from .declared.solver_declaration import Solver
+    from .declared.solver_lookup import SolverChoice
     from .problem_batch import ContactSolutions, solve_many
     from .registry import available_solvers, require_solver, solve
     from .solution import ContactSolution, Status
@@ -16,6 +18,8 @@ __all__ = [
     "SOLVERS",
     "ContactSolution",
     "ContactSolutions",
+    "Solver",
+    "SolverChoice",
     "SolverSettings",
     "Status",
     "available_solvers",
@@ -25,6 +29,8 @@ __all__ = [
 ]
 
 _ORIGINS = {
+    ".declared.solver_declaration": ["Solver"],
+    ".declared.solver_lookup": ["SolverChoice"],
     ".problem_batch": ["ContactSolutions", "solve_many"],
     ".registry": ["available_solvers", "require_solver", "solve"],
     ".solution": ["ContactSolution", "Status"],

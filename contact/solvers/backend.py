@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Collection, Mapping
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,37 +19,83 @@ from ...core.errors import InputError
 from ..problem.forms.lifted_form import lifted_programme
 from ..problem.scaled_problem import ScaledProblem
 from .scaled_answer import ScaledAnswer
-from .solution import Status
+from .solution import CallTimes, Status
 from .solver_table import SOLVERS
 
 #: Forms in which a backend may get the problem.
-FORMS = ("auto", "dense", "lifted")
+FORMS = ("auto", "dense", "sparse", "lifted", "lcp", "products")
+
+
+#: Where the times of a call stand among the extras of its solution.
+CALL_TIMES = "call_times"
+#: Unit [s] and names of set-up and solve time in what a backend reports; an empty name where it reports none.
+_REPORTED_TIMES = {
+    "clarabel": (1.0, "", "solve_time"),
+    "osqp": (1.0, "setup_time", "solve_time"),
+    "piqp": (1.0, "setup_time", "solve_time"),
+    "proxqp": (1e-6, "setup_time", "solve_time"),
+    "qpalm": (1.0, "setup_time", "solve_time"),
+    "scs": (1e-3, "setup_time", "solve_time"),
+}
 
 
 class NoAnswerError(Exception):
     """A backend ended without numbers; carries its message. Never leaves this folder."""
 
-    def __init__(self, message: str, suspicion: Status | None = None) -> None:
+    def __init__(self, message: str, suspicion: Status | None = None, *, claim: str | None = None) -> None:
         super().__init__(message)
         self.suspicion = suspicion
+        self.claim = claim
 
 
 def run_qpsolvers(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> Any:
     """Solve with the named backend and return the `qpsolvers.Solution`, found or not.
 
-    The setting ``form`` chooses the dense form, which is the default, or the lifted one.
+    The setting ``form`` chooses the dense form, which is the default, or the lifted one; ``initvals`` are forces (n)
+    to start from, scaled, which some backends ignore.
     """
     import qpsolvers
 
     options = dict(settings)
+    start = options.pop("initvals", None)
     if options.pop("form", "dense") == "lifted":
         programme = lifted_programme(problem, compress=True)
+        if start is not None:
+            equalities: Any = programme.A  # the modal amplitudes of the start: V'F - z = 0
+            start = np.concatenate([start, equalities[1:, : start.size] @ start])
     else:
         programme = problem.as_qp(sparse=SOLVERS[name].sparse)
+    begin = perf_counter()
     with warnings.catch_warnings():
         # "Not found" comes as a warning too; here it becomes a status.
         warnings.simplefilter("ignore")
-        return qpsolvers.solve_problem(programme, solver=name, verbose=False, **options)
+        solution = qpsolvers.solve_problem(programme, solver=name, initvals=start, verbose=False, **options)
+    solution.extras[CALL_TIMES] = call_times(name, solution, perf_counter() - begin)
+    return solution
+
+
+def call_times(name: str, solution: Any, call: float) -> CallTimes:
+    """Return the times of a call [s]: as the backend reports them, or else as qpsolvers measured them.
+
+    Parameters
+    ----------
+    name
+        Of the backend.
+    solution
+        The `qpsolvers.Solution`.
+    call
+        Wall time of the call [s].
+    """
+    if name in _REPORTED_TIMES:
+        unit, *keys = _REPORTED_TIMES[name]
+        info = solution.extras.get("info", solution.extras)
+        values = [info.get(key) if isinstance(info, Mapping) else getattr(info, key, None) for key in keys]
+        setup, solve = (unit * float(value) if value else math.nan for value in values)
+        if solve > 0.0:
+            return CallTimes(call, setup, solve, "solver")
+    if solution.solve_time is None:
+        return CallTimes(call)
+    return CallTimes(call, float(solution.build_time), float(solution.solve_time), "interface")
 
 
 def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
@@ -69,7 +116,12 @@ def chosen_form(name: str, problem: ScaledProblem, form: str) -> str:
     InputError
         An unknown form, or one that the backend or the problem cannot have.
     """
-    one_of("form", form, FORMS)
+    one_of("form", form, ("auto", "dense", "lifted"))
+    if not problem.has_matrix and name != "native":
+        raise InputError(
+            f"compliance = LinearOperator: must be a matrix for {name}; native takes it, and a solver of your own that "
+            "declares the form 'products'; operator @ numpy.eye(n) forms the matrix"
+        )
     least = SOLVERS[name].lifted_from
     if form == "lifted":
         if least is None:
@@ -117,7 +169,9 @@ def read_answer(
         rotation = float(unknowns @ (problem.P @ unknowns) + problem.q @ unknowns) / torque
     multipliers = solution.z_box
     gap = None if multipliers is None or len(multipliers) != unknowns.size else -np.asarray(multipliers)[bounded]
-    return ScaledAnswer(unknowns[bounded], rotation, iterations, message, None if solution.found else suspicion, gap)
+    claim = None if solution.found else suspicion
+    times = solution.extras.get(CALL_TIMES)
+    return ScaledAnswer(unknowns[bounded], rotation, iterations, message, claim, gap, times)
 
 
 def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
@@ -138,5 +192,6 @@ def refuse_unknown(name: str, settings: Mapping[str, Any], *known: Any) -> None:
         A setting that is none.
     """
     for key in settings:
-        if key != "form" and not any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known):
+        listed = any(key in k if isinstance(k, Collection) else hasattr(k, key) for k in known)
+        if key not in ("form", "initvals") and not listed:
             raise InputError(f"{key} = {shown(settings[key])}: must not be given, {name} has no such setting")

@@ -8,17 +8,27 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...core.errors import InputError
 from ..problem.answer import of_whole_rotation
 from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.compliance_matrix import ModalCompliance
 from ..problem.contact_problem import ContactProblem
-from ..problem.scaled_problem import ScaledProblem
-from .active_set.polish import polished_answer
+from ..problem.scaled_problem import ScaledModes, ScaledProblem
+from .active_set.polish import Polish, PolishRule, polished_answer
 from .backend import NoAnswerError, chosen_form
+from .declared.solver_declaration import Solver
 from .scaled_answer import ScaledAnswer
-from .solution import RAISED, SOLVED, ContactSolution, Status, judged, no_solution
+from .solution import RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
+from .solver_limits import Limits
 from .solver_table import SOLVERS
 
+#: What is said of a compliance that is known by its products alone.
+ASSUMED = "that the compliance is positive semidefinite is assumed, products cannot prove it"
+#: Polish of `solve`, and no limits.
+DEFAULT_POLISH, NO_LIMITS = PolishRule(), Limits()
 #: Function that calls a backend: takes the scaled problem and the settings of the backend.
 Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
@@ -32,13 +42,14 @@ def adapter_of(solver: str) -> Adapter:
 def backend_solution(
     problem: ContactProblem,
     solver: str,
-    adapter: Adapter,
+    adapter: Adapter | Solver,
     settings: Mapping[str, Any],
     *,
     form: str = "auto",
-    polish: bool = True,
+    polish: PolishRule | None = DEFAULT_POLISH,
     raw: bool = False,
     own: tuple[str, ...] = (),
+    limits: Limits = NO_LIMITS,
 ) -> ContactSolution:
     """Solve a contact problem with a backend, and certify its answer.
 
@@ -49,17 +60,19 @@ def backend_solution(
     solver
         Name of the solver; one that is not in the table gets the dense form.
     adapter
-        Function that calls the backend.
+        Function that calls the backend, or the declaration of a solver of one's own.
     settings
         Of the backend.
     form
         As in `chosen_form`.
     polish
-        Make the answer exact on the active set that it shows.
+        What may be done to make the answer exact on the active set that it shows; None to leave it as it is.
     raw
         Give the backend the problem in mm and N as it is, and leave its answer as it is.
     own
         Settings that are the caller's own: an exception that a wrong one can have caused is raised as `InputError`.
+    limits
+        Of the solve; its tolerance is that of the certificate.
 
     Raises
     ------
@@ -67,40 +80,72 @@ def backend_solution(
         A form that the solver or the problem cannot have, or a setting that the solver refuses.
     """
     start = perf_counter()
-    tolerance = SOLVERS[solver].tolerance if solver in SOLVERS else EXACT_TOLERANCE
-    if raw:
-        # Copies: some backends cannot take arrays that are read-only.
-        data = (problem.dense_compliance.copy(), problem.separation.copy(), problem.lever_arm.copy())
-        scaled, method = ScaledProblem(*data, problem.torque), "dense"
+    declared = adapter if isinstance(adapter, Solver) else None
+    tolerance = limits.tolerance or _tolerance(solver, declared)
+    scaled = _as_given(problem, structured=declared is not None) if raw else problem.scaled()
+    if declared is not None:
+        method, what = declared.chosen_form(scaled, form), declared.method
+    elif solver in SOLVERS:
+        method, what = "dense" if raw else chosen_form(solver, scaled, form), SOLVERS[solver].kind
     else:
-        scaled = problem.scaled()
-        method = chosen_form(solver, scaled, form) if solver in SOLVERS else "dense"
+        method, what = "dense", ""
     try:
-        given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
-        if raw:
-            answer, exact = of_whole_rotation(problem, given.force, float(given.rotation)), False
+        begin = perf_counter()
+        if isinstance(adapter, Solver):
+            given = adapter.solve_scaled(scaled, method, settings)
         else:
-            answer, exact = polished_answer(problem, scaled, given, polish=polish)
+            given = adapter(scaled, {**settings, "form": method} if method == "lifted" else settings)
+        answered = perf_counter()
+        times = given.times or CallTimes(call=answered - begin)
+        if raw:
+            found = Polish(of_whole_rotation(problem, given.force, float(given.rotation)), False, 0)
+        else:
+            found = polished_answer(problem, scaled, given, polish if scaled.has_matrix else None)
+            if polish is not None:
+                times = replace(times, polish=perf_counter() - answered)
         solution = judged(
             solver,
-            answer,
-            tolerance=EXACT_TOLERANCE if exact else tolerance,
+            found.answer,
+            tolerance=limits.exact_tolerance if found.polished else tolerance,
             suspicion=given.suspicion,
             claim=SOLVED if given.suspicion is None else given.suspicion.name.lower(),
             iterations=int(given.iterations),
             method=method,
-            polished=exact,
-            message=given.message,
+            polished=found.polished,
         )
+        solution = replace(solution, exchanges=found.exchanges, times=times, words=given.message)
     except InputError:
         raise
     except NoAnswerError as error:
         status = error.suspicion or Status.SOLVER_FAILED
-        solution = no_solution(problem.size, status, solver, message=str(error), tolerance=tolerance)
+        solution = no_solution(problem.size, status, solver, claim=error.claim, tolerance=tolerance)
+        solution = replace(solution, words=str(error), method=method)
     except Exception as error:
         if own and isinstance(error, TypeError | AttributeError | ValueError):
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}") from error
-        message = f"{type(error).__name__}: {error}"
         status = Status.SOLVER_FAILED
-        solution = no_solution(problem.size, status, solver, message=message, claim=RAISED, tolerance=tolerance)
-    return replace(solution, run_time=perf_counter() - start)
+        solution = no_solution(problem.size, status, solver, claim=RAISED, tolerance=tolerance)
+        solution = replace(solution, words=f"{type(error).__name__}: {error}", method=method)
+    label = f"{solver} ({what})" if what else solver
+    message = course(f"{label}, form {method}", solution, solution.words)
+    if not scaled.has_matrix and solution.certified:
+        message += f"; {ASSUMED}"
+    return replace(solution, message=message, run_time=perf_counter() - start)
+
+
+def _tolerance(solver: str, declared: Solver | None) -> float:
+    """Certificate that an unpolished answer must reach if the caller asks for no other."""
+    if declared is not None:
+        return declared.tolerance
+    return SOLVERS[solver].tolerance if solver in SOLVERS else EXACT_TOLERANCE
+
+
+def _as_given(problem: ContactProblem, *, structured: bool) -> ScaledProblem:
+    """The problem in mm and N; copies, because some backends cannot take arrays that are read-only."""
+    matrix = problem.compliance_matrix
+    given: NDArray[np.float64] | ScaledModes
+    if structured and isinstance(matrix, ModalCompliance):
+        given = ScaledModes(matrix, 1.0)
+    else:
+        given = problem.dense_compliance.copy()
+    return ScaledProblem(given, problem.separation.copy(), problem.lever_arm.copy(), problem.torque)

@@ -28,6 +28,7 @@ from ..problem.scaled_problem import ScaledModes, ScaledProblem
 from .active_set.active_set_system import first_contact_index
 from .modal_batch import ModalBatch
 from .scaled_answer import ScaledAnswer
+from .solver_limits import StepBudget
 
 Array = NDArray[np.float64]
 
@@ -112,7 +113,9 @@ def has_modal_form(problem: ScaledProblem) -> bool:
     return padded <= LARGEST_PADDING * problem.separation.size * (modal.mode_count + 1)
 
 
-def modal_newton(problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.bool_]]) -> list[ScaledAnswer | None]:
+def modal_newton(
+    problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.bool_]], budget: StepBudget | None = None
+) -> list[ScaledAnswer | None]:
     """Solve scaled problems that have the modal form.
 
     Parameters
@@ -121,12 +124,16 @@ def modal_newton(problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.
         The scaled problems.
     active
         Segments of each that are assumed in contact (n).
+    budget
+        Limits of the whole solve; a step of all problems together is one.
 
     Returns
     -------
     list of ScaledAnswer or None
         None for a problem in which the method did not end.
     """
+    if budget is not None and not budget.step():
+        return [None] * len(problems)
     given = [problem.given_compliance for problem in problems]
     modes = [modal for modal in given if isinstance(modal, ScaledModes)]
     batch = ModalBatch.of(
@@ -139,7 +146,7 @@ def modal_newton(problems: Sequence[ScaledProblem], active: Sequence[NDArray[np.
     touching = [_touching(problem, mask) for problem, mask in zip(problems, active, strict=True)]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         start = _minimum_on(batch, law.stiffness * batch.in_blocks(touching, 0.0))
-    found = newton_batch(batch, law, *start)
+    found = newton_batch(batch, law, *start, budget)
     return [
         ScaledAnswer(force, float(found.rotation[i]), int(found.iterations[i]) + 1, "modal") if found.ended[i] else None
         for i, force in enumerate(batch.by_segments(found.force))
@@ -163,7 +170,9 @@ def _minimum_on(batch: ModalBatch, stiffness: Array) -> tuple[Array, Array]:
     return _newton_direction(batch, here)
 
 
-def newton_batch(batch: ModalBatch, law: LocalLaw, amplitudes: Array, rotation: Array) -> BatchAnswer:
+def newton_batch(
+    batch: ModalBatch, law: LocalLaw, amplitudes: Array, rotation: Array, budget: StepBudget | None = None
+) -> BatchAnswer:
     """Solve all problems of a batch.
 
     Parameters
@@ -174,6 +183,8 @@ def newton_batch(batch: ModalBatch, law: LocalLaw, amplitudes: Array, rotation: 
         Local compliance.
     amplitudes, rotation
         Where to begin, (b, p, k) and (b).
+    budget
+        Limits of the whole solve.
     """
     count = rotation.size
     best = np.full(count, np.inf)
@@ -202,6 +213,8 @@ def newton_batch(batch: ModalBatch, law: LocalLaw, amplitudes: Array, rotation: 
                 break
             if not going.all():
                 chosen, batch, point = chosen[going], batch.part(going), point.part(going)
+            if budget is not None and not budget.step():
+                break
             point = _step(batch, law, chosen, point)
     return answer
 

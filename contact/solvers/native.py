@@ -5,7 +5,8 @@
 2. Primal-dual active set, from the same start. It comes first where the problem is small.
 3. Primal active set, which cannot cycle.
 
-The cascade ends at the first answer whose certificate is at rounding level; otherwise the best one is judged.
+The cascade ends at the first answer whose certificate is at rounding level; otherwise the best one is judged. Limits of
+time and steps hold for all methods together.
 """
 
 from __future__ import annotations
@@ -21,32 +22,48 @@ from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
 from .active_set.primal_active_set import primal_active_set
 from .active_set.primal_dual_active_set import primal_dual_active_set
+from .active_set.projected_conjugate_gradients import projected_conjugate_gradients
 from .modal_newton import has_modal_form, modal_newton
 from .scaled_answer import ScaledAnswer
+from .solver_limits import StepBudget
 
 Mask = NDArray[np.bool_]
 
 
-def _modal(problem: ScaledProblem, active: Mask) -> ScaledAnswer | None:
-    return modal_newton([problem], [active])[0] if has_modal_form(problem) else None
+def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
+    return modal_newton([problem], [active], budget)[0] if has_modal_form(problem) else None
 
 
-def _primal(problem: ScaledProblem, active: Mask) -> ScaledAnswer | None:
-    return primal_active_set(problem, active) if problem.torque > 0.0 else None
+def _primal_dual(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
+    return primal_dual_active_set(problem, active, budget=budget)
+
+
+def _primal(problem: ScaledProblem, active: Mask, budget: StepBudget | None) -> ScaledAnswer | None:
+    return primal_active_set(problem, active, budget=budget) if problem.torque > 0.0 else None
 
 
 #: Methods by name, in the order of the cascade.
-METHODS: dict[str, Callable[[ScaledProblem, Mask], ScaledAnswer | None]] = {
+METHODS: dict[str, Callable[[ScaledProblem, Mask, StepBudget | None], ScaledAnswer | None]] = {
     "modal": _modal,
-    "primal_dual_active_set": primal_dual_active_set,
+    "primal_dual_active_set": _primal_dual,
     "primal_active_set": _primal,
+    "projected_conjugate_gradients": projected_conjugate_gradients,
+}
+#: Methods in words, for messages.
+METHOD_WORDS = {
+    "modal": "Newton's method in the space of the modes",
+    "primal_dual_active_set": "primal-dual active set",
+    "primal_active_set": "primal active set",
+    "projected_conjugate_gradients": "projected conjugate gradients",
 }
 #: Number of segments up to which the dense active set is faster than the modal method, whether or not the modes have to
 #: be compressed first.
 DENSE_FIRST_SIZE = 300
 
 
-def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> Iterator[tuple[str, ScaledAnswer]]:
+def answers(
+    problem: ScaledProblem, active: Mask, settings: dict[str, Any], budget: StepBudget | None = None
+) -> Iterator[tuple[str, ScaledAnswer]]:
     """Yield methods and their answers in turn; the caller stops at the first it accepts.
 
     Parameters
@@ -57,6 +74,8 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
         Segments assumed in contact (n).
     settings
         ``method``: the name of a single method instead of the cascade.
+    budget
+        Limits of the whole solve.
 
     Raises
     ------
@@ -68,11 +87,13 @@ def answers(problem: ScaledProblem, active: Mask, settings: dict[str, Any]) -> I
     if settings:
         raise InputError(f"settings = {', '.join(sorted(settings))}: must be method, the only one of native")
     one_of("method", method, ("cascade", *METHODS))
-    return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,))
+    return _answers(problem, active, _cascade(problem) if method == "cascade" else (method,), budget)
 
 
 def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
-    modal, dense, *others = METHODS
+    modal, dense, *others, products = METHODS
+    if not problem.has_matrix:
+        return (products,)
     if problem.modal is None:
         return (dense, *others)
     if problem.separation.size <= DENSE_FIRST_SIZE:
@@ -80,8 +101,12 @@ def _cascade(problem: ScaledProblem) -> tuple[str, ...]:
     return (modal, dense, *others)
 
 
-def _answers(problem: ScaledProblem, active: Mask, methods: tuple[str, ...]) -> Iterator[tuple[str, ScaledAnswer]]:
+def _answers(
+    problem: ScaledProblem, active: Mask, methods: tuple[str, ...], budget: StepBudget | None
+) -> Iterator[tuple[str, ScaledAnswer]]:
     for method in methods:
-        answer = METHODS[method](problem, active)
+        if budget is not None and budget.met is not None:
+            return
+        answer = METHODS[method](problem, active, budget)
         if answer is not None:
             yield method, answer

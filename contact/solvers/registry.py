@@ -5,26 +5,29 @@ from __future__ import annotations
 import difflib
 import importlib
 import importlib.util
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import one_of, shown
+from ...core.checks import array, one_of, shown
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.answer import unscaled, with_certificate
-from ..problem.certificate import EXACT_TOLERANCE
+from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE
 from ..problem.contact_problem import ContactProblem
 from ..problem.proof.unboundedness import is_unbounded
 from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
-from .backend_solution import adapter_of, backend_solution
+from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import linear_answer
+from .declared.solver_declaration import Solver
+from .declared.solver_lookup import SolverChoice, declared_solver, entry_point_names
 from .scaled_answer import ScaledAnswer
-from .solution import SOLVED, ContactSolution, Status, judged, no_solution
+from .solution import SOLVED, ContactSolution, Status, course, judged, no_solution
+from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
 
 #: A certificate this good is rounding; the native cascade looks no further.
@@ -32,23 +35,28 @@ ROUNDING_LEVEL = 1e-10
 
 
 def available_solvers() -> list[str]:
-    """Return the names of the solvers that can be used here, the native one first.
+    """Return the names of the solvers that can be used here: the native one, the table's, and those of entry points.
 
     Examples
     --------
     >>> available_solvers()[0]
     'native'
     """
-    return [name for name in SOLVERS if _is_installed(name)]
+    return [name for name in SOLVERS if _is_installed(name)] + entry_point_names()
 
 
-def require_solver(name: str) -> str:
+def require_solver(solver: SolverChoice) -> str:
     """Return the name of a usable solver; ``"auto"`` stands for the native one.
+
+    Parameters
+    ----------
+    solver
+        As of `solve`.
 
     Raises
     ------
     InputError
-        The name is unknown; the message lists the known ones.
+        The name is unknown; the message lists the known ones. Or a solver of one's own cannot be imported.
     MissingSolverError
         Its package is not installed; the message says what installs it.
 
@@ -57,12 +65,17 @@ def require_solver(name: str) -> str:
     >>> require_solver("auto")
     'native'
     """
-    if name == "auto":
+    if isinstance(solver, str) and solver == "auto":
         return "native"
+    declared = declared_solver(solver)
+    if declared is not None:
+        return declared.name
+    name = str(solver)
     if name not in SOLVERS:
-        close = difflib.get_close_matches(str(name), SOLVERS, n=1)
+        known = [*SOLVERS, *entry_point_names()]
+        close = difflib.get_close_matches(name, known, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
-        raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(SOLVERS)}{hint}")
+        raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(known)}, or MODULE:FUNCTION{hint}")
     if not _is_installed(name):
         raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
     return name
@@ -70,10 +83,14 @@ def require_solver(name: str) -> str:
 
 def solve(
     problem: ContactProblem,
-    solver: str = "auto",
+    solver: SolverChoice = "auto",
     *,
+    tolerance: float | None = None,
+    time_limit: float | None = None,
+    max_iterations: int | None = None,
     polish: bool = True,
     initial_active: ArrayLike | None = None,
+    initial_force: ArrayLike | None = None,
     form: str = "auto",
     **settings: Any,
 ) -> ContactSolution:
@@ -84,17 +101,31 @@ def solve(
     problem
         The contact problem.
     solver
-        One of `available_solvers`, or ``"auto"``.
+        One of `available_solvers`, or ``"auto"``; or a solver of one's own: a `Solver`, a function, or
+        ``module:function``.
+    tolerance
+        Largest violation that the certificate of the answer may have; by default that of the table of settings, for a
+        polished or native answer `EXACT_TOLERANCE`, which a larger tolerance leaves as it is. The stopping tolerances
+        of a backend are set so that it reaches it, see `SolverSettings.tolerance_settings`.
+    time_limit
+        Wall time for the solver [s]; for `Status.TIME_LIMIT`. The compiled modal method, which ends in 60 steps, is not
+        interrupted.
+    max_iterations
+        Steps of the solver, for `Status.NOT_CONVERGED`. Of the native solver a step is a linear system, over all its
+        methods.
     polish
-        Make the answer of a backend exact by one solve on the active set it found; its certificate must then reach
-        `EXACT_TOLERANCE`. The result says whether this was done. The native solver needs none.
+        Make the answer of a backend exact by a solve on the active set it found, with up to `MAX_EXCHANGES` exchanges
+        of segments; its certificate must then reach `EXACT_TOLERANCE`. The result says whether this was done, and with
+        how many exchanges. The native solver needs none.
     initial_active
         Segments assumed in contact, a mask (n) or an array of indices, from a neighbouring problem; a warm start of the
         native solver, ignored by the others.
+    initial_force
+        Forces of a neighbouring problem (n) [N]: a warm start of all solvers that have one, ignored by the others.
     form
         Form of a structured problem for a backend: ``"dense"``, the matrix C; ``"lifted"``, the sparse form of
         `lifted_qp`, for those that have a size ``lifted_from`` in the table of settings; ``"auto"``, the lifted one
-        from that size on.
+        from that size on. For a solver of one's own one of its forms; ``"auto"``, the first that the problem has.
     **settings
         Passed to the backend on top of the settings of the table; for the native solver, ``method``.
 
@@ -107,8 +138,8 @@ def solve(
     Raises
     ------
     InputError
-        Unknown solver or setting, an initial set of the wrong shape, or a form that the solver or the problem cannot
-        have.
+        Unknown solver or setting, a limit that the solver cannot have, an initial set of the wrong shape, or a form
+        that the solver or the problem cannot have.
     MissingSolverError
         The solver is not installed.
 
@@ -119,14 +150,35 @@ def solve(
     >>> solution = solve(problem)
     >>> solution.status.name, solution.force[0].item(), round(solution.rotation * 1e6, 6)
     ('CERTIFIED', 1000.0, 40.0)
+    >>> solution = solve(problem, "osqp", tolerance=1e-4, time_limit=60.0, max_iterations=1000)
+    >>> solution.message.split(": ")[1].split(";")[0]
+    'made exact on the active set it found'
     """
     start = perf_counter()
-    if solver in ("auto", "native") and form == "auto" and not settings:
-        compiled = compiled_solution(problem, initial_active, start)
-        if compiled is not None:
-            return compiled
-    solution = _solved(problem, require_solver(solver), polish, initial_active, form, settings)
-    return replace(solution, run_time=perf_counter() - start)
+    limits = Limits(tolerance, time_limit, max_iterations)
+    own = solver if isinstance(solver, str) else ""
+    plain = own in ("auto", "native") and form == "auto" and not settings and max_iterations is None
+    if plain and (time_limit is None or perf_counter() - start < time_limit):
+        found = compiled_solution(problem, _active(problem, initial_active, initial_force), start)
+        if found is not None and found.certificate.passes(limits.exact_tolerance):
+            return found if tolerance is None else replace(found, tolerance=limits.exact_tolerance)
+    force = None if initial_force is None else _start_force(initial_force, problem.size)
+    request = _Request(problem, limits, polish, _active(problem, initial_active, force), force, form, settings, start)
+    return replace(_solved(request, solver), run_time=perf_counter() - start)
+
+
+@dataclass(frozen=True, eq=False)
+class _Request:
+    """What `solve` was asked for, checked."""
+
+    problem: ContactProblem
+    limits: Limits
+    polish: bool
+    active: NDArray[np.bool_] | None
+    force: NDArray[np.float64] | None
+    form: str
+    settings: dict[str, Any]
+    start: float
 
 
 def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start: float) -> ContactSolution | None:
@@ -155,72 +207,125 @@ def compiled_solution(problem: ContactProblem, initial: ArrayLike | None, start:
         perf_counter() - start,
         False,
         EXACT_TOLERANCE,
-        "modal",
+        f"native, {native.METHOD_WORDS['modal']}, compiled, {found.iterations} steps: certified",
     )
 
 
-def _solved(
-    problem: ContactProblem, name: str, polish: bool, initial: ArrayLike | None, form: str, settings: dict[str, Any]
-) -> ContactSolution:
-    one_of("form", form, FORMS)
-    active = None if initial is None else as_mask(initial, problem.size)
+def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
+    problem, name = request.problem, require_solver(solver)
+    one_of("form", request.form, FORMS)
     if not problem.is_positive_semidefinite:
-        message = "the compliance has a negative eigenvalue: some forces would release energy"
+        message = f"{name}, not begun: the compliance has a negative eigenvalue, some forces would release energy"
         return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
     if problem.torque == 0.0 and problem.separation_at_first_contact.min() >= 0.0:
         # Nothing to solve: the bodies just touch. (A segment with a negative lever arm may have to be forced open.)
         touching = with_certificate(problem, np.zeros(problem.size), 0.0)
-        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message="no torque: first contact")
+        message = f"{name}, not begun: without a torque the bodies just touch"
+        return judged(name, touching, tolerance=EXACT_TOLERANCE, iterations=0, message=message)
     scaled = problem.scaled()
     if not scaled.is_finite:
-        return no_solution(problem.size, Status.INVALID_DATA, name, message="the numbers overflow when scaled")
+        message = f"{name}, not begun: the numbers overflow when scaled"
+        return no_solution(problem.size, Status.INVALID_DATA, name, message=message)
     if name == "native":
-        chosen_form(name, scaled, form)
+        chosen_form(name, scaled, request.form)
         try:
-            return _solve_native(problem, scaled, active, settings)
+            return _solve_native(request, scaled)
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
-            return no_solution(problem.size, Status.SOLVER_FAILED, name, message=f"{type(error).__name__}: {error}")
-    keywords, own = {**SOLVERS[name].settings, **settings}, tuple(settings)
-    solution = backend_solution(problem, name, adapter_of(name), keywords, form=form, polish=polish, own=own)
-    if solution.status is Status.INFEASIBLE or (solution.status is Status.UNBOUNDED and not is_unbounded(problem)):
+            message = f"native: it failed; {type(error).__name__}: {error}"
+            return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)
+    declared = declared_solver(solver)
+    solution = _solve_backend(request, name, declared)
+    if solution.status is Status.INFEASIBLE or (
+        solution.status is Status.UNBOUNDED and scaled.has_matrix and not is_unbounded(problem)
+    ):
         solution = replace(solution, status=Status.NOT_CERTIFIED)  # its claim stays: some segment carries any torque
-    if SOLVERS[name].definite and not solution.certified and not _is_definite(scaled.compliance):
+    definite = SOLVERS[name].definite if declared is None else declared.definite
+    if definite and scaled.has_matrix and not solution.certified and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")
     return solution
 
 
-def _solve_native(
-    problem: ContactProblem, scaled: ScaledProblem, active: NDArray[np.bool_] | None, settings: dict[str, Any]
-) -> ContactSolution:
-    start = problem.scaling.estimated_active if active is None else active
+def _solve_backend(request: _Request, name: str, declared: Solver | None) -> ContactSolution:
+    limits, settings, start = request.limits, request.settings, {}
+    if request.force is not None and (SOLVERS[name].warm_start if declared is None else declared.warm_start):
+        start["initvals"] = request.force / request.problem.scaling.force
+    adapter: Adapter | Solver
+    if declared is None:
+        adapter, keywords = adapter_of(name), backend_keywords(name, limits, settings)
+    else:
+        adapter, keywords = declared, declared.keywords(asdict(limits), settings)
+    return backend_solution(
+        request.problem,
+        name,
+        adapter,
+        {**keywords, **start},
+        form=request.form,
+        polish=DEFAULT_POLISH if request.polish else None,
+        own=tuple(settings) if declared is None else (),  # what a function of one's own takes is known already
+        limits=limits,
+    )
+
+
+def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
+    problem, limits = request.problem, request.limits
+    budget = None if limits.none else StepBudget(limits, request.start)
+    start = problem.scaling.estimated_active if request.active is None else request.active
     best: ContactSolution | None = None
-    for method, answer in native.answers(scaled, start, settings):
-        solution = judged_native(problem, method, answer)
+    for method, answer in native.answers(scaled, start, request.settings, budget):
+        solution = judged_native(problem, method, answer, limits.exact_tolerance)
         if best is None or solution.certificate.worst < best.certificate.worst:
             best = solution
-        if best.certificate.worst <= ROUNDING_LEVEL:
+        if best.certificate.worst <= min(ROUNDING_LEVEL, limits.exact_tolerance) and best.certified:
             break
+    if best is not None and best.certified:
+        return best if scaled.has_matrix else replace(best, message=f"{best.message}; {ASSUMED}")
+    met = None if budget is None else budget.met
+    if met is not None:
+        limit = f"time limit of {limits.time_limit:g} s" if met is Status.TIME_LIMIT else "step limit"
+        limit += f" of {limits.max_iterations}" if met is Status.NOT_CONVERGED else ""
+        return _no_native_solution(problem, met, f"ended at the {limit}", best)
+    if scaled.has_matrix and is_unbounded(problem):
+        reason = "segments without compliance penetrate at every rotation, no force can part them"
+        return _no_native_solution(problem, Status.UNBOUNDED, reason, best)
     if best is None:
-        message = "no method had an answer"
-        best = no_solution(problem.size, Status.NOT_CONVERGED, "native", message=message, tolerance=EXACT_TOLERANCE)
-    if not best.certified and is_unbounded(problem):
-        message = "segments without compliance penetrate at every rotation: no force can part them"
-        return no_solution(problem.size, Status.UNBOUNDED, "native", certificate=best.certificate, message=message)
+        return _no_native_solution(problem, Status.NOT_CONVERGED, "no method had an answer", best)
     return best
 
 
-def judged_native(problem: ContactProblem, method: str, answer: ScaledAnswer) -> ContactSolution:
+def _no_native_solution(
+    problem: ContactProblem, status: Status, reason: str, best: ContactSolution | None
+) -> ContactSolution:
+    certificate = NO_CERTIFICATE if best is None else best.certificate
+    message = f"native: {reason}"
+    tolerance = EXACT_TOLERANCE
+    return no_solution(problem.size, status, "native", certificate=certificate, message=message, tolerance=tolerance)
+
+
+def judged_native(
+    problem: ContactProblem, method: str, answer: ScaledAnswer, tolerance: float = EXACT_TOLERANCE
+) -> ContactSolution:
     """Return the solution of an answer of a method of the native solver; see `judged`."""
-    return judged(
+    solution = judged(
         "native",
         unscaled(problem, answer.force, answer.rotation),
-        tolerance=EXACT_TOLERANCE,
+        tolerance=tolerance,
         suspicion=answer.suspicion,
         iterations=answer.iterations,
         method=method,
-        message=answer.message,
     )
+    return replace(solution, message=course(f"native, {native.METHOD_WORDS[method]}", solution))
+
+
+def _active(problem: ContactProblem, active: ArrayLike | None, force: ArrayLike | None) -> NDArray[np.bool_] | None:
+    """Segments assumed in contact (n): as given, or those that carry the forces of a neighbouring problem."""
+    if active is not None:
+        return as_mask(active, problem.size)
+    return None if force is None else _start_force(force, problem.size) > 0.0
+
+
+def _start_force(force: ArrayLike, size: int) -> NDArray[np.float64]:
+    return array("initial_force", force, "N", ndim=1, size=size)
 
 
 def _is_definite(matrix: NDArray[np.float64]) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .solution import Status
+from .solution import CallTimes, Status
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -29,6 +29,8 @@ class ScaledAnswer:
     gap
         Multipliers of the bounds (n), as the solver gave them, in the sign of gaps. Only for comparison: the gaps
         of a solution are computed from its forces.
+    times
+        Times of the call, where they were taken.
     """
 
     force: NDArray[np.float64]
@@ -37,3 +39,4 @@ class ScaledAnswer:
     message: str = ""
     suspicion: Status | None = None
     gap: NDArray[np.float64] | None = None
+    times: CallTimes | None = None

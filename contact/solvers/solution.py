@@ -5,14 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.errors import InputError
 from ...core.stored_status import StoredStatus
 from ..problem.answer import Answer, no_answer
 from ..problem.certificate import NO_CERTIFICATE, Certificate
+from ..problem.contact_problem import ContactProblem
 from ..problem.proof.conditioning import Conditioning, conditioning, unknown_conditioning
+
+if TYPE_CHECKING:
+    from .parametric.sensitivity import Sensitivity
 
 Array = NDArray[np.float64]
 
@@ -38,6 +44,34 @@ class Status(StoredStatus):
     SOLVER_FAILED = 6
     TIME_LIMIT = 7
     NOT_CONVERGED = 8
+
+
+@dataclass(frozen=True)
+class CallTimes:
+    """Times of the parts of a call of a backend [s]; NaN where unknown.
+
+    Attributes
+    ----------
+    call
+        Wall time of the backend, from its data in its form to its answer.
+    setup, solve
+        Set-up and solve, in the backend's own measurement, or else measured around them.
+    measured_by
+        Who measured these two: ``solver``, ``interface``, or nobody: an empty text.
+    polish
+        Wall time of the polish and the certificates it takes.
+
+    Examples
+    --------
+    >>> CallTimes(call=2e-3).call
+    0.002
+    """
+
+    call: float = math.nan
+    setup: float = math.nan
+    solve: float = math.nan
+    measured_by: str = ""
+    polish: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +100,21 @@ class ContactSolution:
     tolerance
         Largest violation that the certificate may have.
     message
-        Course of the solve in a few words.
+        The method and what happened, in plain words.
+    words
+        The solver's own message, as it is.
+    exchanges
+        Exchanges of segments that the polish made: zero if the active set of the solver was right.
+    times
+        Times of the parts of a call of a backend.
 
     Examples
     --------
     >>> import numpy as np
     >>> from easeoff.contact import ContactProblem, solve
     >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
-    >>> solution.certified, solution.claim, solution.force.tolist()
-    (True, 'solved', [1000.0, 1000.0])
+    >>> solution.certified, solution.claim, solution.force.tolist(), solution.energy
+    (True, 'solved', [1000.0, 1000.0], 1.0)
     """
 
     answer: Answer
@@ -87,6 +127,9 @@ class ContactSolution:
     polished: bool = False
     tolerance: float = 0.0
     message: str = ""
+    exchanges: int = 0
+    times: CallTimes = CallTimes()
+    words: str = ""
 
     @property
     def certified(self) -> bool:
@@ -116,6 +159,42 @@ class ContactSolution:
     def elastic_rotation(self) -> float:
         """Rotation beyond the first contact of the rigid bodies [rad], free of the cancellation in the difference."""
         return self._proved.elastic_rotation
+
+    @property
+    def problem(self) -> ContactProblem | None:
+        """The problem solved, of load-dependent line contact with the secant compliance; None without an answer."""
+        return self.answer.problem
+
+    @cached_property
+    def energy(self) -> float:
+        """Deformation energy 1/2 F'C F of the forces [N mm]; NaN unless certified."""
+        if self.problem is None or not self.certified:
+            return math.nan
+        return 0.5 * float(self.force @ self.problem.deflection(self.force))
+
+    def sensitivity(self) -> Sensitivity:
+        """Return the derivatives of the solution by the data of its problem; see `easeoff.contact.sensitivity`.
+
+        Of a solution with load-dependent line contact these are the derivatives of the linear problem with the secant
+        compliance; `easeoff.contact.line_contact_sensitivity` has those of the problem itself.
+
+        Raises
+        ------
+        InputError
+            The solution is not certified.
+
+        Examples
+        --------
+        >>> from easeoff.contact import ContactProblem, solve
+        >>> solution = solve(ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6])))
+        >>> solution.sensitivity().forward(torque=80.0).force.round(9).tolist()
+        [1.0, 1.0]
+        """
+        from .parametric.answer_sensitivity import answer_sensitivity  # most solutions are not differentiated
+
+        if self.problem is None or not self.certified:
+            raise InputError(f"solution = {self.status.name.lower()}: must be certified to have derivatives")
+        return answer_sensitivity(self.problem, self.answer)
 
     @property
     def certificate(self) -> Certificate:
@@ -204,3 +283,47 @@ def no_solution(
         tolerance=tolerance,
         message=message,
     )
+
+
+#: Ends of a solve in words, where there is no certified answer.
+_ENDS = {
+    Status.NOT_CERTIFIED: "refused",
+    Status.INFEASIBLE: "it reports that no forces satisfy the conditions",
+    Status.UNBOUNDED: "no forces satisfy the conditions",
+    Status.SOLVER_FAILED: "it failed",
+    Status.TIME_LIMIT: "ended at the time limit",
+    Status.NOT_CONVERGED: "ended before it converged",
+}
+
+
+def course(method: str, solution: ContactSolution, words: str = "") -> str:
+    """Return the method and what happened, in plain words.
+
+    Parameters
+    ----------
+    method
+        Solver and method.
+    solution
+        Its end.
+    words
+        The solver's own message.
+
+    Examples
+    --------
+    >>> from easeoff.contact import ContactProblem, solve
+    >>> springs = ContactProblem([0.0, 0.0], [40.0, 40.0], 8.0e4, [[1e-6, 0.0], [0.0, 1e-6]])
+    >>> course("two springs", solve(springs))
+    'two springs, 1 step: certified'
+    """
+    count = solution.iterations
+    steps = f", {count} step{'' if count == 1 else 's'}" if count >= 0 else ""
+    if solution.polished:
+        moved = f" after {solution.exchanges} exchange{'' if solution.exchanges == 1 else 's'} of segments"
+        end = f"made exact on the active set it found{moved if solution.exchanges else ''}"
+    else:
+        end = "certified" if solution.certified else _ENDS.get(solution.status, solution.status.name.lower())
+    worst = solution.certificate.worst
+    if not solution.certified and math.isfinite(worst):
+        end += f"; the certificate of its answer, {worst:.1e}, misses {solution.tolerance:.1e}"
+    said = f"; its own words: {words}" if words else ""
+    return f"{method}{steps}: {end}{said}"

@@ -52,6 +52,17 @@ class SolverSettings:
         the dense form only.
     settings
         Keywords passed to it; what the caller gives comes on top.
+    tolerance_settings
+        Those of its settings that are stopping tolerances; empty for a method that is exact up to rounding. With them
+        as in ``settings`` its unpolished answers reach ``tolerance``.
+    tolerance_power
+        Power of the certificate to which they belong: 2 for interior-point methods, see `INTERIOR_POINT_TOLERANCE`.
+    least_tolerance
+        Smallest stopping tolerance that it takes.
+    time_setting, step_setting
+        Its names for a time limit [s] and a limit of its iterations; empty where it has none.
+    warm_start
+        Whether it makes use of the forces of a neighbouring problem. The others ignore them, or have no use for them.
 
     Examples
     --------
@@ -69,6 +80,12 @@ class SolverSettings:
     definite: bool = False
     lifted_from: int | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
+    tolerance_settings: tuple[str, ...] = ()
+    tolerance_power: int = 1
+    least_tolerance: float = 0.0
+    time_setting: str = ""
+    step_setting: str = ""
+    warm_start: bool = False
 
 
 _EXTRA = "easeoff[solvers]"
@@ -76,7 +93,15 @@ _COPYLEFT = "easeoff[copyleft-solvers]"
 _OWN = "BSD-3-Clause"
 
 SOLVERS: dict[str, SolverSettings] = {
-    "native": SolverSettings("", "easeoff", _OWN, "modal Newton or primal-dual active set, with certified fallbacks"),
+    "native": SolverSettings(
+        "",
+        "easeoff",
+        _OWN,
+        "modal Newton or primal-dual active set, with certified fallbacks",
+        time_setting="time_limit",
+        step_setting="max_iterations",
+        warm_start=True,
+    ),
     "clarabel": SolverSettings(
         "clarabel",
         "clarabel",
@@ -93,6 +118,14 @@ SOLVERS: dict[str, SolverSettings] = {
             "max_iter": 200,
             "time_limit": TIME_LIMIT,
         },
+        tolerance_settings=(
+            "tol_gap_abs",
+            "tol_gap_rel",
+            "tol_feas",
+        ),
+        tolerance_power=2,
+        time_setting="time_limit",
+        step_setting="max_iter",
     ),
     "osqp": SolverSettings(
         "osqp",
@@ -109,6 +142,13 @@ SOLVERS: dict[str, SolverSettings] = {
             "polishing": True,
             "time_limit": TIME_LIMIT,
         },
+        tolerance_settings=(
+            "eps_abs",
+            "eps_rel",
+        ),
+        time_setting="time_limit",
+        step_setting="max_iter",
+        warm_start=True,
     ),
     "daqp": SolverSettings(
         "daqp",
@@ -118,6 +158,13 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=1e-6,
         largest=LARGEST_DENSE,
         settings={"primal_tol": 1e-11, "dual_tol": 1e-12, "iter_limit": 10_000, "time_limit": TIME_LIMIT},
+        tolerance_settings=(
+            "primal_tol",
+            "dual_tol",
+        ),
+        time_setting="time_limit",
+        step_setting="iter_limit",
+        warm_start=True,
     ),
     "piqp": SolverSettings(
         "piqp",
@@ -133,6 +180,14 @@ SOLVERS: dict[str, SolverSettings] = {
             "eps_duality_gap_rel": 1e-11,
             "max_iter": 500,
         },
+        tolerance_settings=(
+            "eps_abs",
+            "eps_rel",
+            "eps_duality_gap_abs",
+            "eps_duality_gap_rel",
+        ),
+        tolerance_power=2,
+        step_setting="max_iter",
     ),
     "proxqp": SolverSettings(
         "proxsuite",
@@ -142,6 +197,9 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=1e-7,
         largest=LARGEST_DENSE,
         settings={"eps_abs": 1e-11, "eps_rel": 0.0, "max_iter": 10_000},
+        tolerance_settings=("eps_abs",),
+        step_setting="max_iter",
+        warm_start=True,
     ),
     "highs": SolverSettings(
         "highspy",
@@ -159,6 +217,13 @@ SOLVERS: dict[str, SolverSettings] = {
             # It has been seen to cycle for ever.
             "time_limit": TIME_LIMIT,
         },
+        tolerance_settings=(
+            "primal_feasibility_tolerance",
+            "dual_feasibility_tolerance",
+        ),
+        least_tolerance=1e-10,
+        time_setting="time_limit",
+        step_setting="qp_iteration_limit",
     ),
     "scs": SolverSettings(
         "scs",
@@ -169,6 +234,13 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=1e-7,
         lifted_from=250,
         settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iters": 200_000, "time_limit_secs": TIME_LIMIT},
+        tolerance_settings=(
+            "eps_abs",
+            "eps_rel",
+        ),
+        time_setting="time_limit_secs",
+        step_setting="max_iters",
+        warm_start=True,
     ),
     "sip": SolverSettings(
         "sip_qp_python",
@@ -179,6 +251,13 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=1e-6,
         lifted_from=100,
         settings={"eps_abs": 1e-11, "eps_rel": 1e-11, "time_limit": TIME_LIMIT},
+        tolerance_settings=(
+            "eps_abs",
+            "eps_rel",
+        ),
+        time_setting="time_limit",
+        step_setting="max_iterations",
+        warm_start=True,
     ),
     "pyqpmad": SolverSettings(
         "pyqpmad",
@@ -189,6 +268,8 @@ SOLVERS: dict[str, SolverSettings] = {
         largest=LARGEST_DENSE,
         definite=True,
         settings={"tolerance": 1e-14, "max_iter": 10_000},
+        step_setting="max_iter",
+        tolerance_settings=("tolerance",),
     ),
     "qpalm": SolverSettings(
         "qpalm",
@@ -199,6 +280,12 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=1e-7,
         lifted_from=200,
         settings={"eps_abs": 1e-10, "eps_rel": 1e-10, "max_iter": 100_000, "time_limit": TIME_LIMIT},
+        tolerance_settings=(
+            "eps_abs",
+            "eps_rel",
+        ),
+        time_setting="time_limit",
+        step_setting="max_iter",
     ),
     "quadprog": SolverSettings(
         "quadprog",
@@ -217,6 +304,14 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=INTERIOR_POINT_TOLERANCE,
         largest=LARGEST_DENSE,
         settings={"abstol": 1e-11, "reltol": 1e-11, "feastol": 1e-11, "maxiters": 200},
+        tolerance_settings=(
+            "abstol",
+            "reltol",
+            "feastol",
+        ),
+        tolerance_power=2,
+        step_setting="maxiters",
+        warm_start=True,
     ),
     "ecos": SolverSettings(
         "ecos",
@@ -227,6 +322,13 @@ SOLVERS: dict[str, SolverSettings] = {
         largest=LARGEST_DENSE,
         definite=True,
         settings={"abstol": 1e-12, "reltol": 1e-12, "feastol": 1e-12, "max_iters": 200},
+        tolerance_settings=(
+            "abstol",
+            "reltol",
+            "feastol",
+        ),
+        tolerance_power=2,
+        step_setting="max_iters",
     ),
     "cvxpy": SolverSettings(
         "cvxpy",
@@ -236,6 +338,14 @@ SOLVERS: dict[str, SolverSettings] = {
         tolerance=INTERIOR_POINT_TOLERANCE,
         lifted_from=60,
         settings={"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11},
+        tolerance_settings=(
+            "tol_gap_abs",
+            "tol_gap_rel",
+            "tol_feas",
+        ),
+        tolerance_power=2,
+        time_setting="time_limit",
+        step_setting="max_iter",
     ),
     "lemke": SolverSettings(
         "",
@@ -243,5 +353,7 @@ SOLVERS: dict[str, SolverSettings] = {
         _OWN,
         "Lemke's complementary pivoting, dense, to 1000 segments",
         largest=LARGEST_PIVOTING,
+        time_setting="time_limit",
+        step_setting="max_pivots",
     ),
 }

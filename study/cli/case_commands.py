@@ -15,6 +15,7 @@ from .options.shared_options import (
     next_commands,
     output_option,
     outside_allowed,
+    problem_format_options,
 )
 
 
@@ -61,19 +62,30 @@ def design(design: str, output: Path, force: bool, report: bool) -> None:
 @click.command(cls=Command)
 @click.argument("source", metavar="INPUT")
 @allow_outside_option
-@output_option("File to write: case file (.toml) or REXS file (.rexs, .xml).")
+@output_option(
+    "File to write: case file (.toml) or REXS file (.rexs, .xml); or contact problems (.nc, .mat, or a folder)."
+)
 @force_option
-def convert(source: str, output: Path, force: bool) -> None:
-    """Convert INPUT to a case file or a REXS file.
+@problem_format_options
+def convert(source: str, output: Path, force: bool, format: str | None, form: str | None) -> None:
+    """Convert INPUT: a case to a case file or a REXS file, contact problems to another format.
 
     INPUT is the name of a shipped case, a case file (.toml), a REXS file (.rexs, .xml), or a session script of
-    Transmission3D or HypoidFaceMilled (.ses, .txt). What the output cannot hold is listed.
+    Transmission3D or HypoidFaceMilled (.ses, .txt). What the output cannot hold is listed. Or it is a file of contact
+    problems (.nc, .mat, .npz, .qps, .mps, .hdf5), or a folder of such files with one problem each.
     """
     from ...cases import read_case, read_rexs, read_session_script, write_case, write_rexs
     from ...cases.writing import require_replaceable
     from ...core.writing.output_file import check_writable
+    from ..compare.problem_export import SUFFIXES as PROBLEM_SUFFIXES
+    from ..compare.problem_export import convert_problems
 
     suffix, target = Path(source).suffix.lower(), output.suffix.lower()
+    if suffix in PROBLEM_SUFFIXES or Path(source).is_dir():
+        echo(convert_problems(Path(source), output, format, form))
+        return
+    if format is not None or form is not None:
+        raise InputError(f"{source}: suffix = {suffix!r}: must be that of contact problems, with --format or --form")
     if target not in (".toml", ".rexs", ".xml"):
         raise InputError(f"{output}: suffix = {target!r}: must be .toml, .rexs or .xml")
     check_writable(output, source)
@@ -87,7 +99,10 @@ def convert(source: str, output: Path, force: bool) -> None:
     elif suffix in (".ses", ".txt"):
         case, notes = read_session_script(source)
     else:
-        raise InputError(f"{source}: suffix = {suffix!r}: must be .toml, .rexs, .xml, .ses or .txt")
+        raise InputError(
+            f"{source}: suffix = {suffix!r}: must be .toml, .rexs, .xml, .ses or .txt, or of contact problems "
+            f"{', '.join(PROBLEM_SUFFIXES)}"
+        )
     if target == ".toml":
         write_case(case, output, "\n".join([f"Made by easeoff from {Path(source).name}.", *notes]))
     else:

@@ -78,7 +78,9 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
 @click.option(
     "--largest", type=float, metavar="UM", default=50.0, show_default=True, help="Limit of the modification in um."
 )
-@click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver.")
+@click.option(
+    "--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver; MODULE:FUNCTION for your own."
+)
 @click.option(
     "--fitted-case",
     type=click.Path(path_type=Path),

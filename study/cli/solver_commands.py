@@ -18,28 +18,41 @@ from .options.shared_options import (
     output_option,
     outside_allowed,
     problem_files,
+    problem_format_options,
     solvers,
+    tolerances,
 )
 from .terminal_bar import terminal_bar
 
 
 @click.command(cls=Command)
 @analysis_options
-@output_option("netCDF file to write.")
-def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, solver: str, **options: Any) -> None:
-    """Write the contact problems of CASE to a file.
+@output_option("File to write, .nc or .mat; or, with --format, folder with a file for each problem.")
+@problem_format_options
+def problems(
+    case: str,
+    output: Path,
+    format: str | None,
+    form: str | None,
+    torques: Any,
+    edge_contact: bool | None,
+    solver: str,
+    **options: Any,
+) -> None:
+    """Write the contact problems of CASE to a file or folder.
 
-    There is one for each torque and mesh position.
+    There is one for each torque and mesh position. Their solutions are written, too, where the format has a place for
+    them.
     """
     from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
-    from ...contact.problem.exchange.problem_file import write_problems
+    from ...contact.problem.exchange.problem_set import ProblemSet
     from ...contact.solvers import require_solver
-    from ...core.writing.output_file import check_writable
     from ..analysis import case_torques, contact_analysis
     from ..case_in_mesh import CaseInMesh
+    from ..compare.problem_export import check_problem_output, write_problem_set
 
-    check_writable(output, case, *options["deviations"].values(), suffix=".nc")
+    check_problem_output(output, format, form, case, *options["deviations"].values(), count=2)
     checked = read_case(case, allow_outside=outside_allowed())
     require_solver(solver)
     size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
@@ -51,30 +64,38 @@ def problems(case: str, output: Path, torques: Any, edge_contact: bool | None, s
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values
-    write_problems(
+    found = ProblemSet(
         [item.problem for item in solved],
-        output,
         {
             "pinion_torque": torque[[item.torque for item in solved]],
             "mesh_position": position[[item.mesh_position for item in solved]],
         },
+        [item.solution.answer for item in solved],
     )
-    echo(f"wrote {output}: {len(solved)} contact problems")
-    next_commands(("compare", output))
+    echo(write_problem_set(found, output, format, form))
+    if output.suffix == ".nc":
+        next_commands(("compare", output))
 
 
 @click.command(cls=Command)
 @folder_option("library")
-@click.option("--parts", metavar="A,B,...", show_default="all", help="Parts to make, of small, medium and large.")
+@click.option(
+    "--parts",
+    metavar="A,B,...",
+    show_default="small,medium,large",
+    help="Parts to make, of small, medium, large, sequences, pairs, huge and giant; or all.",
+)
 def library(output: Path, parts: str | None) -> None:
     """Make the library of contact problems, a file a part.
 
     Every problem is solved, and its solution compared with the reference answer.
     """
-    from ..library import entries, write_library
+    from ..library import PARTS, USUAL_PARTS, entries, write_library
 
-    chosen = None if parts is None else [part.strip() for part in parts.split(",")]
-    total = sum(chosen is None or entry.part in chosen for entry in entries())
+    chosen = list(USUAL_PARTS) if parts is None else [part.strip() for part in parts.split(",")]
+    if chosen == ["all"]:
+        chosen = list(PARTS)
+    total = sum(entry.part in chosen for entry in entries())
     bar: Any
     with terminal_bar(total=total, desc="library", unit="problem") as bar:
         written = write_library(output, chosen, progress=bar.update)
@@ -118,7 +139,17 @@ def library(output: Path, parts: str | None) -> None:
     show_default=True,
     help="Largest violation of a condition in a certified answer.",
 )
-@click.option("--raw", is_flag=True, help="Run the backends without polish, and without scaling, too.")
+@click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
+@click.option("--raw", is_flag=True, help="Also run the backends in mm and N, with their own settings.")
+@click.option(
+    "--tolerances",
+    callback=tolerances,
+    metavar="X,Y,...",
+    help="Also run the backends with these tolerances: time over certified accuracy.",
+)
+@click.option(
+    "--threads", type=int, metavar="N", default=1, show_default=True, help="Threads for linear algebra of each solver."
+)
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
 @click.option("--test-set", is_flag=True, help="Write the problems as a test set of qpbenchmark, too.")
 def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options: Any) -> None:
@@ -137,10 +168,17 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
             bar.update(done - bar.n)
 
         table = run_comparison(problems, output, progress=progress, **options)
+    folders: dict[Path, int] = {}
     for path in write_comparison(table, output):
-        echo(f"wrote {path}")
+        if path.parent == output:
+            echo(f"wrote {path}")
+        else:
+            folders[path.parent] = folders.get(path.parent, 0) + 1
+    for folder, count in folders.items():
+        echo(f"wrote {folder}: {count} files")
     if test_set:
-        from ...contact.problem.exchange.problem_file import read_problems
+        from ...contact.problem.exchange.problem_formats import import_problems
+        from ...contact.problem.exchange.problem_set import joined
 
-        for path in write_test_set([item for file in problems for item in read_problems(file)], output / "test_set"):
+        for path in write_test_set(joined([import_problems(file) for file in problems]), output / "test_set"):
             echo(f"wrote {path}")

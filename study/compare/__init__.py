@@ -15,7 +15,7 @@ __all__ = ["compare", "read_table", "write_comparison", "write_test_set"]
 
 
 def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write the table, pictures and report of a comparison into a folder.
+    """Write the report, tables and figures of a comparison into a folder.
 
     Parameters
     ----------
@@ -27,7 +27,8 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     Returns
     -------
     list of Path
-        ``report.md`` first, then ``results.nc``, ``results.csv`` and the pictures.
+        ``report.md`` first, then its tables as CSV and LaTeX in ``tables``, the table of all attempts as ``results.nc``
+        and ``results.csv``, and the figures as PNG, PDF and SVG in ``figures``.
 
     Raises
     ------
@@ -42,18 +43,17 @@ def write_comparison(dataset: xr.Dataset, folder: str | os.PathLike[str]) -> lis
     >>> with TemporaryDirectory() as folder:
     ...     write_problems([problem], f"{folder}/problems.nc")
     ...     table = compare([f"{folder}/problems.nc"], folder, solvers=["native"], repetitions=1)
-    ...     [path.name for path in write_comparison(table, folder)]
-    ['report.md', 'results.nc', 'results.csv', 'performance_profile.png', 'run_time.png']
+    ...     [path.name for path in write_comparison(table, folder)][:3]
+    ['report.md', 'answers_scaled.csv', 'answers_scaled.tex']
     """
     # The drawing library is slow to load, and the processes of the solvers import this package too.
     from ..plot.drawing_style import default_style
-    from .comparison_report import write_report
+    from .presentation.comparison_report import write_report
 
     target = Path(folder)
-    tables = write_table(dataset, target)
+    attempts = write_table(dataset, target)
     with default_style():
-        from .comparison_figures import write_figures
+        from .presentation.comparison_figures import write_figures
 
-        pictures = write_figures(dataset, target)
-    report = write_report(dataset, target, [f"{path.name}|{caption}" for path, caption in pictures])
-    return [report, *tables, *(path for path, _ in pictures)]
+        figures, pictures = write_figures(dataset, target)
+    return [*write_report(dataset, target, pictures), *attempts, *figures]

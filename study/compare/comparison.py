@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +13,16 @@ import xarray as xr
 
 from ...contact.problem.certificate import Certificate
 from ...contact.solvers import available_solvers, require_solver
-from ...core.checkpoint import Checkpoint, digest
-from ...core.checks import number, whole
+from ...core.checkpoint import Checkpoint
+from ...core.checks import number
 from ...core.errors import InputError
 from ...core.writing.output_file import check_folder
-from .attempt import CRASHED, SETTINGS, TIME_LIMIT, Attempt
-from .comparison_table import comparison_table
-from .environment import find_module, machine, solver_version
-from .posed_problem import PosedProblem, posed_problems
-from .worker import Request, Worker, workers
+from .comparison_plan import Cell, Choice, cells
+from .comparison_table import Row, comparison_table
+from .measurement.attempt import CRASHED, TIME_LIMIT, Attempt
+from .measurement.environment import machine, solver_version
+from .measurement.posed_problem import PosedProblem, load_factor, posed_problems
+from .measurement.worker import Request, Worker, workers
 
 #: Checkpoint in the output folder, and the study it names.
 CHECKPOINT, STUDY = "measurements.jsonl", "comparison of solvers"
@@ -37,7 +38,10 @@ def compare(
     repetitions: int = 3,
     time_limit: float = 10.0,
     tolerance: float = DEFAULT_TOLERANCE,
+    polish: bool = False,
     raw: bool = False,
+    tolerances: Sequence[float] = (),
+    threads: int = 1,
     fresh: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
@@ -52,13 +56,20 @@ def compare(
     solvers
         Names of the table of solvers, or ``module:function`` for one of your own; all installed ones if left out.
     repetitions
-        Attempts at each problem with the same solver, settings and start; none follows a crash or a time-out.
+        Attempts at each problem by the same method; none follows a crash or a time-out.
     time_limit
         Time limit of one attempt [s]; a solver that exceeds it is ended from outside.
     tolerance
         Largest violation of a condition in a certified answer, the same for all solvers.
+    polish
+        Whether the backends are also run with a polish, one linear solve on the active set they found.
     raw
-        Whether the backends are also run without polish, and also without the package's scaling and settings.
+        Whether the backends are also run without the package's scaling and settings.
+    tolerances
+        Tolerances with which the backends are also run, each under the names it has for them, for the work-precision
+        diagram.
+    threads
+        Threads for linear algebra in each process.
     fresh
         Whether earlier measurements in the folder are ignored and replaced.
     progress
@@ -93,50 +104,33 @@ def compare(
     [1, 1]
     """
     chosen = checked_solvers(solvers)
-    _check_numbers(repetitions, time_limit, tolerance)
+    number("tolerance", tolerance, above=0.0, below=1.0)
+    choice = Choice(repetitions, time_limit, polish, raw, tuple(float(one) for one in tolerances), threads)
     target = Path(folder)
     check_folder(target, "comparison")
     checkpoint = Checkpoint(target / CHECKPOINT, STUDY, encode=_stored, decode=_attempts, fresh=fresh)
-    given = list(dict.fromkeys(Path(path) for path in paths))
-    names = [path.name for path in given]
-    # Two files of the same name are told apart by their folders.
-    shown = [path.name if names.count(path.name) == 1 else str(path) for path in given]
-    posed = [item for path, name in zip(given, shown, strict=True) for item in posed_problems(path, name)]
-    if not posed:
-        raise InputError("paths = []: must name at least one file of contact problems")
-    made_with = machine()
+    made_with = machine(threads)
     versions = {solver: solver_version(solver) for solver in chosen}
-    cells = []
-    for item, solver, settings, start in _cells(posed, chosen, raw):
-        active = item.before if start == "warm" else None
-        key = digest(
-            problem=item.digest,
-            active=None if active is None else active.tobytes().hex(),
-            solver=solver,
-            version=versions[solver],
-            settings=settings,
-            repetitions=repetitions,
-            time_limit=time_limit,
-            machine=made_with,
-        )
-        cells.append((key, item, solver, settings, start))
-    rows = []
-    with workers(chosen) as pool:
-        needed = {solver for key, _, solver, _, _ in cells if checkpoint.get(key) is None}
+    planned = [
+        (cell, cell.key(choice, made_with, versions[cell.method.solver]))
+        for cell in cells(_posed(paths), chosen, choice)
+    ]
+    rows: list[Row] = []
+    with workers(chosen, threads) as pool:
+        needed = {cell.method.solver for cell, key in planned if checkpoint.get(key) is None}
         for solver in needed:
             pool[solver].launch()
         for solver in needed:
             # Nothing is measured while others load; and a function that does not exist comes to light at once.
             pool[solver].greet()
-        for done, (key, item, solver, settings, start) in enumerate(cells, start=1):
+        for done, (cell, key) in enumerate(planned, start=1):
             attempts = checkpoint.get(key)
             if attempts is None:
-                active = item.before if start == "warm" else None
-                attempts = measure(pool[solver], Request(item.problem, settings, time_limit, active), repetitions)
+                attempts = measure(pool[cell.method.solver], cell, choice)
                 checkpoint.add(key, attempts)
-            rows += [item.row(solver, settings, start, number, a) for number, a in enumerate(attempts, start=1)]
+            rows += [Row(cell.posed, cell.method, number, one) for number, one in enumerate(attempts, start=1)]
             if progress is not None:
-                progress(done, len(cells))
+                progress(done, len(planned))
     attributes = {
         "repetitions": repetitions,
         "time_limit_s": time_limit,
@@ -146,13 +140,25 @@ def compare(
     return comparison_table(rows, tolerance, attributes)
 
 
+def _posed(paths: Sequence[str | os.PathLike[str]]) -> list[PosedProblem]:
+    """Problems of all files, solved for reference."""
+    given = list(dict.fromkeys(Path(path) for path in paths))
+    names = [path.name for path in given]
+    # Two files of the same name are told apart by their folders.
+    shown = [path.name if names.count(path.name) == 1 else str(path) for path in given]
+    posed = [item for path, name in zip(given, shown, strict=True) for item in posed_problems(path, name)]
+    if not posed:
+        raise InputError("paths = []: must name at least one file of contact problems")
+    return posed
+
+
 def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     """Names of the solvers to compare, each once.
 
     Raises
     ------
     InputError
-        If a name is unknown, or a module cannot be found.
+        If a name is unknown, or a solver of one's own cannot be imported.
     MissingSolverError
         If a solver is not installed.
     """
@@ -162,25 +168,20 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
         raise InputError(f"solvers = []: must name at least one of {', '.join(available_solvers())}")
     names = []
     for name in dict.fromkeys(name.strip() for name in solvers if name.strip()):
-        module, own, function = name.partition(":")
-        if not own:
-            names.append(require_solver(name))
-        elif not function.isidentifier() or find_module(module) is None:
-            raise InputError(
-                f"solvers = {name!r}: must be a solver of the table, or MODULE:FUNCTION; there is no module {module!r} "
-                f"with a function {function!r}"
-            )
-        else:
-            names.append(name)
+        names.append(require_solver(name))
     return list(dict.fromkeys(names))
 
 
-def measure(worker: Worker, request: Request, repetitions: int) -> list[Attempt]:
-    """Attempts at one problem with the same solver, settings and start; a crash or a time-out is not repeated."""
+def measure(worker: Worker, cell: Cell, choice: Choice) -> list[Attempt]:
+    """Attempts at one problem by one method, each with other data; a crash or a time-out is not repeated."""
     attempts: list[Attempt] = []
-    for _ in range(repetitions):
-        attempts.append(worker.run(request))
-        if attempts[-1].claim in (CRASHED, TIME_LIMIT):
+    for repetition in range(1, choice.repetitions + 1):
+        factor = load_factor(cell.method, repetition, cell.posed.number)
+        posed = cell.posed.varied(factor)
+        found = worker.run(Request(posed.problem, cell.method, choice.time_limit, posed.start(cell.method)))
+        reference = float(posed.reference.elastic_rotation)
+        attempts.append(replace(found, load_factor=factor, reference_rotation=reference))
+        if found.claim in (CRASHED, TIME_LIMIT):
             break
     return attempts
 
@@ -194,37 +195,15 @@ def _attempts(stored: list[dict[str, Any]]) -> list[Attempt]:
     attempts = [Attempt(**{**one, "certificate": Certificate(**one["certificate"])}) for one in stored]
     for attempt in attempts:
         values: dict[str, Any] = asdict(attempt)
-        numbers = [values["run_time"], values["elastic_rotation"], *values["certificate"].values()]
-        if not (
-            all(isinstance(values[name], str) for name in ("claim", "message"))
-            and all(isinstance(value, int | float) for value in numbers)
-            and isinstance(values["iterations"], int)
-            and abs(values["iterations"]) < 2**31
-            and isinstance(values["polished"], bool)
-        ):
-            raise ValueError("no attempt")
+        certificate = values.pop("certificate")
+        wanted = asdict(Attempt("", run_time=0.0))
+        for name, value in values.items():
+            kind = type(wanted[name])
+            right = isinstance(value, int | float) if kind is float else type(value) is kind
+            if not right or (kind is int and abs(value) >= 2**31):
+                raise ValueError("no attempt")
+        if not all(isinstance(value, int | float) for value in certificate.values()):
+            raise ValueError("no certificate")
     if not attempts:
         raise ValueError("no attempts")
     return attempts
-
-
-def _cells(posed: list[PosedProblem], solvers: list[str], raw: bool) -> Iterator[tuple[PosedProblem, str, str, str]]:
-    """Problem, solver, settings and start of every measurement.
-
-    Problems are the outermost loop, so that a disturbance of the machine meets all solvers.
-    """
-    for item in posed:
-        for solver in solvers:
-            if solver == "native":
-                yield item, solver, "default", "cold"
-                if item.before is not None:
-                    yield item, solver, "default", "warm"
-                continue
-            for settings in SETTINGS if raw else ("default",):
-                yield item, solver, settings, "cold"
-
-
-def _check_numbers(repetitions: int, time_limit: float, tolerance: float) -> None:
-    whole("repetitions", repetitions, 1, 1000)
-    number("time_limit", time_limit, "s", above=0.0, most=86400.0)
-    number("tolerance", tolerance, above=0.0, below=1.0)

@@ -17,50 +17,34 @@ from ...core.checks import is_number
 from ...core.errors import InputError
 from ...core.reading.netcdf_file import read_dataset
 from ...core.writing.output_file import whole_file
-from .attempt import Attempt
+from .measurement.attempt import Attempt
+from .measurement.method import Method
+from .measurement.posed_problem import PosedProblem
 
 FORMAT = "easeoff comparison of solvers"
 RESIDUALS = CERTIFICATE_FIELDS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Row:
     """Row of the table: an attempt with its problem and method.
 
     Parameters
     ----------
-    problem_file
-        File of the problem.
-    problem
-        Number of the problem in its file, from 0.
-    problem_name, kind
-        Labels ``name`` and ``kind`` of the file; empty if it has none.
-    size
-        Number of segments.
-    gear_torque
-        Torque about the gear axis [N m].
-    solver, settings, start
+    posed
+        The problem.
+    method
         The method.
     repetition
         Number of the attempt among those alike, from 1.
     attempt
         Outcome of the attempt.
-    reference_rotation
-        Certified rotation beyond first contact [rad]; NaN if there is none.
     """
 
-    problem_file: str
-    problem: int
-    problem_name: str
-    kind: str
-    size: int
-    gear_torque: float
-    solver: str
-    settings: str
-    start: str
+    posed: PosedProblem
+    method: Method
     repetition: int
     attempt: Attempt
-    reference_rotation: float
 
 
 def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[str, Any]) -> xr.Dataset:
@@ -80,25 +64,37 @@ def comparison_table(rows: Sequence[Row], tolerance: float, attributes: Mapping[
     xr.Dataset
         Variables along the dimension ``attempt``. Residuals are NaN without an answer.
     """
-    given = ("problem_file", "problem", "problem_name", "kind", "size", "gear_torque")
+    posed, methods, attempts = ([getattr(row, name) for row in rows] for name in ("posed", "method", "attempt"))
     columns: dict[str, list[Any]] = {
-        name: [getattr(row, name) for row in rows] for name in (*given, "solver", "settings", "start", "repetition")
+        "problem_file": [p.file for p in posed],
+        "problem": [p.number for p in posed],
+        "problem_name": [p.name for p in posed],
+        "kind": [p.kind for p in posed],
+        "size": [p.problem.size for p in posed],
+        "gear_torque": [p.problem.torque * 1e-3 for p in posed],
+        "solver": [m.solver for m in methods],
+        "settings": [m.settings for m in methods],
+        "solver_tolerance": [m.tolerance for m in methods],
+        "start": [m.start for m in methods],
+        "repetition": [row.repetition for row in rows],
+        "load_factor": [a.load_factor for a in attempts],
+        "claim": [a.claim for a in attempts],
+        "certified": [int(a.certificate.passes(tolerance)) for a in attempts],
     }
-    attempts = [row.attempt for row in rows]
-    columns["run_time"] = [a.run_time for a in attempts]
-    columns["claim"] = [a.claim for a in attempts]
-    columns["certified"] = [int(a.certificate.passes(tolerance)) for a in attempts]
     for name in (*RESIDUALS, *CERTIFICATE_LIMITS):
         columns[name] = [_finite(getattr(a.certificate, name)) for a in attempts]
     columns["worst_residual"] = [_finite(a.certificate.worst) for a in attempts]
-    columns["rotation_error"] = [rotation_error(row.attempt.elastic_rotation, row.reference_rotation) for row in rows]
+    columns["rotation_error"] = [rotation_error(a.elastic_rotation, a.reference_rotation) for a in attempts]
+    for name in ("run_time", "processor_time", "call_time", "setup_time", "solve_time", "time_source", "polish_time"):
+        columns[name] = [getattr(a, name) for a in attempts]
     columns["iterations"] = [a.iterations for a in attempts]
     columns["polished"] = [int(a.polished) for a in attempts]
+    columns["exchanges"] = [a.exchanges for a in attempts]
     columns["message"] = [a.message for a in attempts]
-    whole = {"problem", "size", "repetition", "iterations"}
+    whole = {"problem", "size", "repetition", "iterations", "exchanges"}
     dataset = xr.Dataset(
         {name: ("attempt", _column(values, name in whole)) for name, values in columns.items()},
-        attrs={"format": FORMAT, "format_version": 1, "Conventions": "CF-1.11", "tolerance": tolerance, **attributes},
+        attrs={"format": FORMAT, "format_version": 2, "Conventions": "CF-1.11", "tolerance": tolerance, **attributes},
     )
     for name in ("certified", "polished"):
         dataset[name] = dataset[name].astype(np.int8)

@@ -4,7 +4,7 @@
 ``reference_answers`` holds and proves their answers, ``library_files`` writes them.
 """
 
-from .library_entries import KINDS, LIBRARY_VERSION, PARTS, Entry, Source, entries
+from .library_entries import KINDS, LIBRARY_VERSION, PARTS, USUAL_PARTS, Entry, Source, entries
 from .library_files import LibraryFile, write_library
 from .problem_generation import generate
 from .reference_answers import ReferenceAnswer, proved_answer, reference_answers
@@ -13,6 +13,7 @@ __all__ = [
     "KINDS",
     "LIBRARY_VERSION",
     "PARTS",
+    "USUAL_PARTS",
     "Entry",
     "LibraryFile",
     "ReferenceAnswer",

@@ -1,7 +1,8 @@
 """Library entries: the declaration of every problem of the library, by name.
 
 A problem is that of a ``Source``, an instant of a shipped case, or is made from it by a change of
-``problem_changes.CHANGES``. If the problem behind a name changes, the version of the library is raised.
+``problem_changes.CHANGES``. If the problem behind a name changes or problems are added, the version of the library is
+raised.
 """
 
 from __future__ import annotations
@@ -11,12 +12,24 @@ from dataclasses import dataclass, replace
 
 from ...geometry.pair.gear_pair import FlankName
 
-LIBRARY_VERSION = 1
+LIBRARY_VERSION = 2
 
 #: Number of pinion rotations that divide one pitch; a source is at one of them.
 MESH_POSITIONS = 32
-#: Parts of the library, a file each: greatest number of segments a line of their problems.
-PARTS = {"small": 31, "medium": 150, "large": 2000}
+#: Parts of the library, a file each, and what they hold.
+PARTS = {
+    "small": "single problems with up to 31 segments a line",
+    "medium": "with up to 150",
+    "large": "with up to 2000",
+    "sequences": "problems in order, each a neighbour of the one before",
+    "pairs": "many tooth pairs, coupled through the rotation alone",
+    "huge": "with up to 10,001 segments a line",
+    "giant": "with 33,335",
+}
+#: Parts that are made unless others are asked for.
+USUAL_PARTS = ("small", "medium", "large")
+#: Greatest number of segments a line of the parts that are divided by it.
+SEGMENT_LIMITS = {"small": 31, "medium": 150, "large": 2000, "huge": 10_001, "giant": 33_335}
 
 #: Kinds of problems, and their purpose.
 KINDS = {
@@ -27,7 +40,13 @@ KINDS = {
     "weak": "the local compliance scaled down: nearly singular, ever more so",
     "dense": "the compliance as a dense matrix, everyday and nearly singular: what solvers do without the structure",
     "degenerate": "ties, duplicates, the brink of contact, extremes of load and distance, singular compliance",
+    "full-cycle": "sequences: mesh cycles of every case, all 32 mesh positions",
+    "ladder": "sequences: torque from light to heavy in 16 equal ratios, each case, drive and coast, one mesh position",
+    "drift": "sequences: misalignment from one side to the other in 16 equal steps",
+    "pairs": "several pinions on one gear: compliance in many blocks, a factor with up to a thousand columns",
 }
+#: Kinds whose problems are in a part of their own.
+PART_OF_KIND = {"full-cycle": "sequences", "ladder": "sequences", "drift": "sequences", "pairs": "pairs"}
 
 #: Torques at the pinion by case [N m]: light, design (a torque of the case file), heavy (twice its greatest).
 TORQUES = {
@@ -39,7 +58,10 @@ TORQUES = {
 }
 #: Assembly errors E and P [mm] of ``fm-11x41``, and their opposites.
 MISALIGNMENTS = ((-0.15, 0.12), (0.15, -0.12))
-SEGMENTS_PER_LINE = (21, 51, 131, 333, 667, 1667)
+SEGMENTS_PER_LINE = (21, 51, 131, 333, 667, 1667, 3333, 10_001, 33_335)
+SEQUENCE_STEPS = 16  # of a ladder or drift
+PINIONS = (4, 8, 16)  # on one gear
+PINION_LAG = 2e-5  # rotation of the gear by which each lies behind the one before [rad]
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 
 
@@ -95,6 +117,10 @@ class Entry:
         Amount of the change; zero where it needs none.
     dense
         Whether the compliance is a matrix, not diagonal plus factor.
+    sequence
+        Name of the sequence to which the problem belongs; empty if to none.
+    step
+        Number of the problem in its sequence, from 0; -1 if it is in none.
 
     Examples
     --------
@@ -108,11 +134,14 @@ class Entry:
     change: str = ""
     amount: float = 0.0
     dense: bool = False
+    sequence: str = ""
+    step: int = -1
 
     @property
     def part(self) -> str:
         """Part of the library that holds the problem."""
-        return next(part for part, limit in PARTS.items() if self.source.segments_per_line <= limit)
+        size = self.source.segments_per_line
+        return PART_OF_KIND.get(self.kind) or next(part for part, limit in SEGMENT_LIMITS.items() if size <= limit)
 
 
 #: Two everyday instants from which problems are made: a spiral bevel pair, and a misaligned hypoid pair.
@@ -150,9 +179,10 @@ def entries() -> tuple[Entry, ...]:
     Examples
     --------
     >>> len(entries()), entries()[0].name
-    (143, 'nasa-12x36-drive-light')
+    (510, 'nasa-12x36-drive-light')
     """
-    found = [*_loads(), *_misaligned(), *_cycle(), *_fine(), *_weak(), *_dense(), *_degenerate()]
+    single = [*_loads(), *_misaligned(), *_cycle(), *_fine(), *_weak(), *_dense(), *_degenerate()]
+    found = [*single, *_full_cycles(), *_ladders(), *_drifts(), *_pairs()]
     return tuple(sorted(found, key=lambda entry: list(PARTS).index(entry.part)))
 
 
@@ -173,9 +203,10 @@ def _misaligned() -> Iterator[Entry]:
 
 
 def _cycle() -> Iterator[Entry]:
-    for position in range(0, MESH_POSITIONS, 2):
+    sequence = "fh-design-a-cycle"
+    for step, position in enumerate(range(0, MESH_POSITIONS, 2)):
         source = Source("fh-design-a", "drive", 100.0, mesh_position=position)
-        yield Entry(f"fh-design-a-cycle-{position:02d}", "cycle", source)
+        yield Entry(f"{sequence}-{position:02d}", "cycle", source, sequence=sequence, step=step)
 
 
 def _fine() -> Iterator[Entry]:
@@ -207,3 +238,38 @@ def _degenerate() -> Iterator[Entry]:
         for change, amount, dense in DEGENERATE:
             name = f"{base}-{change.replace('_', '-')}" + (f"-{amount:g}" if amount else "")
             yield Entry(name + ("-dense" if dense else ""), "degenerate", source, change, amount, dense)
+
+
+def _full_cycles() -> Iterator[Entry]:
+    for case, (_, torque, _) in TORQUES.items():
+        sequence = f"{case}-full-cycle"
+        for position in range(MESH_POSITIONS):
+            source = Source(case, "coast" if case == "fh-design-a" else "drive", torque, mesh_position=position)
+            yield Entry(f"{sequence}-{position:02d}", "full-cycle", source, sequence=sequence, step=position)
+
+
+def _ladders() -> Iterator[Entry]:
+    for case, (light, _, heavy) in TORQUES.items():
+        for flank in FLANKS:
+            sequence = f"{case}-{flank}-ladder"
+            for step in range(SEQUENCE_STEPS):
+                torque = light * (heavy / light) ** (step / (SEQUENCE_STEPS - 1))
+                source = Source(case, flank, torque, mesh_position=8)
+                yield Entry(f"{sequence}-{step:02d}", "ladder", source, sequence=sequence, step=step)
+
+
+def _drifts() -> Iterator[Entry]:
+    (offset, axial), (last_offset, last_axial) = MISALIGNMENTS
+    for case in ("nasa-12x36", "fm-11x41"):
+        sequence = f"{case}-drift"
+        for step in range(SEQUENCE_STEPS):
+            way = step / (SEQUENCE_STEPS - 1)
+            errors = offset + way * (last_offset - offset), axial + way * (last_axial - axial)
+            source = Source(case, "drive", TORQUES[case][1], *errors, mesh_position=16)
+            yield Entry(f"{sequence}-{step:02d}", "drift", source, sequence=sequence, step=step)
+
+
+def _pairs() -> Iterator[Entry]:
+    for base, source in BASES.items():
+        for count in PINIONS:
+            yield Entry(f"{base}-pinions-{count}", "pairs", source, "several_pinions", float(count))

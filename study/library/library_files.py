@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
+from ...contact.problem.answer import Answer
 from ...contact.problem.certificate import EXACT_TOLERANCE
 from ...contact.problem.contact_problem import ContactProblem
+from ...contact.problem.exchange.problem_checksum import problem_checksum, set_checksum
 from ...contact.problem.exchange.problem_file import write_problems
-from ...contact.solvers import solve
+from ...contact.solvers import ContactSolution, solve
 from ...core.attributes import labelled
 from ...core.errors import InputError
 from ...core.writing.output_file import check_folder, check_writable
-from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, Entry, entries
+from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, USUAL_PARTS, Entry, entries
 from .problem_generation import generate
 from .reference_answers import ReferenceAnswer, reference_answers
 
 #: Largest relative difference from a reference rotation. Between the BLAS kernels for three kinds of processors it is
 #: at most 3e-11.
 ROTATION_TOLERANCE = 1e-8
+#: How to cite the library, in its files.
+CITATION = (
+    f"easeoff library of contact problems, version {LIBRARY_VERSION}, made by the program easeoff. Give the version, "
+    "the part and the checksum of the file."
+)
 
 
 @dataclass(frozen=True)
@@ -69,14 +76,15 @@ def write_library(
     folder
         Folder for the files; made if it does not exist.
     parts
-        Names of ``PARTS``; all of them if left out.
+        Names of ``PARTS``; ``USUAL_PARTS`` if left out.
     progress
         Called after every problem.
 
     Returns
     -------
     list of LibraryFile
-        The files. Every problem has been solved by the native solver and compared with its reference answer.
+        The files. Every problem has been solved by the native solver and compared with its reference answer. The files
+        hold these solutions, forces and gaps.
 
     Raises
     ------
@@ -85,11 +93,11 @@ def write_library(
 
     Examples
     --------
-    >>> write_library("library", ["tiny"])
+    >>> write_library("library", ["tiny"])  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    easeoff.core.errors.InputError: parts = tiny: must be one or more of small, medium, large
+    easeoff.core.errors.InputError: parts = tiny: must be one or more of small, medium, large, ...
     """
-    chosen = list(dict.fromkeys(PARTS if parts is None else parts))
+    chosen = list(dict.fromkeys(USUAL_PARTS if parts is None else parts))
     unknown = [part for part in chosen if part not in PARTS]
     if unknown or not chosen:
         raise InputError(f"parts = {', '.join(chosen) or 'none'}: must be one or more of {', '.join(PARTS)}")
@@ -105,28 +113,41 @@ def write_part(chosen: Iterable[Entry], path: Path, progress: Callable[[], None]
     """Make, check and write problems of the library as one file."""
     answers = reference_answers()
     made: list[tuple[Entry, ContactProblem]] = []
+    solutions: list[Answer] = []
     faults: list[str] = []
     certificates, differences = [0.0], [0.0]
     for entry, problem in generate(chosen):
         made.append((entry, problem))
-        certificate, difference, fault = checked(problem, answers[entry.name])
+        solution = solve(problem, "native")
+        solutions.append(solution.answer)
+        certificate, difference, fault = checked(problem, answers[entry.name], solution)
         certificates.append(certificate)
         differences.append(difference)
         faults += [fault] if fault else []
         if progress is not None:
             progress()
+    problems = [problem for _, problem in made]
     write_problems(
-        [problem for _, problem in made],
+        problems,
         path,
-        labels([entry for entry, _ in made], answers),
-        {"title": "easeoff library of contact problems", "library_version": LIBRARY_VERSION},
+        labels([entry for entry, _ in made], answers, problems),
+        {
+            "title": f"easeoff library of contact problems, part {path.stem}",
+            "library_version": LIBRARY_VERSION,
+            "citation": CITATION,
+            "license": "BSD-3-Clause",
+            "checksum": set_checksum([entry.name for entry, _ in made], problems),
+        },
+        answers=solutions,
     )
     return LibraryFile(path, len(made), max(certificates), max(differences), tuple(faults))
 
 
-def checked(problem: ContactProblem, answer: ReferenceAnswer) -> tuple[float, float, str]:
+def checked(
+    problem: ContactProblem, answer: ReferenceAnswer, solution: ContactSolution | None = None
+) -> tuple[float, float, str]:
     """Worst violation, difference from the reference, and fault of the native solution of a problem."""
-    solution = solve(problem, "native")
+    solution = solve(problem, "native") if solution is None else solution
     certificate = solution.certificate.worst
     difference = abs(solution.elastic_rotation / answer.elastic_rotation - 1.0)
     touching = int(solution.active.sum())
@@ -142,8 +163,10 @@ def checked(problem: ContactProblem, answer: ReferenceAnswer) -> tuple[float, fl
     return certificate, difference, f"{answer.name}: {fault}" if fault else ""
 
 
-def labels(chosen: list[Entry], answers: Mapping[str, ReferenceAnswer]) -> dict[str, xr.DataArray]:
-    """Labels of the problems and their reference answers, with units."""
+def labels(
+    chosen: list[Entry], answers: Mapping[str, ReferenceAnswer], problems: Sequence[ContactProblem]
+) -> dict[str, xr.DataArray]:
+    """Labels of the problems, their reference answers and checksums, with units."""
     columns: dict[str, list[Any]] = {
         "name": [e.name for e in chosen],
         "kind": [e.kind for e in chosen],
@@ -156,6 +179,9 @@ def labels(chosen: list[Entry], answers: Mapping[str, ReferenceAnswer]) -> dict[
         "segments_per_line": [e.source.segments_per_line for e in chosen],
         "change": [e.change for e in chosen],
         "amount": [e.amount for e in chosen],
+        "sequence": [e.sequence for e in chosen],
+        "sequence_step": [e.step for e in chosen],
+        "checksum": [problem_checksum(problem) for problem in problems],
     }
     for name in ("elastic_rotation", "touching", "condition_number"):
         columns[name] = [getattr(answers[e.name], name) for e in chosen]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.solvers import solve
+from .library_entries import PINION_LAG
 
 Array = NDArray[np.float64]
 
@@ -103,6 +104,15 @@ def copied_tooth_pairs(problem: ContactProblem, _: float) -> ContactProblem:
     return ContactProblem(np.tile(s, 2), np.tile(r, 2), t, (np.tile(d, 2), np.block([[v, nothing], [nothing, v]])))
 
 
+def several_pinions(problem: ContactProblem, count: float) -> ContactProblem:
+    """Several pinions on one gear, under as much torque each, every one 20 urad behind the one before."""
+    s, r, t, d, v = parts(problem)
+    number = int(count)
+    separation = np.concatenate([s + lag * PINION_LAG * r for lag in range(number)])
+    factor = np.kron(np.eye(number), v)
+    return ContactProblem(separation, np.tile(r, number), number * t, (np.tile(d, number), factor))
+
+
 def rigid_segment(problem: ContactProblem, _: float) -> ContactProblem:
     """No local compliance of the segment with the greatest force."""
     s, r, t, d, v = parts(problem)
@@ -144,6 +154,7 @@ CHANGES: dict[str, Callable[[ContactProblem, float], ContactProblem]] = {
         twin_segments,
         copied_segments,
         copied_tooth_pairs,
+        several_pinions,
         rigid_segment,
         rigid_half,
         no_local_compliance,

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 from importlib import resources
 from pathlib import Path
@@ -30,6 +30,8 @@ Wide = NDArray[np.longdouble]
 
 TABLE = "answers.csv"
 LEMKE_SIZE_LIMIT = 600
+#: Segments up to which the compliance of a structured problem is formed as a matrix for a proof.
+DENSE_SIZE_LIMIT = 6000
 #: Force and gap over their scales below which, both, a segment may count as touching or not.
 CONTACT_MARGIN = 1e-6
 #: Largest force or gap of the wrong sign, over its scale.
@@ -134,7 +136,7 @@ def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
         problem.size,
         best,
         int(solution.active.sum()) if determined else -1,
-        condition_number(problem.dense_compliance),
+        condition_of(problem),
         abs(rotation / refined - 1.0),
         abs(rotation / pivoted - 1.0),
     )
@@ -161,19 +163,18 @@ def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> floa
     positive = arm > 0.0
     separation = separation - (separation[positive] / arm[positive]).min() * arm
     torque = np.longdouble(problem.torque)
-    compliance, lever = problem.dense_compliance[np.ix_(touching, touching)], problem.lever_arm[touching]
-    stiff, long = float(compliance.diagonal().mean()), float(np.abs(lever).mean())
+    lever = problem.lever_arm[touching]
+    stiff, long = float(problem.compliance_diagonal[touching].mean()), float(np.abs(lever).mean())
     force_unit, angle_unit = problem.torque / long, problem.torque * stiff / long**2
-    scaled = np.block([[compliance / stiff, -lever[:, None] / long], [lever[None] / long, np.zeros((1, 1))]])
-    factors, pivots, singular = dgetrf(scaled)
-    if singular:
+    correct = bordered_solver(problem, touching, stiff, lever / long)
+    if correct is None:
         return math.nan
     force, rotation = np.zeros(problem.size, dtype=np.longdouble), np.longdouble(0.0)
     last = math.inf
     for _ in range(REFINEMENT_STEPS):
         gap = _deflection(problem, force) + separation - rotation * arm
         missing = np.r_[-gap[touching] / (stiff * force_unit), (torque - arm @ force) / torque]
-        step = dgetrs(factors, pivots, missing.astype(np.float64))[0]
+        step = correct(missing.astype(np.float64))
         force[touching] += step[:-1] * np.longdouble(force_unit)
         rotation += step[-1] * np.longdouble(angle_unit)
         size = float(np.abs(step).max() / max(np.abs(force).max() / force_unit, abs(rotation) / angle_unit))
@@ -185,6 +186,69 @@ def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> floa
     residual = float(np.abs(gap[touching]).max())
     wrong = max(-float(force.min() / force.max()), (residual - min(float(gap.min()), 0.0)) / gap_scale)
     return float(rotation) if wrong <= SIGN_TOLERANCE else math.nan
+
+
+def bordered_solver(
+    problem: ContactProblem, touching: NDArray[np.intp], stiff: float, arm: NDArray[np.float64]
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
+    """Function that solves the conditions on the touching segments for a right side; None where they are singular.
+
+    The matrix is [C/stiff, -arm; arm', 0]. That of a large structured problem is not formed: with C = D + V V',
+    Woodbury's identity leaves a system of the size of the modes.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    touching
+        Numbers of the touching segments (m).
+    stiff
+        Unit of compliance [mm/N].
+    arm
+        Lever arms (m), scaled.
+    """
+    if problem.size <= DENSE_SIZE_LIMIT or not isinstance(problem.compliance, tuple):
+        matrix = problem.dense_compliance[np.ix_(touching, touching)] / stiff
+        factors, pivots, singular = dgetrf(np.block([[matrix, -arm[:, None]], [arm[None], np.zeros((1, 1))]]))
+        return None if singular else lambda right: np.asarray(dgetrs(factors, pivots, right)[0])
+    local, factor = problem.compliance[0][touching] / stiff, problem.compliance[1][touching] / math.sqrt(stiff)
+    if not local.min() > 0.0:
+        return None
+    core = np.eye(factor.shape[1]) + factor.T @ (factor / local[:, None])
+
+    def inverse(right: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The matrix C/stiff of the touching segments solved for a right side."""
+        return np.asarray((right - factor @ np.linalg.solve(core, factor.T @ (right / local))) / local)
+
+    turned = inverse(arm)
+    border = float(arm @ turned)
+
+    def correct(right: NDArray[np.float64]) -> NDArray[np.float64]:
+        free = inverse(right[:-1])
+        rotation = (right[-1] - float(arm @ free)) / border
+        return np.append(free + rotation * turned, rotation)
+
+    return correct
+
+
+def condition_of(problem: ContactProblem) -> float:
+    """Condition number of the compliance of a problem: of a large structured one by Lanczos' method, to four digits."""
+    if problem.size <= DENSE_SIZE_LIMIT or not isinstance(problem.compliance, tuple):
+        return condition_number(problem.dense_compliance)
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    local, factor = problem.compliance
+    core = np.eye(factor.shape[1]) + factor.T @ (factor / local[:, None])
+    forms: tuple[Callable[[Any], Any], ...] = (
+        problem.deflection,
+        lambda x: (x - factor @ np.linalg.solve(core, factor.T @ (x / local))) / local,
+    )
+    start = np.cos(np.arange(problem.size))
+    greatest = [
+        float(eigsh(LinearOperator((problem.size,) * 2, form, dtype=np.float64), 1, v0=start, tol=1e-4)[0][0])
+        for form in forms
+    ]
+    return greatest[0] * greatest[1]
 
 
 def condition_number(compliance: NDArray[np.float64]) -> float:

@@ -159,7 +159,10 @@ def planned_sweep(
         As of ``sweep``.
     """
     checked = checked_case(case)
-    require_solver(options.get("solver", "auto"))
+    solver = options.get("solver", "auto")
+    if not isinstance(solver, str):
+        raise InputError(f"solver = {shown(solver)}: must be a name or MODULE:FUNCTION, which every process can find")
+    require_solver(solver)
     if options.get("marking") is not None:
         checked_thickness(options["marking"])
     axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler, allow_outside=allow_outside)

@@ -1,4 +1,4 @@
-"""A force on a half space: displacements and tractions of a point force, deflection under an even pressure.
+"""A force on a half space: displacements and tractions of a point force.
 
 The field of a normal point force on the surface of a half space (J. Boussinesq 1885; K. L. Johnson, Contact Mechanics,
 1985, section 3.2) in vectors: with the unit normal N into the body, d from the force to the point, rho = |d| and
@@ -72,41 +72,3 @@ def point_force_traction(offset: Array, inward: Array, normal: Array, poisson_ra
     hessian = (normal - d * along) / (1.0 + z) - (d + inward) * (along + facing) / (1.0 + z) ** 2
     free = z * normal - inward * along - d * facing - hessian
     return np.asarray(((1.0 - 2.0 * poisson_ratio) * free - 3.0 * z * d * along) / (2.0 * np.pi * rho**2))
-
-
-def even_pressure_integral(first: Array, second: Array, half_first: Array, half_second: Array) -> Array:
-    """Integral of 1 / r over a rectangle: its even pressure deflects the surface by (1 - nu^2) / (pi E) times this.
-
-    A. E. H. Love 1929; K. L. Johnson, Contact Mechanics, Eq. 3.25.
-
-    Parameters
-    ----------
-    first, second
-        Place of the point from the middle of the rectangle (...) [mm].
-    half_first, half_second
-        Half sides (...) [mm].
-
-    Returns
-    -------
-    Array
-        (...) [mm].
-    """
-    right, left = first + half_first, first - half_first
-    top, bottom = second + half_second, second - half_second
-
-    def corner(a: Array, b: Array) -> Array:
-        """Half of the corner's antiderivative: a asinh(b / |a|), zero on its axis."""
-        size = np.abs(a)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(size > 0.0, a * np.arcsinh(b / size), 0.0)
-
-    return np.asarray(
-        corner(right, top)
-        - corner(right, bottom)
-        - corner(left, top)
-        + corner(left, bottom)
-        + corner(top, right)
-        - corner(top, left)
-        - corner(bottom, right)
-        + corner(bottom, left)
-    )

@@ -17,11 +17,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from ...contact.compliance.half_space_cells import even_pressure_integral
 from ...contact.compliance.material import Material
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.solvers import solve
 from .flank_response import FlankResponse
-from .half_space import even_pressure_integral
 from .surface_cells import SurfaceCells
 
 Array = NDArray[Any]

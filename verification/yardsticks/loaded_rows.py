@@ -96,7 +96,7 @@ def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> lis
     for name in available_solvers() if solvers is None else solvers:
         if name == "native":
             continue
-        largest = SOLVERS[name].largest
+        largest = SOLVERS[name].largest if name in SOLVERS else None
         if largest is not None and greatest_size > largest:
             rows.append(not_applicable(f"solver {name}", f"{greatest_size} segments: known to work up to {largest}"))
             continue

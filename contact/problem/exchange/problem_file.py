@@ -38,15 +38,22 @@ from ....core.checks import shown
 from ....core.errors import InputError
 from ....core.reading.netcdf_file import read_dataset
 from ....core.writing.output_file import whole_file
+from ..answer import Answer
 from ..contact_problem import ContactProblem
 from ..problem_arrays import problem_arrays, require_arrays
 from ..problem_dataset import ATTRIBUTES
 from ..problem_dataset import FORMAT as SINGLE_FORMAT
+from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
+from .reference_solutions import reference_variables, require_answers
 
 FORMAT = "easeoff contact problems"
 FORMAT_VERSION = 1
 
-_OWN_NAMES = frozenset(ATTRIBUTES) | {"size", "structured", "mode_count", "problem", "segment", "segment_other", "mode"}
+_OWN_NAMES = (
+    frozenset(ATTRIBUTES)
+    | frozenset(REFERENCE_ATTRIBUTES)
+    | {"size", "structured", "mode_count", "problem", "segment", "segment_other", "mode"}
+)
 
 
 def write_problems(
@@ -54,6 +61,8 @@ def write_problems(
     path: str | os.PathLike[str],
     labels: Mapping[str, ArrayLike | xr.DataArray] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
+    *,
+    answers: Sequence[Answer] | None = None,
 ) -> None:
     """Write contact problems to a netCDF-4 file, without loss.
 
@@ -68,12 +77,14 @@ def write_problems(
         problems) of numbers or text. A DataArray brings its attributes along, such as units.
     attributes
         Further global attributes of the file, text or numbers by name.
+    answers
+        Reference solutions, one a problem, as ``solve(problem).answer``; see `reference_variables`.
 
     Raises
     ------
     InputError
-        No problems, a label of the wrong length or with the name of a variable of the file, or an attribute with the
-        name of one of the file.
+        No problems, a label of the wrong length or with the name of a variable of the file, answers that are not those
+        of the problems, or an attribute with the name of one of the file.
 
     Examples
     --------
@@ -89,7 +100,10 @@ def write_problems(
     """
     if not problems:
         raise InputError("problems = []: must hold at least one contact problem")
+    require_answers(problems, answers)
     dataset = _dataset(problems)
+    if answers is not None:
+        dataset = dataset.assign(reference_variables(answers, dataset.sizes["segment"]))
     for name, values in (labels or {}).items():
         described = values.attrs if isinstance(values, xr.DataArray) else None
         dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
@@ -185,7 +199,7 @@ def _dataset(problems: Sequence[ContactProblem]) -> xr.Dataset:
             data["compliance_diagonal"][1][i, :n] = problem.compliance[0]
             data["compliance_factor"][1][i, :n, : modes[i]] = problem.compliance[1]
         else:
-            data["compliance"][1][i, :n, :n] = problem.compliance
+            data["compliance"][1][i, :n, :n] = problem.dense_compliance
     dataset = xr.Dataset(
         {name: (dims, values, ATTRIBUTES[name]) for name, (dims, values) in data.items()},
         attrs={"format": FORMAT, "format_version": FORMAT_VERSION, "Conventions": "CF-1.11"},

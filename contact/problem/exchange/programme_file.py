@@ -139,7 +139,7 @@ def _own_arrays(problem: ContactProblem) -> dict[str, Any]:
     if isinstance(problem.compliance, tuple):
         arrays["contact_compliance_diagonal"], arrays["contact_compliance_factor"] = problem.compliance
     else:
-        arrays["contact_compliance"] = problem.compliance
+        arrays["contact_compliance"] = problem.dense_compliance
     return arrays
 
 

@@ -106,7 +106,8 @@ def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Pro
     from scipy.sparse import csc_matrix
 
     if problem.modal is None:
-        raise InputError("compliance = dense matrix: must be the pair (d, V) of C = diag(d) + V V^T in the lifted form")
+        what = "dense matrix" if problem.has_matrix else "LinearOperator"
+        raise InputError(f"compliance = {what}: must be the pair (d, V) of C = diag(d) + V V^T in the lifted form")
     structure = problem.modal
     factor = structure.compressed_factor if compress else structure.factor
     size, modes = factor.shape

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from ..compliance_matrix import ModalCompliance
 from ..contact_problem import ContactProblem
+from ..operator_compliance import OperatorCompliance
 from .error_free import UNIT_ROUNDOFF, dot_terms
 from .residuals import exact_gap_error, exact_residuals
 
@@ -103,7 +104,8 @@ def conditioning(problem: ContactProblem, force: Array, elastic_rotation: float)
     than 1000 of them is bounded by its local part.
     """
     unknown = unknown_conditioning(force.size)
-    if not (np.isfinite(force).all() and math.isfinite(elastic_rotation)):
+    products = isinstance(problem.compliance_matrix, OperatorCompliance)  # nothing is known of their eigenvalues
+    if products or not (np.isfinite(force).all() and math.isfinite(elastic_rotation)):
         return unknown
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         try:

@@ -85,13 +85,9 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
     """
     rows = problem.compliance[index]
     block = rows[:, index]
-    # C is symmetric: the transpose of a C-ordered copy is the same matrix in Fortran order, so LAPACK makes no copy.
-    factor, info = dpotrf(block.T, lower=1, clean=0)
-    shifted = info != 0
-    if shifted:
-        factor = _shifted_factor(block)
-        if factor is None:
-            return None
+    factor, shifted = cholesky_factor(block)
+    if factor is None:
+        return None
     arm = problem.lever_arm[index]
     sides = np.empty((2, index.size))
     sides[0] = arm
@@ -108,6 +104,16 @@ def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveS
     if shifted:
         point.refine()
     return point
+
+
+def cholesky_factor(block: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, bool]:
+    """Return the lower Cholesky factor of a symmetric block (a, a), and whether the block had to be shifted for it.
+
+    None for a block that has no factor even with a shift.
+    """
+    # C is symmetric: the transpose of a C-ordered copy is the same matrix in Fortran order, so LAPACK makes no copy.
+    factor, info = dpotrf(block.T, lower=1, clean=0)
+    return (factor, False) if info == 0 else (_shifted_factor(block), True)
 
 
 def _shifted_factor(block: NDArray[np.float64]) -> NDArray[np.float64] | None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...problem.scaled_problem import ScaledProblem
 from ..scaled_answer import ScaledAnswer
+from ..solver_limits import StepBudget
 from .active_set_system import first_contact_index, solve_active_set
 
 #: A penetration below this, relative to the largest term of the gap, is rounding.
@@ -20,7 +21,11 @@ GAP_TOLERANCE = 1e-13
 
 
 def primal_active_set(
-    problem: ScaledProblem, start: NDArray[np.bool_] | None = None, *, max_iterations: int | None = None
+    problem: ScaledProblem,
+    start: NDArray[np.bool_] | None = None,
+    *,
+    max_iterations: int | None = None,
+    budget: StepBudget | None = None,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem, with positive torque, by feasible descent.
 
@@ -32,6 +37,8 @@ def primal_active_set(
         Segments loaded at the start, equally (n); only those with a positive lever arm are taken.
     max_iterations
         Linear systems solved before giving up, 20 + 5 n by default.
+    budget
+        Limits of the whole solve.
 
     Returns
     -------
@@ -44,6 +51,8 @@ def primal_active_set(
     refused = np.zeros(size, dtype=bool)
     newest = -1
     for iteration in range(1, (20 + 5 * size if max_iterations is None else max_iterations) + 1):
+        if budget is not None and not budget.step():
+            return None
         index = np.flatnonzero(loaded)
         point = solve_active_set(problem, index)
         if point is None:

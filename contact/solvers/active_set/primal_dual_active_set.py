@@ -9,12 +9,16 @@ sign (Murty 1974; Kostreva 1978; Judice and Pires 1994).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...problem.scaled_problem import ScaledProblem
 from ..scaled_answer import ScaledAnswer
-from .active_set_system import ActiveSetPoint, first_contact_index, solve_active_set
+from ..solver_limits import StepBudget
+from .active_set_system import first_contact_index, solve_active_set
 
 #: Steps without fewer wrong signs before segments move one at a time.
 MAX_STALLED_STEPS = 4
@@ -24,8 +28,25 @@ SIGN_TOLERANCE = 1e-14
 RELAXED_SIGN_TOLERANCE = 1e-11
 
 
+class SolvedSet(Protocol):
+    """Forces, rotation and gaps of an active set, as `ActiveSetPoint` has them."""
+
+    index: NDArray[np.intp]
+    force: NDArray[np.float64]
+    rotation: float
+    gap: NDArray[np.float64]
+
+    def refine(self) -> None:
+        """Take one step of iterative refinement."""
+
+
 def primal_dual_active_set(
-    problem: ScaledProblem, active: NDArray[np.bool_], *, max_iterations: int | None = None
+    problem: ScaledProblem,
+    active: NDArray[np.bool_],
+    *,
+    max_iterations: int | None = None,
+    solve_set: Callable[[NDArray[np.intp]], SolvedSet | None] | None = None,
+    budget: StepBudget | None = None,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem from a starting set.
 
@@ -37,6 +58,10 @@ def primal_dual_active_set(
         Segments assumed in contact (n).
     max_iterations
         Linear systems solved before giving up, 40 + n by default.
+    solve_set
+        Solves the system of active segments (a); by default with the matrix C.
+    budget
+        Limits of the whole solve.
 
     Returns
     -------
@@ -48,11 +73,13 @@ def primal_dual_active_set(
     fewest, patience = active.size + 1, MAX_STALLED_STEPS
     tolerance = SIGN_TOLERANCE
     for iteration in range(1, limit + 1):
+        if budget is not None and not budget.step():
+            return None
         index = np.flatnonzero(active)
         if not problem.lever_arm[index].any():
             active[first_contact_index(problem)] = True
             index = np.flatnonzero(active)
-        point = solve_active_set(problem, index)
+        point: SolvedSet | None = solve_active_set(problem, index) if solve_set is None else solve_set(index)
         if point is None:
             return None
         wrong = _wrong_signs(problem, point, active, tolerance)
@@ -73,7 +100,7 @@ def primal_dual_active_set(
 
 
 def _wrong_signs(
-    problem: ScaledProblem, point: ActiveSetPoint, active: NDArray[np.bool_], tolerance: float
+    problem: ScaledProblem, point: SolvedSet, active: NDArray[np.bool_], tolerance: float
 ) -> NDArray[np.intp]:
     """Segments that pull or penetrate."""
     force, gap = point.force, point.gap
@@ -85,7 +112,7 @@ def _wrong_signs(
     return np.flatnonzero(wrong)
 
 
-def answer_of(point: ActiveSetPoint, size: int, iterations: int) -> ScaledAnswer:
+def answer_of(point: SolvedSet, size: int, iterations: int) -> ScaledAnswer:
     """Forces of all segments from those of the active set; what is negative there is rounding."""
     force = np.zeros(size)
     force[point.index] = np.maximum(point.force, 0.0)

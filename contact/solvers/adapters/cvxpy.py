@@ -6,6 +6,7 @@ written with every number a parameter, translated once and used again for other 
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping
 from typing import Any
@@ -74,15 +75,17 @@ def _solve(programme: Any, backend: str, settings: Mapping[str, Any]) -> ScaledA
         programme.solve(solver=backend, warm_start=False, **settings)
     status = str(programme.status)
     suspicion = _SUSPICIONS.get(status)
+    count = programme.solver_stats.num_iters
+    if suspicion is Status.TIME_LIMIT and count is not None and count >= settings.get("max_iter", math.inf):
+        suspicion = Status.NOT_CONVERGED
     (force,), (balance, bounds) = programme.variables(), programme.constraints
     if force.value is None or balance.dual_value is None:
         raise NoAnswerError(status, suspicion or Status.SOLVER_FAILED)
     # The Lagrangian of CVXPY adds +dual (r'F - T): the rotation is its negative.
-    iterations = programme.solver_stats.num_iters
     return ScaledAnswer(
         np.asarray(force.value, dtype=np.float64),
         -float(np.asarray(balance.dual_value)),
-        -1 if iterations is None else int(iterations),
+        -1 if count is None else int(count),
         status,
         suspicion,
         None if bounds.dual_value is None else np.asarray(bounds.dual_value, dtype=np.float64),

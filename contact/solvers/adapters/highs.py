@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
+from time import perf_counter
 from typing import Any
 
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import read_answer, refuse_unknown, run_qpsolvers
 from ..scaled_answer import ScaledAnswer
-from ..solution import Status
+from ..solver_limits import limit_met
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
@@ -17,10 +17,8 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     import highspy
 
     refuse_unknown("highs", settings, highspy.HighsOptions())
-    start = time.perf_counter()
+    start = perf_counter()
     solution = run_qpsolvers("highs", problem, settings)
-    # The interface does not pass the reason on; at the time limit the clock tells.
-    late = time.perf_counter() - start >= settings.get("time_limit", float("inf"))
-    if late and not solution.found:
-        return read_answer(solution, message="time limit reached", suspicion=Status.TIME_LIMIT)
-    return read_answer(solution)
+    return read_answer(
+        solution, suspicion=None if solution.found else limit_met("highs", settings, perf_counter() - start)
+    )

@@ -39,7 +39,13 @@ _PAIR = (
         help="Interpolation between the nodes of measured grids; smooth evens out their scatter.",
     ),
 )
-_SOLVER = click.option("--solver", metavar="NAME", default="auto", show_default=True, help="Contact solver.")
+_SOLVER = click.option(
+    "--solver",
+    metavar="NAME",
+    default="auto",
+    show_default=True,
+    help="Contact solver; MODULE:FUNCTION for one of your own.",
+)
 _DEVIATED = click.option(
     "--deviated",
     type=click.Choice(["ease_off", "surface"]),

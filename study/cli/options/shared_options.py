@@ -48,6 +48,22 @@ def force_option(command: Command) -> Command:
     )
 
 
+def problem_format_options(command: Command) -> Command:
+    """Options ``--format`` and ``--form`` of a command that writes contact problems."""
+    command = click.option(
+        "--form",
+        type=click.Choice(["dense", "lifted", "dual"]),
+        help="Form of the quadratic programme in npz, qps and mps.  [default: dense in npz, lifted in qps]",
+    )(command)
+    return click.option(
+        "--format",
+        type=click.Choice(["nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark"]),
+        show_default="suffix of the file",
+        help="Format of contact problems: nc (netCDF), mat (MATLAB), npz (qpsolvers), qps or mps "
+        "(Maros-Meszaros; HiGHS wants mps), hdf5 (FCLib), qpbenchmark (test set). From npz on the output is a folder.",
+    )(command)
+
+
 def folder_option(default: str) -> Callable[[Command], Command]:
     """Option ``--output`` of a command that writes a folder."""
     return click.option(
@@ -211,6 +227,11 @@ def problem_files(_ctx: click.Context, _param: click.Parameter, paths: tuple[Pat
         if whole.count(own) > 1:
             raise click.BadParameter(f"{path} comes twice")
     return paths
+
+
+def tolerances(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[float]:
+    """Tolerances of a sweep; none if it is not wanted."""
+    return [] if text is None else number_list(text, "tolerances separated by commas, such as 1e-3,1e-6,1e-9")
 
 
 def numbers(_ctx: click.Context, param: click.Parameter, text: str | None) -> list[float] | None:

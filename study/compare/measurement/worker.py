@@ -8,17 +8,20 @@ import multiprocessing
 import os
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...contact.problem.contact_problem import ContactProblem
-from ...core.errors import EaseoffError, InputError
-from ...core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
+from ....contact.problem.contact_problem import ContactProblem
+from ....contact.solvers.compiled.compiled_answer import compiled_code
+from ....core.errors import EaseoffError, InputError
+from ....core.processes.child_environment import THREAD_VARIABLES, child_environment, children_without_interrupts
 from .attempt import CRASHED, TIME_LIMIT, Attempt, attempt, load_adapter
+from .method import Method
+from .posed_problem import UNMEASURED_FACTOR, multiplied
 
 #: Seconds beyond the time limit in which a solver may still end by itself, before it is ended.
 GRACE_TIME = 1.0
@@ -31,9 +34,9 @@ class Request:
     """One attempt that a worker is asked for."""
 
     problem: ContactProblem
-    settings: str
+    method: Method
     time_limit: float
-    active: NDArray[np.bool_] | None = None
+    start: NDArray[np.float64] | None = None
 
 
 class Worker:
@@ -43,10 +46,13 @@ class Worker:
     ----------
     solver
         A name of the table of solvers, or ``module:function``.
+    threads
+        Number of threads for linear algebra in the process.
     """
 
-    def __init__(self, solver: str) -> None:
+    def __init__(self, solver: str, threads: int = 1) -> None:
         self.solver = solver
+        self._threads = str(threads)
         self._process: Any = None
         self._greeted = self._tried = False
         self._connection: Connection | None = None
@@ -62,7 +68,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")  # a fork would inherit threads and half-imported libraries
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, self.solver), daemon=True)
-        with child_environment(dict.fromkeys(THREAD_VARIABLES, "1")), children_without_interrupts():
+        with child_environment(dict.fromkeys(THREAD_VARIABLES, self._threads)), children_without_interrupts():
             self._process.start()
         theirs.close()
 
@@ -90,9 +96,10 @@ class Worker:
             if failed is not None:
                 return failed
         if not self._tried:
-            # What is slow only once, such as loading and compiling, is left out of the times.
+            # What is slow only once, such as loading and compiling, is left out of the times; with other data, of which
+            # nothing is worth keeping.
             self._tried = True
-            outcome = self._ask(request)
+            outcome = self._ask(replace(request, problem=multiplied(request.problem, UNMEASURED_FACTOR)))
             if not self.running:
                 return outcome
         return self._ask(request)
@@ -135,9 +142,9 @@ class Worker:
 
 
 @contextlib.contextmanager
-def workers(solvers: list[str]) -> Iterator[dict[str, Worker]]:
+def workers(solvers: list[str], threads: int = 1) -> Iterator[dict[str, Worker]]:
     """Workers by solver; their processes are ended on leaving."""
-    pool = {solver: Worker(solver) for solver in solvers}
+    pool = {solver: Worker(solver, threads) for solver in solvers}
     try:
         yield pool
     finally:
@@ -155,13 +162,15 @@ def serve(connection: Connection, solver: str) -> None:
     except EaseoffError as error:
         connection.send(str(error))
         return
+    if solver == "native":
+        compiled_code()  # compiled now if it has to be, not within the time limit of an attempt
     connection.send(None)
     while True:
         try:
             request: Request = connection.recv()
         except EOFError:
             return
-        connection.send(attempt(request.problem, solver, adapter, request.settings, request.time_limit, request.active))
+        connection.send(attempt(request.problem, request.method, adapter, request.time_limit, request.start))
 
 
 def _add_current_folder() -> None:

@@ -1,0 +1,202 @@
+"""Contact problems as a MATLAB file (version 5), read by ``load`` in MATLAB and Octave and by ``matread`` in Julia.
+
+The file has one variable, ``problem``, a struct array with one element a problem. Its fields bear the names of the
+netCDF file: ``separation`` and ``lever_arm`` (n, 1) [mm], ``torque`` [N mm], ``compliance`` (n, n) [mm/N] of a dense
+problem, ``compliance_diagonal`` (n, 1) and ``compliance_factor`` (n, k) of a structured one, the labels, and of the
+reference solution ``reference_force`` [N], ``reference_gap`` [mm] (n, 1), ``reference_rotation`` and
+``reference_elastic_rotation`` [rad]. Vectors are columns, nothing is padded, and what a problem lacks is empty. Indices
+are as in netCDF: row i of V belongs to segment i, whatever the order in memory.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.errors import InputError
+from ....core.processes.forked_process import ProcessEndedError, in_forked_process
+from ....core.reading.netcdf_file import unpacked_size_limit
+from ....core.reading.regular_file import faults_in_words, named, require_file
+from ....core.writing.output_file import whole_file
+from ..contact_problem import ContactProblem
+from ..problem_dataset import ATTRIBUTES
+from .problem_set import ProblemSet
+from .reference_solutions import ATTRIBUTES as REFERENCE_ATTRIBUTES
+from .reference_solutions import require_answers, stored_reference
+
+VARIABLE = "problem"
+FIELDS = (*ATTRIBUTES, *REFERENCE_ATTRIBUTES)
+FIELD_LENGTH_LIMIT = 31  # of a field's name in version 5
+
+
+def write_mat(problems: ProblemSet, path: str | os.PathLike[str]) -> None:
+    """Write contact problems as a MATLAB file.
+
+    Parameters
+    ----------
+    problems
+        At least one problem, with labels whose names MATLAB can take for fields.
+    path
+        The file, replaced if it exists; its name should end in ``.mat``. It appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        No problems, a label that is no name of a field, a problem of more than 4 GB; the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> import scipy.io
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_mat(ProblemSet([springs]), Path(folder, "problems.mat"))
+    ...     scipy.io.loadmat(Path(folder, "problems.mat"))["problem"]["lever_arm"][0, 0].shape
+    (2, 1)
+    """
+    from scipy.io import savemat
+    from scipy.io.matlab import MatWriteError
+
+    if not problems.problems:
+        raise InputError("problems = []: must hold at least one contact problem")
+    require_answers(problems.problems, problems.answers)
+    for name in problems.labels:
+        if name in FIELDS or not (name.isidentifier() and name.isascii() and len(name) <= FIELD_LENGTH_LIMIT):
+            raise InputError(
+                f"label = {name!r}: must be a name of letters, digits and underscores, {FIELD_LENGTH_LIMIT} at most, "
+                "that the file does not use itself"
+            )
+    names = [*ATTRIBUTES, *(REFERENCE_ATTRIBUTES if problems.answers is not None else ()), *problems.labels]
+    array = np.zeros((1, len(problems.problems)), dtype=[(name, object) for name in names])
+    for i in range(len(problems.problems)):
+        fields = _fields(problems, i)
+        for name in names:
+            array[name][0, i] = fields.get(name, np.zeros((0, 0)))
+    with whole_file(path) as temporary:
+        try:
+            savemat(temporary, {VARIABLE: array}, appendmat=False, format="5", do_compression=True)
+        except (MatWriteError, OverflowError) as error:
+            raise InputError(f"{path} cannot be written: the format holds 4 GB; write fewer problems") from error
+
+
+def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
+    """Read contact problems from a MATLAB file.
+
+    Parameters
+    ----------
+    path
+        A file of `write_mat`, or of another program: a struct array ``problem``, or the variables of a single problem,
+        as MATLAB saves them by default. Vectors may be rows. Files of version 7.3 are not read.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or holds no contact problem.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_mat(ProblemSet([springs]), Path(folder, "problems.mat"))
+    ...     read_mat(Path(folder, "problems.mat")).problems[0].identical(springs)
+    True
+    """
+    from scipy.io import loadmat
+
+    require_file(path, unpacked_size_limit())
+
+    def loaded() -> dict[str, Any]:
+        with faults_in_words(path, "a MATLAB file of version 5 (save -v7)"):
+            return dict(loadmat(os.path.abspath(path), appendmat=False))
+
+    try:
+        content = in_forked_process(loaded)
+    except ProcessEndedError as error:
+        raise InputError(f"{named(path)} is not a MATLAB file, or it is damaged: {error}") from error
+    found = content.get(VARIABLE)
+    if found is not None and found.dtype.names is not None:
+        elements = [{name: item[name] for name in found.dtype.names} for item in found.ravel(order="F")]
+    else:
+        elements = [{name: value for name, value in content.items() if not name.startswith("__")}]
+    if not elements:
+        raise InputError(f"{path}: problem = empty: must hold at least one contact problem")
+    try:
+        problems = [_problem(element, i) for i, element in enumerate(elements)]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    answers = [stored_reference(p, element) for p, element in zip(problems, elements, strict=True)]
+    whole = [answer for answer in answers if answer is not None]
+    return ProblemSet(problems, _labels(elements), whole if len(whole) == len(problems) else None)
+
+
+def _fields(problems: ProblemSet, i: int) -> dict[str, Any]:
+    """Fields of one problem; vectors as columns."""
+    problem, answer = problems.problems[i], problems.answer(i)
+    fields: dict[str, Any] = {
+        "separation": problem.separation[:, np.newaxis],
+        "lever_arm": problem.lever_arm[:, np.newaxis],
+        "torque": problem.torque,
+    }
+    if isinstance(problem.compliance, tuple):
+        fields["compliance_diagonal"] = problem.compliance[0][:, np.newaxis]
+        fields["compliance_factor"] = problem.compliance[1]
+    else:
+        fields["compliance"] = problem.dense_compliance
+    if answer is not None:
+        fields["reference_force"], fields["reference_gap"] = answer.force[:, np.newaxis], answer.gap[:, np.newaxis]
+        fields["reference_rotation"] = answer.rotation
+        fields["reference_elastic_rotation"] = answer.elastic_rotation
+    for name, value in problems.label(i).items():
+        fields[name] = str(value) if np.asarray(value).dtype.kind in "OUST" else value
+    return fields
+
+
+def _problem(element: Mapping[str, Any], i: int) -> ContactProblem:
+    missing = [name for name in ("separation", "lever_arm", "torque") if not np.size(element.get(name, ()))]
+    if missing:
+        raise InputError(f"problem {i}: incomplete, without {', '.join(missing)}")
+    separation, lever_arm, torque = (_numbers(element[name], name) for name in ("separation", "lever_arm", "torque"))
+    if torque.size != 1:
+        raise InputError(f"problem {i}: torque = array of shape {torque.shape}: must be one number")
+    compliance: Any
+    if np.size(element.get("compliance", ())):
+        compliance = _numbers(element["compliance"], "compliance")
+    elif np.size(element.get("compliance_diagonal", ())) and "compliance_factor" in element:
+        factor = _numbers(element["compliance_factor"], "compliance_factor")
+        factor = factor.reshape(separation.size, 0) if factor.size == 0 else factor
+        compliance = (_numbers(element["compliance_diagonal"], "compliance_diagonal").ravel(), factor)
+    else:
+        raise InputError(f"problem {i}: incomplete, without compliance, or compliance_diagonal and compliance_factor")
+    try:
+        return ContactProblem(separation.ravel(), lever_arm.ravel(), float(torque.ravel()[0]), compliance)
+    except InputError as error:
+        raise InputError(f"problem {i}: {error}") from error
+
+
+def _numbers(value: Any, name: str) -> NDArray[np.float64]:
+    """A field as an array of numbers; a sparse matrix as a full one."""
+    array = np.asarray(value.toarray() if hasattr(value, "toarray") else value)
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"{name} = array of {array.dtype}: must hold real numbers")
+    return array.astype(np.float64)
+
+
+def _labels(elements: list[dict[str, Any]]) -> dict[str, NDArray[Any]]:
+    """Fields beyond those of the problems that are one number or one text in every element."""
+    labels = {}
+    for name in elements[0]:
+        values = [np.ravel(element.get(name, ())) for element in elements]
+        text = all(v.dtype.kind == "U" and v.size < 2 for v in values)
+        number = all(v.dtype.kind in "biuf" and v.size == 1 for v in values)
+        if name not in FIELDS and (text or number):
+            labels[name] = np.array([str(v[0]) if v.size else "" for v in values] if text else [v[0] for v in values])
+    return labels

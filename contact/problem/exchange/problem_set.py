@@ -1,0 +1,78 @@
+"""Contact problems of a file with what the file says of each: labels and reference solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..answer import Answer
+from ..contact_problem import ContactProblem
+
+
+@dataclass(frozen=True, eq=False)
+class ProblemSet:
+    """Contact problems with labels and reference solutions.
+
+    Attributes
+    ----------
+    problems
+        The problems.
+    labels
+        By name an array of one entry a problem, such as ``name``, ``kind`` and ``mesh_position``.
+    answers
+        Reference solutions, one a problem; None if there are none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> ProblemSet([springs, springs], {"name": np.array(["one spring/mm", ""])}).file_names()
+    ['one_spring_mm', 'problem_0001']
+    """
+
+    problems: Sequence[ContactProblem]
+    labels: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    answers: Sequence[Answer] | None = None
+
+    def answer(self, i: int) -> Answer | None:
+        """Reference solution of problem i; None if there is none."""
+        return None if self.answers is None else self.answers[i]
+
+    def label(self, i: int) -> dict[str, Any]:
+        """Labels of problem i."""
+        return {name: np.asarray(values)[i] for name, values in self.labels.items()}
+
+    def file_names(self, stem: str = "problem") -> list[str]:
+        """Names for files of single problems: the labels ``name``; stem and number where these are missing or alike."""
+        numbers = [f"{stem}_{i:04d}" for i in range(len(self.problems))]
+        if "name" not in self.labels:
+            return numbers
+        names = ["".join(c if c.isalnum() or c in "-+." else "_" for c in str(n)) for n in self.labels["name"]]
+        return [
+            name if name.strip("_.") and names.count(name) == 1 else number
+            for name, number in zip(names, numbers, strict=True)
+        ]
+
+
+def joined(sets: Sequence[ProblemSet]) -> ProblemSet:
+    """Return the problems of several sets as one, with the labels that all have, and answers if all have them.
+
+    Examples
+    --------
+    >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    >>> one = ProblemSet([springs], {"name": np.array(["springs"]), "step": np.array([0])})
+    >>> both = joined([one, ProblemSet([springs], {"name": np.array(["again"])})])
+    >>> both.labels["name"].tolist(), list(both.labels)
+    (['springs', 'again'], ['name'])
+    """
+    names = [name for name in sets[0].labels if all(name in one.labels for one in sets)]
+    answers = [one.answers for one in sets if one.answers is not None]
+    return ProblemSet(
+        [problem for one in sets for problem in one.problems],
+        {name: np.concatenate([np.asarray(one.labels[name]) for one in sets]) for name in names},
+        [answer for some in answers for answer in some] if len(answers) == len(sets) else None,
+    )

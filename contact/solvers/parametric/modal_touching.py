@@ -1,0 +1,147 @@
+"""The system of the touching segments in the bending modes: C = diag(d) + U U', d > 0.
+
+With the amplitudes z = U'F of the modes, block by block, the forces are F = w (g + r theta - U z), w = 1/d where a
+segment touches and zero elsewhere, and
+
+    (I + U'w U) z - U'w r theta = U'w g,    r'w r theta - r'w U z = T - r'w g.
+
+A segment that enters or leaves changes the small matrix of its block by one of rank one: O(k^2), and O(n k) a solve.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...problem.modal_basis import ModalBasis
+from .touching_system import TouchingAnswer
+
+Array = NDArray[np.float64]
+
+#: Changes after which the matrices are summed anew.
+MAX_UPDATES = 64
+
+
+class ModalTouching:
+    """See `touching_system.TouchingSystem`.
+
+    Parameters
+    ----------
+    local
+        Compliance d of each segment by itself (n) [mm/N], positive.
+    basis
+        The modes.
+    lever_arm
+        r (n) [mm].
+    active
+        Touching segments (n).
+    """
+
+    def __init__(self, local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> None:
+        self._local, self._arm = local, lever_arm
+        self._index = basis.index
+        blocks, longest, rank = basis.modes.shape
+        self._rows = np.zeros((blocks, longest, rank + 1))
+        self._rows[..., :-1] = basis.modes
+        self._rows[..., -1] = np.append(lever_arm, 0.0)[basis.index]
+        self._block, self._place = np.zeros(basis.size, dtype=np.intp), np.zeros(basis.size, dtype=np.intp)
+        real = basis.index < basis.size
+        block, place = np.nonzero(real)
+        self._block[basis.index[real]], self._place[basis.index[real]] = block, place
+        self._active = np.array(active, dtype=np.bool_)
+        self._sum()
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """See `TouchingSystem`."""
+        return self._active.copy()
+
+    def enter(self, segment: int) -> bool:
+        """See `TouchingSystem`."""
+        return self._change(segment, True)
+
+    def leave(self, segment: int) -> bool:
+        """See `TouchingSystem`."""
+        return self._change(segment, False)
+
+    def solve(self, closing: Array, torque: Array) -> TouchingAnswer:
+        """See `TouchingSystem`."""
+        count = torque.size
+        wide = np.zeros((self._arm.size + 1, count))
+        wide[:-1] = closing
+        there, weight = wide[self._index], self._weight[..., None]
+        rotation = np.zeros(count)
+        amplitudes = np.zeros((self._index.shape[0], self._rows.shape[2] - 1, count))
+        for _ in range(2):
+            force = weight * (there - self._closed(amplitudes, rotation))
+            loads = self._rows.swapaxes(1, 2) @ force
+            change, turn = self._step(loads[:, :-1] - amplitudes, torque - loads[:, -1].sum(axis=0))
+            amplitudes, rotation = amplitudes + change, rotation + turn
+        closed = self._closed(amplitudes, rotation) - there
+        force, gap = np.zeros((2, self._arm.size + 1, count))
+        force[self._index] = -weight * closed
+        gap[self._index] = np.where(weight > 0.0, 0.0, closed)
+        return TouchingAnswer(force[:-1], rotation, gap[:-1])
+
+    def yielding(self) -> Array:
+        """See `TouchingSystem`."""
+        modes = self._rows[..., :-1]
+        own = np.zeros(self._arm.size + 1)
+        own[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
+        return np.where(self._active, 0.0, self._local + own[:-1])
+
+    def columns(self, segments: NDArray[np.intp]) -> Array:
+        """See `TouchingSystem`."""
+        wide = np.zeros((self._arm.size + 1, segments.size))
+        for number, segment in enumerate(segments):
+            block = self._block[segment]
+            own = self._rows[block, :, :-1]
+            wide[self._index[block], number] = own @ own[self._place[segment]]
+            wide[segment, number] += self._local[segment]
+        return wide[:-1]
+
+    def _closed(self, amplitudes: Array, rotation: Array) -> Array:
+        """U z - r theta in blocks (p, m, q)."""
+        turn = np.broadcast_to(-rotation, (amplitudes.shape[0], 1, rotation.size))
+        return np.asarray(self._rows @ np.concatenate([amplitudes, turn], axis=1))
+
+    def _step(self, loads: Array, imbalance: Array) -> tuple[Array, Array]:
+        """Changes of amplitudes (p, k, q) and rotations (q) for residuals of the two equations."""
+        held = self._inverse @ loads
+        turn = (imbalance + np.einsum("pk,pkq->q", self._border, held)) / self._pivot
+        return held + turn * self._by_arm[..., None], turn
+
+    def _change(self, segment: int, entering: bool) -> bool:
+        active = self._active.copy()
+        active[segment] = entering
+        if not self._arm[active].any():
+            return False
+        block, place = self._block[segment], self._place[segment]
+        row, weight = self._rows[block, place], 1.0 / self._local[segment]
+        self._active = active
+        self._weight[block, place] = weight if entering else 0.0
+        self._updates += 1
+        if self._updates >= MAX_UPDATES:
+            self._sum()
+        else:
+            self._gram[block] += np.outer(row, row * (weight if entering else -weight))
+            self._factorise(slice(block, block + 1))
+        return True
+
+    def _sum(self) -> None:
+        """Sum the matrices of all blocks anew."""
+        self._weight = np.append(np.where(self._active, 1.0 / self._local, 0.0), 0.0)[self._index]
+        self._gram = (self._rows * self._weight[..., None]).swapaxes(1, 2) @ self._rows
+        size = self._gram.shape[1] - 1
+        self._inverse = np.empty((self._gram.shape[0], size, size))
+        self._by_arm = np.empty((self._gram.shape[0], size))
+        self._updates = 0
+        self._factorise(slice(None))
+
+    def _factorise(self, blocks: slice) -> None:
+        gram = self._gram[blocks]
+        size = gram.shape[1] - 1
+        self._inverse[blocks] = np.linalg.inv(gram[:, :-1, :-1] + np.eye(size))
+        self._by_arm[blocks] = (self._inverse[blocks] @ gram[:, :-1, -1:])[..., 0]
+        self._border = self._gram[:, :-1, -1]
+        self._pivot = float(self._gram[:, -1, -1].sum() - np.sum(self._border * self._by_arm))

@@ -1,0 +1,155 @@
+"""Segments that touch without a force: which of them carry load when the data change in a given direction.
+
+Where F = Y = 0 the solution has a kink. Its change in a direction solves a contact problem of its own: the loaded
+segments keep contact, with forces of any sign of change, the open ones stay open, and for the weak ones
+
+    dY >= 0,    dF >= 0,    dF'dY = 0.
+
+With the loaded segments eliminated that is a linear complementarity problem in the weak ones alone, mostly one or two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...problem.answer import Answer
+from ...problem.compliance_matrix import ComplianceMatrix
+from ...problem.contact_problem import ContactProblem
+from ...problem.forms.complementarity_form import lcp
+from ...problem.forms.complementary_pivoting import lemke
+from .dense_touching import DEPENDENCE_TOLERANCE
+from .touching_form import part_of, touching_system
+from .touching_system import TouchingSystem
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: A change of force of a weak segment below this, relative to the largest, is rounding.
+SMALLEST_CHANGE = 1e-12
+
+
+def loaded_and_weak(
+    force: Array, gap: Array, force_scale: float, gap_scale: float, tolerance: float
+) -> tuple[Mask, Mask]:
+    """Return which segments carry load and which neither carry load nor are open, (n) each.
+
+    Parameters
+    ----------
+    force, gap
+        F [N] and Y [mm], (n).
+    force_scale, gap_scale
+        What they are compared with [N], [mm].
+    tolerance
+        Largest force and gap, relative to the scales, that count as none.
+    """
+    none = force <= tolerance * force_scale
+    shut = gap <= tolerance * gap_scale
+    return np.asarray(~none & (force * gap_scale > gap * force_scale)), np.asarray(none & shut)
+
+
+def answer_by_pivoting(problem: ContactProblem) -> Answer | None:
+    """Return the answer of Lemke's method; None where it has none."""
+    form = lcp(problem)
+    result = lemke(form.matrix, form.vector)
+    return form.recover(result.z) if result.ended == "solved" else None
+
+
+def system_in_direction(
+    matrix: ComplianceMatrix,
+    lever_arm: Array,
+    loaded: Mask,
+    weak: Mask,
+    closing: Array,
+    torque: float,
+    first_contact: Callable[[ContactProblem], Answer | None] = answer_by_pivoting,
+) -> TouchingSystem | None:
+    """Return the system of the segments that carry load when the data begin to change in a direction.
+
+    Parameters
+    ----------
+    matrix, lever_arm
+        C and r.
+    loaded, weak
+        See `loaded_and_weak`.
+    closing, torque
+        Right-hand sides g (n) and T of the direction, see `touching_system`.
+    first_contact
+        Solves the contact problem of the weak segments, where nothing carries load yet.
+
+    Returns
+    -------
+    TouchingSystem or None
+        None where there is no such change, or it cannot be found.
+    """
+    segments = np.flatnonzero(weak)
+    if not lever_arm[loaded].any():
+        return _of_first_contact(matrix, lever_arm, segments, closing, torque, first_contact)
+    system = touching_system(matrix, lever_arm, loaded)
+    return _with_weak(system, lever_arm, segments, closing, torque)
+
+
+def _with_weak(
+    system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp], closing: Array, torque: float
+) -> TouchingSystem | None:
+    """Let those of the weak segments enter that carry load."""
+    if not segments.size:
+        return system
+    yielding, own = _yielding(system, lever_arm, segments)
+    free = yielding.diagonal() > DEPENDENCE_TOLERANCE * own
+    segments, yielding, own = segments[free], yielding[np.ix_(free, free)], own[free]
+    opening = system.solve(closing[:, None], np.array([torque])).gap[segments, 0]
+    unit = 1.0 / np.sqrt(own)
+    vector, yielding = opening * unit, yielding * np.outer(unit, unit)
+    level = float(np.abs(vector).max(initial=0.0))
+    if level == 0.0:
+        return system
+    result = lemke(yielding, vector / level)
+    if result.ended != "solved":
+        return None
+    for segment in segments[result.z > SMALLEST_CHANGE * max(float(result.z.max()), 1.0)]:
+        if not system.enter(int(segment)):
+            return None
+    return system
+
+
+def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask, weak: Mask) -> Mask:
+    """Return the weak segments that could take over load at no cost: the forces are not unique, (n)."""
+    result = np.zeros(weak.size, dtype=np.bool_)
+    if weak.any() and lever_arm[loaded].any():
+        segments = np.flatnonzero(weak)
+        yielding, own = _yielding(touching_system(matrix, lever_arm, loaded), lever_arm, segments)
+        result[segments] = yielding.diagonal() <= DEPENDENCE_TOLERANCE * own
+    return result
+
+
+def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Compliance among some open segments while the touching ones yield (w, w), and the size of its terms (w)."""
+    columns = system.columns(segments)
+    gap = system.solve(-columns, -lever_arm[segments]).gap[segments]
+    own = columns[segments, np.arange(segments.size)]
+    return 0.5 * (gap + gap.T), np.maximum(own, np.abs(own - gap.diagonal()))
+
+
+def _of_first_contact(
+    matrix: ComplianceMatrix,
+    lever_arm: Array,
+    segments: NDArray[np.intp],
+    closing: Array,
+    torque: float,
+    first_contact: Callable[[ContactProblem], Answer | None],
+) -> TouchingSystem | None:
+    """The system where nothing carries load yet: a contact problem of the weak segments."""
+    arm = lever_arm[segments]
+    if torque < 0.0 or not segments.size or not arm.max() > 0.0:
+        return None
+    answer = first_contact(ContactProblem(-closing[segments], arm, torque, part_of(matrix, segments)))
+    if answer is None or not answer.certificate.passes():
+        return None
+    active = np.zeros(lever_arm.size, dtype=np.bool_)
+    active[segments] = answer.force > 0.0
+    if not active.any():  # without a torque: the first to touch
+        active[segments[arm > 0.0][np.argmin(answer.gap[arm > 0.0])]] = True
+    return touching_system(matrix, lever_arm, active)

@@ -1,0 +1,166 @@
+"""Limits of a solve: tolerance, time and steps, in the words of every solver.
+
+The tolerance is the same for all solvers: the largest violation that the certificate may have. A solver of the table
+reaches its certificate, ``SolverSettings.tolerance``, with the settings of the table; for another one its own
+stopping tolerances are changed in proportion, those of interior-point methods with the square: they leave force and gap
+of a touching segment both at the root of theirs. Exact methods have no tolerance: theirs is the certificate alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+from ...core.checks import number, whole
+from ...core.errors import InputError
+from ..problem.certificate import EXACT_TOLERANCE
+from .solution import Status
+from .solver_table import SOLVERS
+
+#: Stopping tolerances given to a backend: below, rounding keeps it from ever stopping; above, it would not begin.
+OWN_TOLERANCE_RANGE = (1e-13, 1e-2)
+#: Time limits given to a backend [s]: some take zero for no limit, and some no infinity.
+OWN_TIME_RANGE = (1e-9, 1e9)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of a solve; None for those of the solver.
+
+    Attributes
+    ----------
+    tolerance
+        Largest violation that the certificate may have.
+    time_limit
+        Wall time [s].
+    max_iterations
+        Steps of the method.
+    """
+
+    tolerance: float | None = None
+    time_limit: float | None = None
+    max_iterations: int | None = None
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if self.tolerance is not None:
+            number("tolerance", self.tolerance, above=0.0, below=1.0)
+        if self.time_limit is not None:
+            number("time_limit", self.time_limit, "s", least=0.0, infinite=True)
+        if self.max_iterations is not None:
+            whole("max_iterations", self.max_iterations, 1)
+
+    @property
+    def none(self) -> bool:
+        """Whether nothing is limited."""
+        return self == Limits()
+
+    @property
+    def exact_tolerance(self) -> float:
+        """Certificate that an answer made on its active set must reach."""
+        return EXACT_TOLERANCE if self.tolerance is None else min(self.tolerance, EXACT_TOLERANCE)
+
+
+def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keywords for a backend of the table: its settings, the limits in its words, and the caller's settings.
+
+    Parameters
+    ----------
+    name
+        Of the backend.
+    limits
+        Of the solve.
+    settings
+        The caller's own, in the backend's words; they come on top.
+
+    Raises
+    ------
+    InputError
+        A limit that the backend cannot have, or that is given in both words.
+    """
+    entry = SOLVERS[name]
+    keywords, found = dict(entry.settings), {}
+    foreign = name == "cvxpy" and str(settings.get("backend", "clarabel")).lower() != "clarabel"
+    if foreign and not limits.none:
+        raise InputError(
+            f"backend = {settings['backend']!r}: must be clarabel with tolerance, time_limit or max_iterations; give "
+            "limits in the words of that solver"
+        )
+    if limits.tolerance is not None:
+        ratio = (limits.tolerance / entry.tolerance) ** entry.tolerance_power
+        least, most = OWN_TOLERANCE_RANGE
+        for key in entry.tolerance_settings:
+            found[key] = min(max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance), most)
+    for word, value, key in (
+        ("time_limit", limits.time_limit, entry.time_setting),
+        ("max_iterations", limits.max_iterations, entry.step_setting),
+    ):
+        if value is None:
+            continue
+        if not key:
+            raise InputError(f"{word} = {value}: must not be given for {name}, which has none; {_able(word)} have one")
+        found[key] = min(max(value, OWN_TIME_RANGE[0]), OWN_TIME_RANGE[1]) if word == "time_limit" else value
+    twice = sorted(set(found) & set(settings))
+    if twice:
+        raise InputError(
+            f"{twice[0]} = {settings[twice[0]]}: must not be given beside tolerance, time_limit and max_iterations, "
+            "which set it"
+        )
+    return {**keywords, **found, **settings}
+
+
+def limit_met(name: str, settings: Mapping[str, Any], elapsed: float) -> Status | None:
+    """Return the limit that ended a backend without an answer, if it does not say so itself and a limit was met.
+
+    Parameters
+    ----------
+    name
+        Of the backend.
+    settings
+        It was called with.
+    elapsed
+        Its run time [s].
+    """
+    entry = SOLVERS[name]
+    if elapsed >= settings.get(entry.time_setting, math.inf):
+        return Status.TIME_LIMIT
+    # A contact problem has a solution: where the caller lowered the steps, these ended it.
+    usual = entry.settings.get(entry.step_setting, math.inf)
+    return Status.NOT_CONVERGED if settings.get(entry.step_setting, math.inf) < usual else None
+
+
+def _able(word: str) -> str:
+    key = {"time_limit": "time_setting", "max_iterations": "step_setting"}[word]
+    return ", ".join(name for name, entry in SOLVERS.items() if getattr(entry, key))
+
+
+class StepBudget:
+    """Steps and time that the native solver has left, over all its methods.
+
+    Parameters
+    ----------
+    limits
+        Of the solve.
+    start
+        Time at which it began [s], of `time.perf_counter`.
+    """
+
+    def __init__(self, limits: Limits, start: float | None = None) -> None:
+        begin = perf_counter() if start is None else start
+        self._end = None if limits.time_limit is None else begin + limits.time_limit
+        self._left = limits.max_iterations
+        #: The limit that was met, or None.
+        self.met: Status | None = None
+
+    def step(self) -> bool:
+        """Take one step off, and return whether it may be made."""
+        if self._left is not None and self._left <= 0:
+            self.met = self.met or Status.NOT_CONVERGED
+        elif self._end is not None and perf_counter() >= self._end:
+            self.met = self.met or Status.TIME_LIMIT
+        elif self._left is not None:
+            self._left -= 1
+        return self.met is None

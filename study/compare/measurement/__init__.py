@@ -1,0 +1,1 @@
+"""Measurement of a comparison: problems, attempts in processes of their own, machine and versions."""

@@ -1,0 +1,181 @@
+"""Attempt of a solver at a problem: its claim, its certificate and its times.
+
+This runs in a process of its own.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....contact.problem.certificate import NO_CERTIFICATE, Certificate
+from ....contact.problem.contact_problem import ContactProblem
+from ....contact.solvers import SOLVERS, ContactSolution, Solver, solve
+from ....contact.solvers.active_set.polish import STRICT_POLISH
+from ....contact.solvers.backend_solution import Adapter, adapter_of, backend_solution
+from ....contact.solvers.declared.solver_lookup import declared_solver
+from ....contact.solvers.solution import RAISED
+from ....core.errors import InputError
+from .method import POLISHED, RAW, Method
+
+#: Claims of a solver whose process ended, or was ended when its time was over.
+CRASHED, TIME_LIMIT = "crashed", "time_limit"
+
+_LONGEST_MESSAGE = 160
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """Outcome of one attempt. Times are NaN where they are not known.
+
+    Attributes
+    ----------
+    claim
+        Report of the solver: ``solved``, a status in lower case, ``raised`` (an exception) or ``crashed`` (its
+        process ended).
+    message
+        Its own words.
+    run_time, processor_time
+        Wall time and processor time of the whole call [s]: check, scaling, solver, polish, certificate.
+    call_time
+        Wall time of the bare call of the solver, from its data in its form to its answer [s].
+    setup_time, solve_time
+        Its set-up and its solve [s], as it reports them, or else as they were measured around it.
+    time_source
+        Who measured these two: ``solver``, ``interface``, or an empty text.
+    polish_time
+        Wall time of the polish [s].
+    certificate
+        Of the answer, on the problem as it was given; infinite without an answer.
+    elastic_rotation, reference_rotation
+        Rotation beyond first contact [rad], and that of the certified reference; NaN without an answer.
+    iterations
+        -1 if unknown.
+    polished
+        Whether the answer is that of one exact solve on the active set the solver found.
+    exchanges
+        Exchanges of segments made for that.
+    load_factor
+        Factor of separations and torque in this call.
+    """
+
+    claim: str
+    message: str = ""
+    run_time: float = math.nan
+    processor_time: float = math.nan
+    call_time: float = math.nan
+    setup_time: float = math.nan
+    solve_time: float = math.nan
+    time_source: str = ""
+    polish_time: float = math.nan
+    certificate: Certificate = NO_CERTIFICATE
+    elastic_rotation: float = math.nan
+    reference_rotation: float = math.nan
+    iterations: int = -1
+    polished: bool = False
+    exchanges: int = 0
+    load_factor: float = 1.0
+
+    @classmethod
+    def of(cls, solution: ContactSolution) -> Attempt:
+        """Return the outcome that a solution is."""
+        times = solution.times
+        return cls(
+            solution.claim,
+            plain(solution.words),
+            solution.run_time,
+            call_time=times.call,
+            setup_time=times.setup,
+            solve_time=times.solve,
+            time_source=times.measured_by,
+            polish_time=times.polish,
+            certificate=solution.certificate,
+            elastic_rotation=float(solution.answer.elastic_rotation),
+            iterations=solution.iterations,
+            polished=solution.polished,
+            exchanges=solution.exchanges,
+        )
+
+
+def load_adapter(solver: str) -> Adapter | Solver | None:
+    """Return the adapter of a solver, or the declaration of one's own; None for the native one, which needs none.
+
+    Parameters
+    ----------
+    solver
+        A name of the table of solvers or of an entry point, or ``module:function``.
+
+    Raises
+    ------
+    InputError
+        The module cannot be imported or has no such function.
+    """
+    if solver == "native":
+        return None
+    declared = declared_solver(solver)
+    for package in ("qpsolvers",) if declared else filter(None, (SOLVERS[solver].package, "qpsolvers")):
+        importlib.import_module(package)  # slow imports are not to be timed
+    return adapter_of(solver) if declared is None else declared
+
+
+def attempt(
+    problem: ContactProblem,
+    method: Method,
+    adapter: Adapter | Solver | None,
+    time_limit: float,
+    start: NDArray[np.float64] | None = None,
+) -> Attempt:
+    """Let a solver try a problem.
+
+    Parameters
+    ----------
+    problem
+        Rebuilt for every attempt, so that nothing found by an earlier one is reused.
+    method
+        The solver and its settings.
+    adapter
+        The adapter from `load_adapter`.
+    time_limit
+        Time limit passed to the backend [s], which may ignore it.
+    start
+        Forces (n) [N] that solve a neighbouring problem, for a warm start.
+    """
+    fresh = ContactProblem(problem.separation, problem.lever_arm, problem.torque, problem.compliance)
+    begin, processor = perf_counter(), process_time()
+    if adapter is None:
+        found = Attempt.of(solve(fresh, "native", initial_active=None if start is None else start > 0.0))
+    else:
+        found = _backend_attempt(fresh, method, adapter, time_limit, start)
+    # One clock for all: what a solution says of its own run time may come from a function of the user's.
+    return replace(found, run_time=perf_counter() - begin, processor_time=process_time() - processor)
+
+
+def _backend_attempt(
+    problem: ContactProblem,
+    method: Method,
+    adapter: Adapter | Solver,
+    time_limit: float,
+    start: NDArray[np.float64] | None,
+) -> Attempt:
+    raw = method.settings == RAW
+    keywords = method.keywords(time_limit)
+    if isinstance(adapter, Solver):
+        keywords = {key: value for key, value in keywords.items() if adapter.takes(key)}
+    if start is not None:
+        keywords["initvals"] = start.copy() if raw else start / problem.scaling.force
+    rule = STRICT_POLISH if method.settings == POLISHED else None
+    try:
+        return Attempt.of(backend_solution(problem, method.solver, adapter, keywords, polish=rule, raw=raw))
+    except InputError as error:
+        return Attempt(RAISED, plain(f"{type(error).__name__}: {error}"))
+
+
+def plain(text: str) -> str:
+    """One printable line of bounded length."""
+    line = " ".join("".join(c if c.isprintable() or c.isspace() else "?" for c in text).split())
+    return line if len(line) <= _LONGEST_MESSAGE else line[: _LONGEST_MESSAGE - 3] + "..."

@@ -1,0 +1,212 @@
+"""Time tables: run time, its parts, starts, pairs of solvers, growth with size, work against precision."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ..measurement.method import COLD, HEADLINE, STARTING_SOLVERS, WARM
+from ..statistics.method_statistics import (
+    METHOD_COLUMNS,
+    PROBLEM_COLUMNS,
+    MethodName,
+    headline,
+    of_method,
+    run_time_table,
+)
+from ..statistics.profiles import pairwise_matrix
+from ..statistics.run_time_statistics import RUN_TIME_SHIFT, SIZE_COUNT_MINIMUM, growth, shifted_geometric_mean
+from ..statistics.work_precision import WorkPrecision, sweep_points, work_precision
+from .report_table import NOTHING, ReportTable, median, milliseconds, quantiles, ratio, residual
+
+#: Factors at which the pairwise profile is tabulated.
+PAIR_FACTORS = (0.5, 1.0, 2.0, 10.0)
+#: Largest ratio of a size to the next smaller one where growth is measured.
+LARGEST_SIZE_STEP = 10.0
+#: Every this many accuracies one is a column of the work-precision table.
+ACCURACY_STEP = 2
+
+
+def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]) -> ReportTable:
+    """Run time of each method."""
+    limit = float(dataset.attrs["time_limit_s"])
+    rows = []
+    for method in named:
+        found = of_method(problems, method)
+        times = found["run_time"].to_numpy(dtype=float)
+        mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
+        spread = quantiles(found["spread"][found["certified"]], (0.5, 0.9))
+        rows.append([*method, *map(milliseconds, [mean, *quantiles(found["run_time"])]), *map(ratio, spread)])
+    head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
+    note = (
+        f"*Mean*: shifted geometric mean over the problems, shift {1e3 * RUN_TIME_SHIFT:g} ms, each with the median of "
+        "its repetitions; one that is not certified counts with the time limit, "
+        f"{1e3 * limit:g} ms. The other columns are over certified problems. *Spread*: longest over shortest run time "
+        "of the repetitions of a problem, its median and 90 % quantile; a dash where there is one repetition."
+    )
+    return ReportTable("run_time", [*METHOD_COLUMNS, *head], rows, note)
+
+
+def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName, str]) -> ReportTable:
+    """Medians of the parts of the run time, over certified problems."""
+    rows = []
+    for method in named:
+        found = of_method(problems, method)
+        found = found[found["certified"]]
+        columns = ("run_time", "processor_time", "call_time", "setup_time", "solve_time", "polish_time")
+        whole = median(found["run_time"] / found["call_time"])
+        times = [milliseconds(median(found[name])) for name in columns]
+        rows.append([*method, *times, ratio(whole), sources.get(method, "") or NOTHING])
+    head = ["whole [ms]", "processor [ms]", "bare call [ms]", "set-up [ms]", "solve [ms]", "polish [ms]"]
+    note = (
+        "Medians over certified problems. *Whole*: wall time of the call through the package, with check, scaling, "
+        "conversion, polish and certificate; *processor*: its processor time; *bare call*: wall time of the solver "
+        "with its data in its form; *whole / bare*: median of their ratio. Set-up and solve are in the solver's own "
+        "measurement where it has one (*by* solver), or else measured around them (interface)."
+    )
+    return ReportTable("time_parts", [*METHOD_COLUMNS, *head, "whole / bare", "by"], rows, note)
+
+
+def time_sources(dataset: xr.Dataset, named: list[MethodName]) -> dict[MethodName, str]:
+    """Who measured set-up and solve time, by method."""
+    frame: Any = dataset.to_dataframe()
+    return {
+        method: ", ".join(source for source in dict.fromkeys(of_method(frame, method)["time_source"]) if source)
+        for method in named
+    }
+
+
+def start_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
+    """Cold against warm starts, over the problems that have both; None where no problem has a warm start."""
+    warm_methods = [method for method in named if method[2] == WARM]
+    if not warm_methods:
+        return None
+    rows = []
+    for solver, settings, _ in warm_methods:
+        pair = [of_method(problems, (solver, settings, start)).set_index(PROBLEM_COLUMNS) for start in (COLD, WARM)]
+        both = pair[1].join(pair[0].add_suffix("_cold"), how="inner")
+        solved = both[both["certified"] & both["certified_cold"]]
+        iterations = [median(solved[name][solved[name] >= 0]) for name in ("iterations_cold", "iterations")]
+        rows.append(
+            [
+                solver,
+                len(both),
+                int(both["certified_cold"].sum()),
+                int(both["certified"].sum()),
+                milliseconds(median(solved["run_time_cold"])),
+                milliseconds(median(solved["run_time"])),
+                ratio(median(solved["run_time"] / solved["run_time_cold"])),
+                *map(ratio, iterations),
+            ]
+        )
+    ignoring = sorted({solver for solver, _, _ in named} - set(STARTING_SOLVERS))
+    note = (
+        "Problems with a problem of the same size before them in their file, whose answer is the warm start; times are "
+        "medians over those certified both ways, *ratio* is the median of warm over cold."
+    )
+    if ignoring:
+        note += f" Not measured, because they take no start or ignore it: {', '.join(ignoring)}."
+    head = ["solver", "problems", "certified, cold", "certified, warm", "cold [ms]", "warm [ms]", "ratio"]
+    return ReportTable("starts", [*head, "iterations, cold", "iterations, warm"], rows, note)
+
+
+def pair_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
+    """Pairwise profile of the headline methods; None where there is one alone."""
+    chosen = headline(named)
+    if len(chosen) < 2:
+        return None
+    times = run_time_table(problems, chosen).to_numpy(dtype=float).T
+    shares = [pairwise_matrix(times, factor) for factor in PAIR_FACTORS]
+    rows = [
+        [first[0], second[0], *(f"{100.0 * share[i, j]:.1f}" for share in shares)]
+        for i, first in enumerate(chosen)
+        for j, second in enumerate(chosen)
+        if i != j
+    ]
+    head = ["solver", "against", *(f"within {factor:g} [%]" for factor in PAIR_FACTORS)]
+    note = (
+        "Share of problems that the row certifies in at most the time of the column; what it alone certifies counts "
+        "for it. Two solvers compare the same whichever others are in the comparison. `tables/pairs.csv` has the "
+        "shares within half, twice and ten times that time, too."
+    )
+    return ReportTable("pairs", head, rows, note, in_report=False)
+
+
+def growth_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
+    """Exponents of the growth of run time within each kind of problem; None where no kind has sizes enough."""
+    groups = size_groups(problems)
+    rows = []
+    for method in headline(named):
+        found = of_method(problems, method)
+        fits = [
+            growth(*(found[group_of(found) == group][name].to_numpy(dtype=float) for name in ("size", "run_time")))
+            for group in groups
+        ]
+        rows.append([method[0], *(NOTHING if fit is None else f"{fit[1]:.2f}" for fit in fits)])
+    if not any(cell != NOTHING for row in rows for cell in row[1:]):
+        return None
+    note = (
+        "Power of the number of segments with which the run time grows within one kind of problem, over the larger "
+        "half of its sizes; a dash where they are too few or too close together."
+    )
+    return ReportTable("growth", ["solver", *groups], rows, note)
+
+
+def group_of(problems: Any) -> Any:
+    """Group within which sizes are compared: the kind of a problem, or its file where it has none."""
+    return problems["kind"].where(problems["kind"] != "", problems["problem_file"])
+
+
+def size_groups(problems: Any) -> list[str]:
+    """Groups with at least three sizes, none of them far from the next; those with the widest range first."""
+    widths = {}
+    for group, found in problems.groupby(group_of(problems), sort=False):
+        sizes = np.unique(found["size"].to_numpy(dtype=float))
+        if sizes.size >= SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
+            widths[str(group)] = float(sizes[-1] / sizes[0])
+    return sorted(widths, key=lambda name: -widths[name])
+
+
+def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable]:
+    """Time and share of problems by certified accuracy, and the outcome at each tolerance."""
+    rank = {method[0]: number for number, method in enumerate(headline(named))}
+    curves = sorted(work_precision(dataset), key=lambda one: rank[one.solver])
+    columns = range(1, curves[0].accuracy.size, ACCURACY_STEP)
+    head = ["solver", *(f"{curves[0].accuracy[i]:.0e}" for i in columns)]
+    rows = [[curve.solver, *(_work(curve, i) for i in columns)] for curve in curves]
+    note = (
+        "Median over the problems of the time [ms] of the fastest run with a certificate of at most that accuracy, a "
+        "dash where half of the problems have none; in brackets the share of problems that have one. Runs: those of "
+        "the sweep and of the headline."
+    )
+    points = [
+        [
+            point.solver,
+            f"{point.tolerance:g}" if point.tolerance else "table",
+            point.problems,
+            point.claimed,
+            point.false_claims,
+            residual(point.median),
+            residual(point.worst),
+            milliseconds(point.run_time),
+        ]
+        for point in sorted(sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
+    ]
+    columns_of_points = ["solver", "tolerance", "problems", "says solved", "false claims", "median", "worst"]
+    return [
+        ReportTable("work_precision", head, rows, note),
+        ReportTable(
+            "sweep",
+            [*columns_of_points, "median time [ms]"],
+            points,
+            f"Certificates by the tolerance given to the solver; *table*: its settings of `{HEADLINE}`. Solvers "
+            "without a tolerance have that row alone.",
+            "Outcome at each tolerance:",
+        ),
+    ]
+
+
+def _work(curve: WorkPrecision, i: int) -> str:
+    return f"{milliseconds(float(curve.run_time[i]))} ({100.0 * curve.share[i]:.0f} %)"

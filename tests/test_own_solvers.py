@@ -1,0 +1,510 @@
+"""Solvers of one's own: by a function, by module:function and by an entry point; good ones and those that are none."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import qpsolvers
+from click.testing import CliRunner
+from scipy.sparse.linalg import aslinearoperator
+
+from easeoff import InputError, analyze, read_case, read_result
+from easeoff.contact import (
+    ContactProblem,
+    OperatorCompliance,
+    Solver,
+    Status,
+    available_solvers,
+    solve,
+    solve_line_contact,
+    write_problems,
+)
+from easeoff.contact.compliance.material import Material
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
+from easeoff.contact.problem.forms.complementary_pivoting import lemke
+from easeoff.contact.solvers.backend_solution import backend_solution
+from easeoff.contact.solvers.scaled_answer import ScaledAnswer
+from easeoff.study.cli import main
+from easeoff.verification import problems
+
+PROBLEM = next(iter(problems("realistic", 1)))
+DENSE = ContactProblem(PROBLEM.separation, PROBLEM.lever_arm, PROBLEM.torque, PROBLEM.dense_compliance)
+REFERENCE = solve(PROBLEM)
+
+
+def by_daqp(problem: Any, **settings: Any) -> Any:
+    return qpsolvers.solve_problem(problem, "daqp", primal_tol=1e-11, dual_tol=1e-12, **settings)
+
+
+def by_osqp(problem: Any, **settings: Any) -> Any:
+    return qpsolvers.solve_problem(problem, "osqp", eps_abs=1e-10, eps_rel=1e-10, polishing=True, **settings)
+
+
+def by_lemke(problem: Any) -> Any:
+    return lemke(problem.matrix, problem.vector).z
+
+
+def by_products(problem: Any, max_iterations: int = 50_000, initvals: Any = None) -> Any:
+    """Projected gradients with momentum for the shares of the torque: products with P alone."""
+    P, q, row, torque = problem.P, problem.q, problem.A[0], float(problem.b[0])
+    force = np.full(q.size, torque / row.sum()) if initvals is None else np.asarray(initvals)
+    step = 1.0 / float(np.linalg.norm(P.matvec(np.ones(q.size))) / np.sqrt(q.size)) / 4.0
+    ahead, weight = force, 1.0
+    for _ in range(max_iterations):
+        before = force
+        force = onto_balance(ahead - step * (P.matvec(ahead) + q), row, torque)
+        next_weight = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight**2))
+        ahead = force + (weight - 1.0) / next_weight * (force - before)
+        if (force - before) @ (ahead - force) < 0.0:
+            ahead, next_weight = force, 1.0
+        weight = next_weight
+        if np.abs(force - before).max() < 1e-13 * force.max():
+            break
+    return force
+
+
+def onto_balance(point: Any, row: Any, torque: float) -> Any:
+    """The nearest forces without a pull that balance the torque; the lever arms are positive."""
+    low, high = -1e6, 1e6
+    for _ in range(200):
+        shift = 0.5 * (low + high)
+        if row @ np.maximum(point + shift * row, 0.0) < torque:
+            low = shift
+        else:
+            high = shift
+    return np.maximum(point + high * row, 0.0)
+
+
+def assert_right(found: Any, tolerance: float = 1e-9) -> None:
+    assert found.status is Status.CERTIFIED, found.message
+    assert np.abs(found.force - REFERENCE.force).max() < tolerance * REFERENCE.force.max()
+    assert found.elastic_rotation == pytest.approx(REFERENCE.elastic_rotation, rel=tolerance)
+
+
+# Forms and returns
+
+
+@pytest.mark.parametrize(
+    ("function", "form"),
+    [(by_daqp, "dense"), (by_osqp, "sparse"), (by_osqp, "lifted"), (by_lemke, "lcp"), (by_products, "products")],
+)
+@pytest.mark.parametrize("polish", [True, False])
+def test_function_in_every_form_gives_the_answer(function: Callable[..., Any], form: str, polish: bool) -> None:
+    solution = solve(PROBLEM, Solver("mine", function, forms=(form,), tolerance=1e-6), polish=polish)
+    assert_right(solution, 1e-9 if polish else 1e-4)
+    assert (solution.solver, solution.method, solution.polished, solution.claim) == ("mine", form, polish, "solved")
+    assert solution.run_time > 0.0
+    assert f"mine, form {form}" in solution.message
+
+
+def test_bare_function_gets_the_scaled_dense_programme() -> None:
+    seen = []
+
+    def watch(problem: Any) -> Any:
+        seen.append(problem)
+        return by_daqp(problem)
+
+    assert_right(solve(PROBLEM, watch))
+    expected: Any = PROBLEM.as_qp()
+    assert np.array_equal(seen[0].P, expected.P)
+    assert np.array_equal(seen[0].q, expected.q)
+    assert np.array_equal(seen[0].A, expected.A)
+    assert seen[0].b == expected.b
+
+
+@pytest.mark.parametrize(
+    "returned",
+    [
+        lambda found: found,
+        lambda found: found.x,
+        lambda found: list(found.x),
+        lambda found: found.x[:, np.newaxis],
+        lambda found: (found.x, -found.y[0]),
+        lambda found: (found.x, -found.y),
+        lambda found: ScaledAnswer(found.x, -found.y[0], 5, "done"),
+        lambda found: ScaledAnswer(found.x, -found.y[0], 5, "done", Status.INFEASIBLE),
+    ],
+)
+def test_answer_may_be_returned_in_several_ways(returned: Callable[[Any], Any]) -> None:
+    solution = solve(PROBLEM, lambda problem: returned(by_daqp(problem)), polish=False, tolerance=1e-8)
+    assert_right(solution)
+
+
+def test_solution_without_multipliers_has_its_rotation_from_the_forces() -> None:
+    def forgetful(problem: Any) -> Any:
+        found = by_daqp(problem)
+        found.y = None
+        return found
+
+    assert_right(solve(PROBLEM, forgetful, polish=False, tolerance=1e-8))
+
+
+def test_first_form_that_the_problem_has_is_taken() -> None:
+    both = Solver("both", by_osqp, forms=("lifted", "sparse"))
+    assert solve(PROBLEM, both).method == "lifted"
+    assert solve(DENSE, both).method == "sparse"
+    assert solve(PROBLEM, both, form="sparse").method == "sparse"
+    many = ContactProblem(np.zeros(2), np.full(2, 40.0), 1e4, (np.full(2, 1e-6), np.ones((2, 3)) * 1e-4))
+    assert solve(many, both).method == "sparse"
+    assert solve(many, Solver("lifted", by_osqp, forms=("lifted",))).method == "lifted"
+    with pytest.raises(InputError, match=r"form = 'dense': must be one of auto, lifted, sparse"):
+        solve(PROBLEM, both, form="dense")
+    with pytest.raises(InputError, match=r"must be the pair \(d, V\) for lifted"):
+        solve(DENSE, Solver("lifted", by_osqp, forms=("lifted",)))
+
+
+def test_function_may_write_to_what_it_gets() -> None:
+    def vandal(problem: Any) -> Any:
+        answer = by_daqp(problem)
+        for array in (problem.P, problem.q, problem.A, problem.b, problem.lb):
+            array *= 0.0
+        return answer
+
+    assert_right(solve(PROBLEM, vandal))
+    assert_right(solve(PROBLEM))
+
+
+# Products alone
+
+
+def test_projected_method_solves_a_compliance_known_by_products() -> None:
+    given = OperatorCompliance(aslinearoperator(PROBLEM.dense_compliance), PROBLEM.compliance_diagonal)
+    problem = ContactProblem(PROBLEM.separation, PROBLEM.lever_arm, PROBLEM.torque, given)
+    solution = solve(problem, Solver("projected", by_products, forms=("products",)), tolerance=1e-6)
+    assert_right(solution, 1e-4)
+    assert (solution.method, solution.polished) == ("products", False)
+    assert "positive semidefinite is assumed" in solution.message
+    assert solution.energy == pytest.approx(REFERENCE.energy, rel=1e-6)
+    with pytest.raises(InputError, match=r"compliance = LinearOperator: must be a matrix for .*forms dense"):
+        solve(problem, by_daqp)
+    negative = OperatorCompliance(aslinearoperator(-PROBLEM.dense_compliance), PROBLEM.compliance_diagonal)
+    refused = ContactProblem(PROBLEM.separation, PROBLEM.lever_arm, PROBLEM.torque, negative)
+    solver = Solver("projected", by_products, forms=("products",))
+    assert solve(refused, solver).status is Status.NOT_POSITIVE_SEMIDEFINITE
+
+
+# Liars and failures
+
+
+def unfit(value: Any) -> Callable[..., Any]:
+    return lambda problem: value
+
+
+@pytest.mark.parametrize(
+    ("function", "status", "words"),
+    [
+        (lambda p: (np.full(p.q.size, float(p.b[0]) / p.A.sum()), 1.0), Status.NOT_CERTIFIED, "misses 1.0e-09"),
+        (lambda p: (np.zeros(p.q.size), 0.0), Status.NOT_CERTIFIED, "misses"),
+        (lambda p: np.full(p.q.size, np.nan), Status.SOLVER_FAILED, "36 of 36 unknowns are not finite"),
+        (lambda p: (np.ones(p.q.size), np.inf), Status.SOLVER_FAILED, "rotation inf: must be finite"),
+        (lambda p: (np.ones(p.q.size), "x"), Status.SOLVER_FAILED, "rotation 'x': must be a number"),
+        (lambda p: np.ones(3), Status.SOLVER_FAILED, "shape (3,): must have (36,)"),
+        (lambda p: np.ones((6, 6)), Status.SOLVER_FAILED, "shape (6, 6)"),
+        (lambda p: np.ones(p.q.size) * 1j, Status.SOLVER_FAILED, "complex128: must be floats"),
+        (lambda p: np.ma.array(p.q, mask=p.q > 0.0), Status.SOLVER_FAILED, "must be floats"),
+        (lambda p: (1.0, 2.0, 3.0), Status.SOLVER_FAILED, "3 values"),
+        (unfit(None), Status.SOLVER_FAILED, "no answer"),
+        (unfit("solved"), Status.SOLVER_FAILED, "must be floats"),
+        (unfit({"x": 1.0}), Status.SOLVER_FAILED, "must be floats"),
+        (lambda p: 1 / 0, Status.SOLVER_FAILED, "ZeroDivisionError"),
+        (lambda p: sys.exit(3), Status.SOLVER_FAILED, "ended with code 3"),
+        (lambda p: qpsolvers.Solution(p), Status.SOLVER_FAILED, "found no answer"),
+    ],
+)
+def test_what_is_no_answer_becomes_a_status_with_a_reason(
+    function: Callable[..., Any], status: Status, words: str
+) -> None:
+    solution = solve(PROBLEM, function, polish=False)
+    assert solution.status is status
+    assert words in solution.message
+    assert np.isnan(solution.force).all()
+
+
+def test_time_out_of_a_function_is_the_status_of_a_time_limit() -> None:
+    def late(problem: Any, time_limit: float) -> Any:
+        raise TimeoutError(f"after {time_limit} s")
+
+    solution = solve(PROBLEM, late, time_limit=3.0)
+    assert solution.status is Status.TIME_LIMIT
+    assert "after 3.0 s" in solution.message
+
+
+def test_lcp_returns_z_alone() -> None:
+    solution = solve(PROBLEM, Solver("pair", lambda p: (by_lemke(p), 1.0), forms=("lcp",)))
+    assert solution.status is Status.SOLVER_FAILED
+    assert "z alone" in solution.message
+
+
+def test_solver_for_definite_matrices_is_told_why_it_failed() -> None:
+    singular = ContactProblem(np.zeros(3), np.full(3, 40.0), 1e4, np.ones((3, 3)) * 1e-6)
+    solution = solve(singular, Solver("cholesky", lambda p: np.linalg.cholesky(p.P), definite=True))
+    assert solution.status is Status.SOLVER_FAILED
+    assert "cholesky is for positive definite compliances" in solution.message
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"name": ""}, "name = ''"),
+        ({"function": 3}, "function = 3: must be callable"),
+        ({"forms": ("dual",)}, "forms = 'dual': must be one of dense, sparse, lifted, lcp, products"),
+        ({"forms": ()}, "at least one of dense"),
+        ({"warm_start": 1}, "warm_start = 1"),
+        ({"tolerance": 0.0}, "tolerance = 0"),
+    ],
+)
+def test_declaration_that_says_nothing_is_refused(values: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError) as error:
+        Solver(**{"name": "mine", "function": by_daqp, **values})
+    assert words in str(error.value)
+
+
+# Limits, settings and starts
+
+
+def test_limits_and_settings_reach_the_function_by_name() -> None:
+    seen: dict[str, Any] = {}
+
+    def watch(problem: Any, tolerance: float, time_limit: float, max_iterations: int, rho: float = 0.0) -> Any:
+        seen.update(tolerance=tolerance, time_limit=time_limit, max_iterations=max_iterations, rho=rho)
+        return by_daqp(problem)
+
+    solve(PROBLEM, watch, tolerance=1e-5, time_limit=2.0, max_iterations=7, rho=0.5)
+    assert seen == {"tolerance": 1e-5, "time_limit": 2.0, "max_iterations": 7, "rho": 0.5}
+
+
+def test_what_the_function_does_not_take_is_refused() -> None:
+    def plain(problem: Any) -> Any:
+        return by_daqp(problem)
+
+    for keyword in ("time_limit", "max_iterations", "rho"):
+        given: dict[str, Any] = {keyword: 1}
+        with pytest.raises(InputError, match=rf"^{keyword} = 1: must not be given, .*plain takes no such keyword"):
+            solve(PROBLEM, plain, **given)
+    assert solve(PROBLEM, plain, tolerance=1e-5, polish=False).tolerance == 1e-5
+
+
+@pytest.mark.parametrize("form", ["dense", "lifted"])
+def test_warm_start_is_given_to_those_that_take_one(form: str) -> None:
+    starts = []
+
+    def watch(problem: Any, initvals: Any = None) -> Any:
+        starts.append(initvals)
+        return by_osqp(problem) if form == "lifted" else by_daqp(problem)
+
+    warm = Solver("warm", watch, forms=(form,), warm_start=True)
+    solve(PROBLEM, warm)
+    solve(PROBLEM, warm, initial_force=REFERENCE.force)
+    solve(PROBLEM, Solver("cold", watch, forms=(form,)), initial_force=REFERENCE.force)
+    assert starts[0] is None
+    assert starts[2] is None
+    assert starts[1][: PROBLEM.size] == pytest.approx(REFERENCE.force / PROBLEM.scaling.force)
+    if form == "lifted":
+        programme = by_osqp(PROBLEM.as_qp(sparse=True)).problem
+        assert starts[1].size > programme.q.size
+
+
+# Where they are found
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A module in a folder on the path."""
+    (tmp_path / "a_solver_of_mine.py").write_text(
+        "import qpsolvers\n"
+        "from easeoff.contact import Solver\n"
+        "def function(problem, **settings):\n"
+        "    return qpsolvers.solve_problem(problem, 'daqp', primal_tol=1e-11, dual_tol=1e-12, **settings)\n"
+        "declared = Solver('other', function, warm_start=True, method='by DAQP')\n"
+        "number = 3\n",
+        encoding="utf-8",
+    )
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "a_solver_of_mine", raising=False)
+    importlib.invalidate_caches()
+    return tmp_path
+
+
+def test_solver_is_found_in_the_current_folder_by_its_text(module: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(module)
+    for text in ("a_solver_of_mine:function", "a_solver_of_mine:declared"):
+        solution = solve(PROBLEM, text)
+        assert_right(solution)
+        assert solution.solver == text
+    before = list(sys.path)
+    solve(PROBLEM, "a_solver_of_mine:function")
+    assert sys.path == before
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "no_such_module_at_all:function",
+        "numpy:no_such_function",
+        "numpy:pi",
+        ":function",
+        "numpy:",
+        "a b:c",
+        "os:path:x",
+    ],
+)
+def test_place_without_a_solver_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="solver = "):
+        solve(PROBLEM, text)
+
+
+def test_value_that_names_no_solver_is_refused() -> None:
+    with pytest.raises(
+        InputError, match=r"solver = 3: must be the name of a solver, MODULE:FUNCTION, a function or a Solver"
+    ):
+        solve(PROBLEM, 3)  # type: ignore[arg-type]
+
+
+def distribution(folder: Path, name: str, **points: str) -> None:
+    """Install a distribution by hand: the folder in which importlib.metadata finds its entry points."""
+    info = folder / f"{name}-1.2.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.2\n", encoding="utf-8")
+    lines = [f"{key} = {place}\n" for key, place in points.items()]
+    (info / "entry_points.txt").write_text("[easeoff.solvers]\n" + "".join(lines), encoding="utf-8")
+
+
+@pytest.fixture
+def installed(module: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    distribution(
+        module,
+        "solvers-of-mine",
+        mine="a_solver_of_mine:function",
+        declared="a_solver_of_mine:declared",
+        osqp="a_solver_of_mine:function",
+        broken="a_solver_of_mine:nothing",
+        number="a_solver_of_mine:number",
+    )
+    monkeypatch.syspath_prepend(module)
+    return module
+
+
+def test_entry_point_is_a_solver_by_its_name(installed: Path) -> None:
+    assert available_solvers()[0] == "native"
+    assert {"mine", "declared"} < set(available_solvers())
+    for name in ("mine", "declared"):
+        solution = solve(PROBLEM, name)
+        assert_right(solution)
+        assert solution.solver == name
+    assert "by DAQP" in solve(PROBLEM, "declared").message
+    assert "alternating direction" in solve(PROBLEM, "osqp").message  # names of the table come first
+
+
+def test_entry_point_that_is_none_says_so(installed: Path) -> None:
+    with pytest.raises(InputError, match=r"entry point a_solver_of_mine:nothing cannot be loaded"):
+        solve(PROBLEM, "broken")
+    with pytest.raises(InputError, match=r"must be a function or a Solver, and a_solver_of_mine:number is 3"):
+        solve(PROBLEM, "number")
+    with pytest.raises(InputError, match=r"mine.*did you mean 'mine'"):
+        solve(PROBLEM, "mime")
+
+
+def test_two_distributions_with_one_name_are_told_apart(installed: Path) -> None:
+    distribution(installed, "another", mine="a_solver_of_mine:declared")
+    importlib.invalidate_caches()
+    sys.path.append("nowhere to be found")  # what was found is kept for a path
+    with pytest.raises(InputError, match=r"must be brought by one distribution; another, solvers-of-mine bring it"):
+        solve(PROBLEM, "mine")
+
+
+# In line contacts and analyses
+
+
+def test_line_contacts_are_solved_by_a_function() -> None:
+    steel = Material(206000.0, 0.3)
+    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
+    data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
+    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
+    reference, _ = solve_line_contact(*data, contact)
+    found, _ = solve_line_contact(*data, contact, by_daqp)
+    assert found.force == pytest.approx(reference.force, rel=1e-9)
+    loose, _ = solve_line_contact(*data, contact, Solver("mine", by_daqp, tolerance=1e-6), polish=False)
+    assert loose.certified
+    assert loose.tolerance == 1e-6
+
+
+COARSE = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+
+
+@pytest.mark.thorough
+def test_analysis_takes_a_solver_of_ones_own() -> None:
+    case = read_case("nasa-12x36")
+    case = case.model_copy(update={"contact": case.contact.model_copy(update=COARSE)})
+    reference = analyze(case, torques=[100.0])
+    found = analyze(case, torques=[100.0], solver=Solver("mine", by_daqp))
+    assert found.attrs["solver"] == "mine"
+    assert (found["loaded/status"] == 0).all()
+    error = np.abs(found["loaded/transmission_error"] - reference["loaded/transmission_error"]).max()
+    assert error < 1e-6 * np.abs(reference["loaded/transmission_error"]).max()
+    limited = analyze(case, torques=[100.0], max_iterations=1)
+    assert (limited["loaded/status"] == Status.NOT_CONVERGED).all()
+
+
+# In comparisons and commands
+
+
+@pytest.mark.thorough
+def test_comparison_takes_texts_and_names_of_entry_points(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from easeoff.study.compare import compare
+
+    monkeypatch.chdir(installed)
+    write_problems([PROBLEM, PROBLEM.with_torque(1.1 * PROBLEM.torque)], installed / "problems.nc")
+    chosen = ["native", "mine", "declared", "a_solver_of_mine:function"]
+    table = compare(["problems.nc"], "study", solvers=chosen, repetitions=1)
+    assert set(table["solver"].values) == set(chosen)
+    assert table["certified"].values.all()
+    assert (table["rotation_error"] < 1e-9).all()
+    starts = {name: set(table["start"].values[table["solver"].values == name]) for name in chosen}
+    assert starts["declared"] == starts["native"] == {"cold", "warm"}  # it declares that it takes a start
+    assert starts["mine"] == {"cold"}
+    versions = json.loads(table.attrs["solver_versions"])
+    assert versions["mine"].startswith("solvers-of-mine 1.2, file ")
+    assert versions["a_solver_of_mine:function"].startswith("file ")
+
+
+@pytest.mark.thorough
+def test_commands_take_solvers_of_ones_own(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(installed)
+    for name in ("mine", "a_solver_of_mine:declared"):
+        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", "100", "--solver", name, "-o", "out.nc"])
+        assert said.exit_code == 0, said.output
+        result = read_result("out.nc")
+        assert result.attrs["solver"] == name
+        assert (result["loaded/status"] == 0).all()
+        Path("out.nc").unlink()
+    for name in ("no_such_solver", "no_such_module_at_all:solve"):
+        said = CliRunner().invoke(main, ["run", "nasa-12x36", "--solver", name, "-o", "out.nc"])
+        assert said.exit_code == 2
+        assert name in said.output
+
+
+@pytest.mark.parametrize(
+    ("function", "form"), [(by_daqp, "dense"), (by_daqp, "lifted"), (by_lemke, "lcp"), (by_daqp, "sparse")]
+)
+def test_problem_in_mm_and_newtons_is_given_in_every_form(function: Callable[..., Any], form: str) -> None:
+    solver = Solver("mine", function, forms=(form,), tolerance=1e-6)
+    solution = backend_solution(PROBLEM, "mine", solver, {}, raw=True, polish=None)
+    assert_right(solution, 1e-6)
+    assert solution.method == form
+
+
+def test_exception_is_a_status_with_settings_of_ones_own_too() -> None:
+    def fails(problem: Any, rho: float) -> Any:
+        raise ValueError(f"rho = {rho} is too much")
+
+    solution = solve(PROBLEM, fails, rho=3.0)
+    assert solution.status is Status.SOLVER_FAILED
+    assert "ValueError: rho = 3.0 is too much" in solution.message
+    assert solution.claim == "raised"

@@ -1,0 +1,240 @@
+"""Tolerance, time and steps: one word for each, understood by every solver, or refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from solver_choice import BACKENDS, CHOLESKY, installed
+
+from easeoff import InputError
+from easeoff.contact import (
+    EXACT_TOLERANCE,
+    SOLVERS,
+    ContactProblem,
+    Status,
+    solve,
+    solve_line_contact,
+)
+from easeoff.contact.compliance.material import Material
+from easeoff.contact.compliance.weber_line_contact import WeberLineContact
+from easeoff.contact.solvers.native import METHODS
+from easeoff.contact.solvers.solver_limits import Limits, StepBudget, backend_keywords
+from easeoff.verification import PROBLEM_CLASSES, problems
+
+PROBLEMS = [next(iter(problems(name, 1, seed=3))) for name in ("realistic", "plain", "lattice", "mixed_arms")]
+REALISTIC = PROBLEMS[0]
+WITH_TOLERANCE = [name for name in BACKENDS if SOLVERS[name].tolerance_settings]
+WITH_TIME = [name for name in SOLVERS if SOLVERS[name].time_setting]
+WITH_STEPS = [name for name in SOLVERS if SOLVERS[name].step_setting]
+#: Asked for more digits, ECOS has none.
+BEST_OF = {"ecos": 1e-4}
+#: Looks at its clock every so many steps: small problems are solved before.
+SELDOM_LOOKS = "daqp"
+
+
+# Tolerance
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_certificate_reaches_the_tolerance(name: str) -> None:
+    for tolerance in (1e-3, 1e-7):
+        if tolerance < BEST_OF.get(name, 0.0):
+            continue
+        for problem in PROBLEMS:
+            solution = solve(problem, installed(name), tolerance=tolerance, polish=False)
+            assert solution.certified, (tolerance, solution.message)
+            assert solution.certificate.worst <= tolerance
+            assert solution.tolerance == (min(tolerance, EXACT_TOLERANCE) if name == "native" else tolerance)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [name for name in SOLVERS if name not in CHOLESKY])
+def test_every_class_of_problems_reaches_the_tolerance(name: str) -> None:
+    for kind in PROBLEM_CLASSES:
+        problem = next(iter(problems(kind, 1, seed=11)))
+        for tolerance in (1e-2, 1e-4, 1e-6, 1e-8):
+            if tolerance >= BEST_OF.get(name, 0.0):
+                solution = solve(problem, installed(name), tolerance=tolerance, polish=False)
+                assert solution.certificate.worst <= tolerance, (kind, solution.message)
+
+
+@pytest.mark.parametrize("name", ["osqp", "scs", "proxqp", "qpalm", "sip", "piqp", "cvxopt", "cvxpy"])
+def test_looser_tolerance_takes_fewer_steps(name: str) -> None:
+    steps = [solve(REALISTIC, installed(name), tolerance=one, polish=False).iterations for one in (1e-1, 1e-4, 1e-8)]
+    assert steps == sorted(steps)
+    assert steps[0] < steps[-1]
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_tolerance_of_the_table_gives_the_settings_of_the_table(name: str) -> None:
+    entry = SOLVERS[name]
+    assert backend_keywords(name, Limits(tolerance=entry.tolerance), {}) == pytest.approx(dict(entry.settings))
+    for key in entry.tolerance_settings:
+        value = entry.settings[key]
+        looser = backend_keywords(name, Limits(tolerance=10.0 * entry.tolerance), {})[key]
+        assert looser == pytest.approx(value * 10.0**entry.tolerance_power)
+        assert backend_keywords(name, Limits(tolerance=0.99), {})[key] <= 1e-2
+        tight = backend_keywords(name, Limits(tolerance=1e-15), {})[key]
+        assert min(value, 1e-13) <= tight <= value
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_exact_answers_stay_exact_at_a_loose_tolerance(name: str) -> None:
+    solution = solve(REALISTIC, installed(name), tolerance=0.1)
+    assert solution.tolerance == EXACT_TOLERANCE
+    assert solution.certificate.passes()
+    assert solution.rotation == pytest.approx(solve(REALISTIC).rotation, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["native", "osqp", "lemke"])
+def test_tolerance_below_rounding_is_not_met_and_not_claimed(name: str) -> None:
+    solution = solve(REALISTIC, name, tolerance=1e-30)
+    assert solution.status is Status.NOT_CERTIFIED
+    assert "misses 1.0e-30" in solution.message
+    assert np.isnan(solution.force).all()
+    assert solution.certificate.worst < 1e-9
+
+
+# Time
+
+
+@pytest.mark.parametrize("name", WITH_TIME)
+def test_no_time_is_a_status(name: str) -> None:
+    solution = solve(REALISTIC, installed(name), time_limit=0.0, polish=False)
+    if name == SELDOM_LOOKS:
+        assert solution.certified
+    else:
+        assert solution.status is Status.TIME_LIMIT
+        assert "time limit" in solution.message
+        assert np.isnan(solution.force).all()
+
+
+@pytest.mark.parametrize("name", WITH_TIME)
+def test_ample_time_changes_nothing(name: str) -> None:
+    assert solve(REALISTIC, installed(name), time_limit=3600.0).certified
+    assert solve(REALISTIC, name, time_limit=np.inf).certified
+
+
+@pytest.mark.parametrize("name", [name for name in SOLVERS if name not in WITH_TIME])
+def test_solver_without_a_time_limit_says_who_has_one(name: str) -> None:
+    with pytest.raises(InputError, match=rf"^time_limit = 1.0: must not be given for {name}.*native, clarabel"):
+        solve(REALISTIC, installed(name), time_limit=1.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_native_method_looks_at_the_clock_before_every_step(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a clock that goes on by a second at every look, a limit of one leaves no time for a second step."""
+    ticks = iter(range(10_000))
+    monkeypatch.setattr("easeoff.contact.solvers.solver_limits.perf_counter", lambda: float(next(ticks)))
+    monkeypatch.setattr("easeoff.contact.solvers.registry.perf_counter", lambda: 0.0)
+    solution = solve(REALISTIC, method=method, time_limit=1.0)
+    assert solution.status is Status.TIME_LIMIT
+    assert solution.message == "native: ended at the time limit of 1 s"
+
+
+# Steps
+
+
+@pytest.mark.parametrize("name", WITH_STEPS)
+def test_one_step_is_too_few(name: str) -> None:
+    solution = solve(REALISTIC, installed(name), max_iterations=1, polish=False)
+    assert solution.status is Status.NOT_CONVERGED
+    assert solution.message
+    assert np.isnan(solution.force).all()
+
+
+@pytest.mark.parametrize("name", [name for name in SOLVERS if name not in WITH_STEPS])
+def test_solver_without_a_step_limit_says_who_has_one(name: str) -> None:
+    with pytest.raises(InputError, match=rf"^max_iterations = 5: must not be given for {name}.*native, clarabel"):
+        solve(REALISTIC, installed(name), max_iterations=5)
+
+
+@pytest.mark.parametrize("method", [*METHODS, "cascade"])
+def test_native_solver_takes_no_step_more_than_allowed(method: str) -> None:
+    needed = solve(REALISTIC, method=method).iterations
+    solved = [solve(REALISTIC, method=method, max_iterations=limit) for limit in range(1, needed + 1)]
+    assert [one.status for one in solved[:-1]] == [Status.NOT_CONVERGED] * (needed - 1)
+    assert solved[-1].certified
+    assert solved[-1].iterations == needed
+
+
+def test_steps_are_counted_over_all_methods() -> None:
+    budget = StepBudget(Limits(max_iterations=3))
+    assert [budget.step() for _ in range(5)] == [True, True, True, False, False]
+    assert budget.met is Status.NOT_CONVERGED
+
+
+# What is no limit
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        ({"tolerance": 0.0}, "tolerance = 0: must be a number above 0 and below 1"),
+        ({"tolerance": 1.0}, "tolerance = 1: must be"),
+        ({"tolerance": "tight"}, "tolerance = 'tight'"),
+        ({"time_limit": -1.0}, "time_limit = -1"),
+        ({"time_limit": np.nan}, "time_limit = nan"),
+        ({"max_iterations": 0}, "max_iterations = 0"),
+        ({"max_iterations": 2.5}, "max_iterations = 2.5"),
+    ],
+)
+@pytest.mark.parametrize("name", ["native", "osqp"])
+def test_what_is_no_limit_is_refused(name: str, limits: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError) as error:
+        solve(REALISTIC, name, **limits)
+    assert words in str(error.value)
+
+
+def test_limit_in_both_words_is_refused() -> None:
+    with pytest.raises(InputError, match=r"eps_abs = 1e-05: must not be given beside tolerance"):
+        solve(REALISTIC, "osqp", tolerance=1e-3, eps_abs=1e-5)
+    with pytest.raises(InputError, match=r"max_iter = 5: must not be given beside"):
+        solve(REALISTIC, "osqp", max_iterations=3, max_iter=5)
+    with pytest.raises(InputError, match=r"backend = 'OSQP': must be clarabel"):
+        solve(REALISTIC, installed("cvxpy"), tolerance=1e-3, backend="OSQP")
+
+
+# Warm starts and line contacts
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_start_from_the_forces_of_a_neighbour(name: str) -> None:
+    """All give the same answer; those that make use of a start take no more steps from the answer itself."""
+    cold = solve(REALISTIC, installed(name), polish=False)
+    neighbour = solve(REALISTIC.with_torque(1.01 * REALISTIC.torque))
+    warm = solve(REALISTIC, name, initial_force=neighbour.force, polish=False)
+    assert warm.rotation == pytest.approx(cold.rotation, rel=1e-6)
+    own = solve(REALISTIC, name, initial_force=solve(REALISTIC).force, polish=False)
+    if SOLVERS[name].warm_start and name != "cvxopt":
+        assert own.iterations <= cold.iterations
+
+
+def test_start_of_the_wrong_shape_is_refused() -> None:
+    with pytest.raises(InputError, match="initial_force = "):
+        solve(REALISTIC, initial_force=np.ones(3))
+    with pytest.raises(InputError, match="initial_force = "):
+        solve(REALISTIC, "osqp", initial_force=np.full(REALISTIC.size, np.nan))
+
+
+def test_limits_hold_for_line_contacts() -> None:
+    steel = Material(206000.0, 0.3)
+    length, radius, pinion, gear = (np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0))
+    data = (np.array([0.01, 0.0, 0.01]), np.full(3, 40.0), 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
+    contact = WeberLineContact(length, radius, pinion, gear, steel, steel)
+    statuses: dict[Status, dict[str, Any]] = {
+        Status.CERTIFIED: {"max_iterations": 1000, "time_limit": 3600.0, "tolerance": 1e-9},
+        Status.NOT_CONVERGED: {"max_iterations": 2},
+        Status.TIME_LIMIT: {"time_limit": 0.0},
+    }
+    for status, limits in statuses.items():
+        assert solve_line_contact(*data, contact, **limits)[0].status is status
+        assert solve_line_contact(*data, contact, "clarabel", polish=False, **limits)[0].status is status
+
+
+def test_dense_problem_has_limits_too() -> None:
+    dense = ContactProblem(REALISTIC.separation, REALISTIC.lever_arm, REALISTIC.torque, REALISTIC.dense_compliance)
+    assert solve(dense, max_iterations=1).status is Status.NOT_CONVERGED
+    assert solve(dense, tolerance=1e-3, max_iterations=100, time_limit=3600.0).certified
