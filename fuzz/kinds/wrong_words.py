@@ -57,6 +57,9 @@ def options(rng: random.Random, box: Box) -> Input:
             "--time-limit",
             "5",
         ]
+    elif command == "convert" and rng.random() < 0.4:
+        target = rng.choice(["o.mat", "o.nc", "o.qps", "files", "problems.nc", output])
+        words[command] = ["convert", box.copy("problems.nc"), "-o", target]
     made = option_values.spoilt(rng, command, words[command])
     if "--load-cases" in made:
         box.copy("duty.csv")

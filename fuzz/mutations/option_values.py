@@ -105,6 +105,10 @@ KEEP = ("worst=max_pressure:1", "least=peak_to_peak:1", "worst=max_pressure:2", 
     "worst=\x1b[2J:1")  # fmt: skip
 
 #: Options by command, of which some are given.
+PROBLEM_FORMATS: Options = {
+    "--format": ("nc", "mat", "npz", "qps", "mps", "hdf5", "qpbenchmark", "QPS", ".nc", "", "x"),
+    "--form": ("dense", "lifted", "dual", "lcp", ""),
+}
 OPTIONS: dict[str, Options] = {
     "run": {**ANALYSIS, **MARKING, **FRICTION, "--plots": PICTURES, "--load-cases": LOAD_CASES},
     "sweep": {
@@ -136,7 +140,7 @@ OPTIONS: dict[str, Options] = {
         "9" * 400 + "x2", "999999x999999"),
         "--plots": PICTURES,
     },
-    "problems": ANALYSIS,
+    "problems": {**ANALYSIS, **PROBLEM_FORMATS},
     "wear": {
         **PAIR,
         "--torque": ("50", "100=0.5,200=0.5", "0", "-5", "x", "100=1", "nan", "100=0", "1e9", "100=0.5,200=0.4", "=",
@@ -184,7 +188,7 @@ OPTIONS: dict[str, Options] = {
     },
     "plot": MARKING,
     "design": {"--force": None, "--report": None, "--allow-outside": None},
-    "convert": {"--force": None, "--allow-outside": None},
+    "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
     "show": {}, "cases": {},
 }  # fmt: skip

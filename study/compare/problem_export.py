@@ -43,6 +43,9 @@ def check_problem_output(
     Traceback (most recent call last):
     easeoff.core.errors.InputError: problems.qps: must be a file whose name ends in .mat, which holds all problems
     """
+    for source in sources:
+        if output.is_file() and output.samefile(source):
+            check_writable(output, source)
     if format == TEST_SET:
         check_folder(output, "test set")
         if form is not None:

@@ -11,7 +11,7 @@ are as in netCDF: row i of V belongs to segment i, whatever the order in memory.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,13 +33,13 @@ FIELDS = (*ATTRIBUTES, *REFERENCE_ATTRIBUTES)
 FIELD_LENGTH_LIMIT = 31  # of a field's name in version 5
 
 
-def write_mat(problems: ProblemSet, path: str | os.PathLike[str]) -> None:
+def write_mat(problems: ProblemSet | Sequence[ContactProblem], path: str | os.PathLike[str]) -> None:
     """Write contact problems as a MATLAB file.
 
     Parameters
     ----------
     problems
-        At least one problem, with labels whose names MATLAB can take for fields.
+        At least one problem; as a `ProblemSet` with labels whose names MATLAB can take for fields.
     path
         The file, replaced if it exists; its name should end in ``.mat``. It appears complete or not at all.
 
@@ -56,15 +56,14 @@ def write_mat(problems: ProblemSet, path: str | os.PathLike[str]) -> None:
     >>> import scipy.io
     >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_mat(ProblemSet([springs]), Path(folder, "problems.mat"))
+    ...     write_mat([springs], Path(folder, "problems.mat"))
     ...     scipy.io.loadmat(Path(folder, "problems.mat"))["problem"]["lever_arm"][0, 0].shape
     (2, 1)
     """
     from scipy.io import savemat
     from scipy.io.matlab import MatWriteError
 
-    if not problems.problems:
-        raise InputError("problems = []: must hold at least one contact problem")
+    problems = ProblemSet.of(problems)
     require_answers(problems.problems, problems.answers)
     for name in problems.labels:
         if name in FIELDS or not (name.isidentifier() and name.isascii() and len(name) <= FIELD_LENGTH_LIMIT):
@@ -106,7 +105,7 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
     >>> import numpy as np
     >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_mat(ProblemSet([springs]), Path(folder, "problems.mat"))
+    ...     write_mat([springs], Path(folder, "problems.mat"))
     ...     read_mat(Path(folder, "problems.mat")).problems[0].identical(springs)
     True
     """

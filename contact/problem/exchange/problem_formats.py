@@ -97,9 +97,7 @@ def export_problems(
     ...     [path.name for path in export_problems([springs, springs], folder, "qps")]
     ['problem_0000.qps', 'problem_0001.qps']
     """
-    given = problems if isinstance(problems, ProblemSet) else ProblemSet(problems)
-    if not given.problems:
-        raise InputError("problems = []: must hold at least one contact problem")
+    given = ProblemSet.of(problems)
     path = Path(output)
     name = output_format(path, format, len(given.problems))
     kind = FORMATS[name]
@@ -200,8 +198,8 @@ def _suffix(path: Path) -> str:
     """Format of a file by its suffix."""
     name = path.suffix[1:].lower()
     if name not in FORMATS:
-        suffixes = ", ".join(f".{known}" for known in FORMATS)
-        raise InputError(f"{path}: suffix = {path.suffix!r}: must be one of {suffixes}")
+        others = ", ".join(f".{known}" for known in FORMATS if known != "nc")
+        raise InputError(f"{path}: must be a file whose name ends in .nc, for netCDF, or in one of {others}")
     return name
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.errors import InputError
 from ..answer import Answer
 from ..contact_problem import ContactProblem
 
@@ -37,6 +38,20 @@ class ProblemSet:
     problems: Sequence[ContactProblem]
     labels: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     answers: Sequence[Answer] | None = None
+
+    @classmethod
+    def of(cls, problems: ProblemSet | Sequence[ContactProblem]) -> ProblemSet:
+        """Problems as a set, if they are not one already.
+
+        Raises
+        ------
+        InputError
+            No problems.
+        """
+        given = problems if isinstance(problems, ProblemSet) else cls(problems)
+        if not given.problems:
+            raise InputError("problems = []: must hold at least one contact problem")
+        return given
 
     def answer(self, i: int) -> Answer | None:
         """Reference solution of problem i; None if there is none."""
