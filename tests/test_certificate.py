@@ -361,3 +361,16 @@ def test_drawn_problems_are_of_every_kind() -> None:
     assert np.count_nonzero([problem.lever_arm.min() < 0.0 for _, problem in drawn]) > 20
     assert np.count_nonzero([problem.torque == 0.0 for _, problem in drawn]) > 5
     assert np.count_nonzero([problem.is_structured for _, problem in drawn]) > 100
+
+
+@pytest.mark.parametrize("dense", [True, False])
+def test_forces_beyond_all_bounds_hide_no_penetration(dense: bool) -> None:
+    """Equal forces on both segments have no moment and bend nothing, but close penetration: there is no minimum.
+
+    Forces of 1e15 N penetrate by as much as the segments are apart, little beside the terms of their deflection.
+    """
+    modes = np.array([[-1.0], [1.0]])
+    compliance = modes @ modes.T if dense else (np.zeros(2), modes)
+    problem = ContactProblem(np.array([-1.0, -1.0]), np.array([2.0, -2.0]), 11.0, compliance)
+    assert solve(problem).status is Status.UNBOUNDED
+    assert not certify(problem, np.array([1e15 + 5.5, 1e15]), 2.25).passes(1e-3)

@@ -140,9 +140,9 @@ COMPLIANCES: dict[str, Callable[[Generator, int], Compliance]] = {
 def _whole_numbers(rng: Generator, size: int) -> ContactProblem:
     arm = rng.integers(-1 if rng.random() < 0.3 else 1, 3, size).astype(np.float64)
     arm[rng.integers(size)] = 1.0
-    separation = rng.integers(0, 4, size).astype(np.float64)
-    factor = rng.integers(0, 2, (size, int(rng.integers(1, 4)))).astype(np.float64)
-    local = np.ones(size) if rng.random() < 0.7 else rng.integers(0, 2, size).astype(np.float64)
+    separation = rng.integers(-3 if rng.random() < 0.3 else 0, 4, size).astype(np.float64)
+    factor = rng.integers(-1 if rng.random() < 0.5 else 0, 2, (size, int(rng.integers(1, 4)))).astype(np.float64)
+    local = np.ones(size) if rng.random() < 0.5 else rng.integers(0, 2, size) * float(rng.integers(0, 2))
     compliance = (local, factor) if rng.random() < 0.5 else np.diag(local) + factor @ factor.T
     shift = float(2 ** int(rng.integers(0, 40))) if rng.random() < 0.5 else 0.0
     return ContactProblem(separation + shift * arm, arm, float(rng.integers(0, 10)), compliance)
