@@ -279,7 +279,7 @@ def test_measurements_of_another_machine_are_stale(
 
     monkeypatch.setattr(importlib.metadata, "version", version)
     if changed == "compiled code":
-        monkeypatch.setenv("EASEOFF_COMPILED", "0")
+        monkeypatch.setattr(environment, "is_used", lambda: False)
     if changed == "BLAS":
         library = {"Build Dependencies": {"blas": {"name": "another", "version": "1"}}}
         monkeypatch.setattr(np, "show_config", lambda mode: library)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from easeoff.contact import ContactProblem, ContactSolution, Status, certify, solve, solve_many
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE, resolved_rotation
+from easeoff.contact.problem.proof.unboundedness import is_unbounded
 
 from .drawn_problem import drawn_problem
 from .rational_solution import RationalProblem, has_one_solution, is_semidefinite, solution
@@ -54,6 +55,8 @@ def _residual_faults(exact: RationalProblem, problem: ContactProblem, found: Con
             faults.append(f"certified at {found.certificate.worst:.1e}, violation {worst:.1e}")
         if not worst <= (found.certificate.worst + found.certificate.resolution) * ROUNDING:
             faults.append(f"violation {worst:.1e}, said to be {found.certificate}")
+        if problem.lever_arm.min() < 0.0 and is_unbounded(problem):
+            faults.append("certified, and there is no minimum")
     if not (np.isfinite(force).all() and math.isfinite(rotation)):
         return faults
     if problem.torque > 0.0 and certify(problem, force, rotation).passes():
