@@ -10,11 +10,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.attributes import labelled
 from ...core.checks import array, number
-from ...core.errors import InputError
 from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution, Status
+from ..solvers.parametric.path_table import path_table, torque_on
 from .line_contact_continuation import PathNode, continue_path, solved_at
 from .line_contact_newton import LineContact
 
@@ -101,11 +100,7 @@ class LineContactPath:
         InputError
             The path was not followed to that torque.
         """
-        given = float(array("torque", torque, "N mm", ndim=0))
-        low, high = self.covered
-        if not low <= given <= high:
-            reason = f"; {self.message}" if self.message else ""
-            raise InputError(f"torque = {given:g}: must be from {low:g} to {high:g} N mm, the known path{reason}")
+        given = torque_on(self, torque)
         below = self._nodes[bisect_right([node.torque for node in self._nodes], given) - 1]
         if below.torque == given:
             return below.solution
@@ -123,23 +118,9 @@ class LineContactPath:
             Between these nothing is linear: `at` solves there.
         """
         nodes = self._nodes if self.start <= self.end else self._nodes[::-1]
-        size, per_segment = self.bending.size, ("breakpoint", "segment")
-        data = {
-            "event_torque": ("event", self.torque),
-            "event_segment": ("event", self.segment),
-            "event_enters": ("event", self.enters.astype(np.int8)),
-            "path_torque": ("breakpoint", np.array([node.torque for node in nodes])),
-            "path_rotation": ("breakpoint", np.array([node.solution.rotation for node in nodes])),
-            "path_force": (per_segment, np.array([node.solution.force for node in nodes]).reshape(-1, size)),
-            "path_gap": (per_segment, np.array([node.solution.gap for node in nodes]).reshape(-1, size)),
-            "worst_residual": ("breakpoint", np.array([node.solution.certificate.worst for node in nodes])),
-        }
-        attributes = {
-            "status": self.status.name.lower(),
-            "message": self.message,
-            "event_tolerance": self.tolerance,
-        }
-        return labelled(xr.Dataset(data, attrs=attributes))
+        torque = np.array([node.torque for node in nodes])
+        solutions = [node.solution for node in nodes]
+        return path_table(self, self.bending.size, torque, solutions, event_tolerance=self.tolerance)
 
 
 def line_contact_path(

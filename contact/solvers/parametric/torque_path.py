@@ -15,7 +15,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.attributes import labelled
 from ....core.checks import array
 from ....core.errors import InputError
 from ...problem.certificate import EXACT_TOLERANCE
@@ -23,6 +22,7 @@ from ...problem.contact_problem import ContactProblem
 from ..registry import solve
 from ..solution import ContactSolution, Status, judged
 from .path_following import PathPiece, follow
+from .path_table import path_table, torque_on
 
 Array = NDArray[np.float64]
 
@@ -103,11 +103,7 @@ class TorquePath:
         InputError
             The path is not known at that torque.
         """
-        given = float(array("torque", torque, "N mm", ndim=0))
-        low, high = self.covered
-        if not low <= given <= high:
-            reason = f"; {self.message}" if self.message else ""
-            raise InputError(f"torque = {given:g}: must be from {low:g} to {high:g} N mm, the known path{reason}")
+        given = torque_on(self, torque)
         piece = self._pieces[max(bisect_right(self._torques, given) - 1, 0)]
         answer = piece.answer(self.problem, given)
         solution = judged("native", answer, tolerance=EXACT_TOLERANCE, iterations=0, method=METHOD, message=METHOD)
@@ -134,20 +130,7 @@ class TorquePath:
             (breakpoint): between these everything is linear.
         """
         solutions = [self.at(torque) for torque in self.breakpoints]
-        size = self.problem.size
-        per_segment = ("breakpoint", "segment")
-        data = {
-            "event_torque": ("event", self.torque),
-            "event_segment": ("event", self.segment),
-            "event_enters": ("event", self.enters.astype(np.int8)),
-            "path_torque": ("breakpoint", self.breakpoints),
-            "path_rotation": ("breakpoint", np.array([one.rotation for one in solutions])),
-            "path_force": (per_segment, np.array([one.force for one in solutions]).reshape(-1, size)),
-            "path_gap": (per_segment, np.array([one.gap for one in solutions]).reshape(-1, size)),
-            "worst_residual": ("breakpoint", np.array([one.certificate.worst for one in solutions])),
-        }
-        status = {"status": self.status.name.lower(), "message": self.message}
-        return labelled(xr.Dataset(data, attrs=status))
+        return path_table(self, self.problem.size, self.breakpoints, solutions)
 
     @cached_property
     def _torques(self) -> list[float]:
