@@ -421,7 +421,7 @@ def test_exports_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     pair = [springs(), bed()]
     for output, format, form, words in (
         ("many.qps", None, None, "must be a folder, and the format qps be given"),
-        ("many.txt", None, None, "suffix = '.txt'"),
+        ("many.txt", None, None, "must be a file whose name ends in .nc"),
         ("many.nc", "mat", None, "must be a file whose name ends in .mat"),
         ("many.nc", None, "dense", "form = 'dense': must be left out"),
         ("many", "qps", "dual", "form = 'dual'"),
@@ -464,7 +464,7 @@ def test_mistakes_of_the_command_are_told(tmp_path: Path) -> None:
     export_problems(labelled_set(), tmp_path / "problems.nc")
     for words, message in (
         (["problems.nc", "-o", "one.qps"], "must be a folder, and the format qps be given"),
-        (["problems.nc", "-o", "one.toml"], "suffix = '.toml': must be one of .nc"),
+        (["problems.nc", "-o", "one.toml"], "one.toml: must be a file whose name ends in .nc"),
         (["problems.nc", "-o", "folder", "--format", "hdf5", "--form", "dense"], "form = 'dense': must be left out"),
         (["problems.nc", "-o", "folder", "--format", "qpbenchmark", "--form", "dense"], "form = 'dense'"),
         (["nasa-12x36", "-o", "case.toml", "--format", "qps"], "must be that of contact problems"),
