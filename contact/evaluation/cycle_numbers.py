@@ -23,6 +23,10 @@ from .pressure_place import LineEnd, PressurePlace
 from .projection_plane import ProjectionPlane
 
 Array = NDArray[Any]
+READ_BY_TORQUE = [
+    *("status", "transmission_error", "tooth", "separation", "lever_arm", "length", "lengthwise", "profile"),
+    *("force", "pressure", "load_share"),
+]
 
 
 def with_unloaded_numbers(cycle: MeshCycle, unloaded: xr.Dataset) -> xr.Dataset:
@@ -82,7 +86,7 @@ def with_loaded_numbers(cycle: MeshCycle, loaded: xr.Dataset, cases: list[Loaded
     >>> with_loaded_numbers(cycle, *cycle.loaded([100.0], edge_contact=False))["mesh_stiffness"].dims
     ('torque', 'mesh_position')
     """
-    by_torque = [loaded.isel(torque=i) for i in range(loaded.sizes["torque"])]
+    by_torque = [loaded[READ_BY_TORQUE].isel(torque=i) for i in range(loaded.sizes["torque"])]
     positions = loaded.sizes["mesh_position"]
     start = float(loaded["pinion_rotation"].values[0])
     limits = (np.array(cycle.roll_limits) - start) / cycle.pinion_pitch * positions

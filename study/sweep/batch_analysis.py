@@ -19,6 +19,7 @@ from ...contact.solvers import Status
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...core.ordered_values import ordered
 from ...core.printable import printable, shortened
+from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
@@ -98,6 +99,7 @@ class Block:
     layout: str
 
 
+@without_garbage_collection()
 def analyze_batch(batch: Batch) -> Block:
     """Numbers of every point of a batch; what fails is a row with a reason.
 

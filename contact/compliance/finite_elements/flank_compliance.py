@@ -69,6 +69,7 @@ class FlankCompliance:
         per_segment = weights.size * shares.shape[1]
         starts = np.arange(points.shape[1] + 1) * per_segment
         loads = csr_array((shares.ravel(), nodes.ravel(), starts), shape=(points.shape[1], self.profile.size))
+        loads.sum_duplicates()  # the points of a segment share most of their nodes
         return np.asarray((loads @ self._by_node).T)
 
     @cached_property
