@@ -124,6 +124,10 @@ def gaussians(nodes: Array, along: Array, depth: Array, scale: float) -> Array:
     """
     spacing = nodes[1] - nodes[0]
     spread = np.maximum(SPREAD_PER_DEPTH * depth, SMALLEST_SPREAD * spacing)
-    away = (np.reshape(nodes, (-1, *[1] * along.ndim)) - along) / spread
     factor = np.sqrt(EVEN_LOAD_DEFLECTION * scale / (2.0 * np.pi))
-    return np.asarray(factor * np.exp(-0.5 * away**2) / spread)
+    values = np.reshape(nodes, (-1, *[1] * along.ndim)) - along
+    values *= np.sqrt(0.5) / spread  # in place: the array is large
+    values *= -values
+    np.exp(values, out=values)
+    values *= factor / spread
+    return np.asarray(values)
