@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .line_contact.line_contact_sensitivity import line_contact_sensitivity
     from .line_contact.line_contact_solution import solve_line_contact
     from .lines.mesh_lines import MeshLines, lines_in_mesh
+    from .load_capacity.tooth_root_stress import root_stress
     from .loaded import loaded_contact, loaded_splines
     from .mesh_cycle import MeshCycle
     from .mesh_harmonics import harmonics, peak_to_peak, rms
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
     from .solvers.parametric.solution_change import Differentiability, SolutionChange
     from .solvers.parametric.solution_sensitivity import sensitivity
     from .solvers.parametric.torque_path import TorquePath, torque_path
-    from .tooth_root_stress import root_stress
     from .unloaded import unloaded_contact
 
 __all__ = [
@@ -166,7 +166,7 @@ _ORIGINS = {
     ".solvers.parametric.torque_path": ["TorquePath", "torque_path"],
     ".problem.exchange.qps_file": ["read_qps", "write_qps"],
     ".problem.exchange.reference_solutions": ["read_references"],
-    ".tooth_root_stress": ["root_stress"],
+    ".load_capacity.tooth_root_stress": ["root_stress"],
     ".solvers": [
         "SOLVERS",
         "ContactSolution",

@@ -12,8 +12,8 @@ import xarray as xr
 import easeoff
 from easeoff import GeometryError, InputError
 from easeoff.cases import Case
-from easeoff.contact.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
 from easeoff.contact.lines.flank_splines import FlankSplines
+from easeoff.contact.load_capacity.archard_wear import Engagement, engagement, on_flank, rolling_splines, touched
 from easeoff.geometry import pair_geometry
 from easeoff.geometry.pair.rolling import rolling
 from easeoff.study import WearLaw, wear

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.schema.case_schema import Case
-from ...contact.archard_wear import engagement, integral, on_flank, rolling_splines, touched
+from ...contact.load_capacity.archard_wear import engagement, integral, on_flank, rolling_splines, touched
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.errors import GeometryError

@@ -8,15 +8,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..core.attributes import labelled
-from ..core.errors import InputError
-from ..geometry.pair.gear_pair import MEMBERS
-from .compliance.elastic_model import member_points
-from .compliance.finite_elements.finite_element_tooth import FiniteElementTooth
-from .compliance.finite_elements.flank_compliance import flank_shares
-from .lines.flank_splines import FlankSplines
-from .loaded_cases import LoadedCase
-from .solvers import Status
+from ...core.attributes import labelled
+from ...core.errors import InputError
+from ...geometry.pair.gear_pair import MEMBERS
+from ..compliance.elastic_model import member_points
+from ..compliance.finite_elements.finite_element_tooth import FiniteElementTooth
+from ..compliance.finite_elements.flank_compliance import flank_shares
+from ..lines.flank_splines import FlankSplines
+from ..loaded_cases import LoadedCase
+from ..solvers import Status
 
 Array = NDArray[Any]
 LENGTHWISE_STATION_COUNT = 41

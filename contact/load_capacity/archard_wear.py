@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
-from ..core.errors import GeometryError, InputError
-from ..geometry.pair.gear_pair import MEMBERS
-from .lines.flank_splines import FlankSplines, fit
+from ...core.errors import GeometryError, InputError
+from ...geometry.pair.gear_pair import MEMBERS
+from ..lines.flank_splines import FlankSplines, fit
 
 Array = NDArray[Any]
 GRID = ("lengthwise", "profile")

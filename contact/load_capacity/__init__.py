@@ -1,0 +1,1 @@
+"""Load capacity of the flanks and teeth: wear, and stress in the tooth root."""
