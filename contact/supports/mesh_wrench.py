@@ -1,0 +1,76 @@
+"""Wrenches of the normal forces at the contact segments of a mesh cycle.
+
+The force acts along the pinion's normal where it makes conjugate contact, and works on the rotation of the gear with
+the lever arm of the contact problem: so scaled, a motion of the members changes the separation of the contact problem
+by its product with the wrench, exactly so to first order, and the moments about both axes are those of the torques.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.ordered_values import ordered
+from ...geometry.pair.gear_pair import PairGeometry
+from ..lines.flank_splines import FlankSplines, fit
+from .wrench import unit_wrenches
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshWrenches:
+    """Wrench about the origin of the global frame of a unit normal force on the pinion, over the gear flank.
+
+    Parameters
+    ----------
+    fields
+        Splines of the wrench in conjugate contact, and of the roll angle.
+    gear_turn
+        Rotation of the gear about z for a rotation of the pinion in the drive sense.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> wrenches = MeshWrenches.of(pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)))
+    >>> wrenches.on_lines(np.array([0.5, 0.5])).shape
+    (6,)
+    """
+
+    fields: FlankSplines
+    gear_turn: float
+
+    @classmethod
+    def of(cls, geometry: PairGeometry) -> MeshWrenches:
+        """The wrenches of a pair."""
+        data, grid = geometry.ease_off, ("lengthwise", "profile")
+        position, normal = (
+            np.moveaxis(ordered(data, name, *grid, "space"), -1, 0) for name in ("action_position", "action_normal")
+        )
+        shape = position.shape[1:]
+        wrench = -unit_wrenches(position.reshape(3, -1), normal.reshape(3, -1)).T.reshape(6, *shape)
+        wrench *= ordered(data, "lever_arm", *grid) / np.abs(wrench[5])
+        fields = {"wrench": np.moveaxis(wrench, 0, -1), "roll_angle": ordered(data, "roll_angle", *grid)}
+        turn = geometry.exact.motion.gear_axis[2] / geometry.pair.assembly.ratio
+        return cls(fit(data["lengthwise"].values, data["profile"].values, fields), turn)
+
+    def on_lines(self, points: Array) -> Array:
+        """Wrenches (6, ...) at points (2, ...) of contact lines."""
+        return self.fields("wrench", points)
+
+    def beside_lines(self, points: Array, rotation: Array) -> Array:
+        """Wrenches (6, n) at points (2, n) that touch at pinion rotations (n) other than their roll angle [rad]."""
+        found = self.fields.evaluate(["wrench", "roll_angle"], points)
+        force, moment = np.split(found["wrench"], 2)
+        angle = self.gear_turn * (rotation - found["roll_angle"])
+        cosine, sine = np.cos(angle), np.sin(angle)
+
+        def turned(vector: Array) -> Array:
+            x, y, z = vector
+            return np.stack([cosine * x - sine * y, sine * x + cosine * y, z])
+
+        return np.concatenate([turned(force), turned(moment)])
