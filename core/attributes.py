@@ -175,6 +175,10 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "depth_integral": ("mm3", "volume worn off one tooth, as the integral of the depth over the flank"),
     # load cases
     "load_case": ("", "load case"),
+    "offset": ("mm", "E: increase of the offset"),
+    "pinion_axial": ("mm", "P: pinion away from its crossing point, along its axis"),
+    "gear_axial": ("mm", "G: gear away from its crossing point, along its axis"),
+    "shaft_angle": ("rad", "Sigma: increase of the shaft angle"),
     "misalignment_offset": ("mm", "E: increase of the offset"),
     "misalignment_pinion_axial": ("mm", "P: pinion away from its crossing point, along its axis"),
     "misalignment_gear_axial": ("mm", "G: gear away from its crossing point, along its axis"),
