@@ -98,6 +98,18 @@ class Segments:
         overhang = self.line_contact.overhang
         return np.where(overhang >= 0.0, overhang, np.nan)
 
+    def mesh_wrench(self, force: Array) -> Array:
+        """Wrench (6) of the gear on the pinion about the origin of the global frame under normal forces (n) [N]."""
+        if self.wrench is None:
+            raise ValueError("the segments are made without wrenches")
+        return np.asarray(force @ self.wrench)
+
+    def moved(self, force: Array) -> Array:
+        """Twist (6) of the pinion relative to the gear beyond what is in the separations, under forces (n) [N]."""
+        if self.held is None:
+            return np.zeros(6)
+        return self.held.twist(self.mesh_wrench(force)) - self.held.absorbed
+
     @cached_property
     def bending_problem(self) -> ContactProblem:
         """The contact problem without local compliance and without torque."""
@@ -278,14 +290,18 @@ class CycleSegments:
             mesh = self.on_lines.lines
             rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
             wrench["wrench"] = self.wrenches.beside_lines(found.points, rotation)
-        return {name: getattr(found, name) for name in names} | wrench | {
-            **self.fields.evaluate(DEPTHS, found.points),
-            "position": edges.position,
-            "pair": edges.pair,
-            "point": found.points,
-            "searched": np.zeros(count, dtype=bool),
-            "row": self.to_edges._on_lines["row"].size + np.arange(count),
-        }
+        return (
+            {name: getattr(found, name) for name in names}
+            | wrench
+            | {
+                **self.fields.evaluate(DEPTHS, found.points),
+                "position": edges.position,
+                "pair": edges.pair,
+                "point": found.points,
+                "searched": np.zeros(count, dtype=bool),
+                "row": self.to_edges._on_lines["row"].size + np.arange(count),
+            }
+        )
 
     @cached_property
     def _on_lines(self) -> dict[str, Array]:

@@ -31,6 +31,10 @@ class MeshWrenches:
         Splines of the wrench in conjugate contact, and of the roll angle.
     gear_turn
         Rotation of the gear about z for a rotation of the pinion in the drive sense.
+    flank
+        The wrench at the points of the grid that lie on both flanks (m, 6).
+    ease_off_angle, lever_arm
+        Ease-off as a gear rotation [rad], and arm of the normal force about the gear axis [mm], at these points (m).
 
     Examples
     --------
@@ -43,6 +47,9 @@ class MeshWrenches:
 
     fields: FlankSplines
     gear_turn: float
+    flank: Array
+    ease_off_angle: Array
+    lever_arm: Array
 
     @classmethod
     def of(cls, geometry: PairGeometry) -> MeshWrenches:
@@ -56,7 +63,15 @@ class MeshWrenches:
         wrench *= ordered(data, "lever_arm", *grid) / np.abs(wrench[5])
         fields = {"wrench": np.moveaxis(wrench, 0, -1), "roll_angle": ordered(data, "roll_angle", *grid)}
         turn = geometry.exact.motion.gear_axis[2] / geometry.pair.assembly.ratio
-        return cls(fit(data["lengthwise"].values, data["profile"].values, fields), turn)
+        inside = ordered(data, "inside", *grid) == 1
+        on_both = [ordered(data, name, *grid)[inside] for name in ("ease_off_angle", "lever_arm")]
+        splines = fit(data["lengthwise"].values, data["profile"].values, fields)
+        return cls(splines, turn, wrench[:, inside].T, *on_both)
+
+    def first_contact_change(self, twist: Array) -> float:
+        """Change of the gear rotation to first contact [rad] by a small twist (6) of pinion to gear."""
+        first = int(np.argmin(self.ease_off_angle))
+        return float(self.flank[first] @ twist / self.lever_arm[first])
 
     def on_lines(self, points: Array) -> Array:
         """Wrenches (6, ...) at points (2, ...) of contact lines."""
