@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.ordered_values import ordered
+from ...geometry.pair.datasets import first_contact
 from ...geometry.pair.gear_pair import PairGeometry
 from ..lines.flank_splines import FlankSplines, fit
 from .wrench import unit_wrenches
@@ -33,8 +34,10 @@ class MeshWrenches:
         Rotation of the gear about z for a rotation of the pinion in the drive sense.
     flank
         The wrench at the points of the grid that lie on both flanks (m, 6).
-    ease_off_angle, lever_arm
-        Ease-off as a gear rotation [rad], and arm of the normal force about the gear axis [mm], at these points (m).
+    lever_arm
+        Arm of the normal force about the gear axis at these points (m) [mm].
+    ease_off_angle, inside
+        Ease-off as a gear rotation [rad], and whether they lie on both flanks, of all points of the grid (nt, nh).
 
     Examples
     --------
@@ -48,8 +51,9 @@ class MeshWrenches:
     fields: FlankSplines
     gear_turn: float
     flank: Array
-    ease_off_angle: Array
     lever_arm: Array
+    ease_off_angle: Array
+    inside: NDArray[np.bool_]
 
     @classmethod
     def of(cls, geometry: PairGeometry) -> MeshWrenches:
@@ -64,14 +68,18 @@ class MeshWrenches:
         fields = {"wrench": np.moveaxis(wrench, 0, -1), "roll_angle": ordered(data, "roll_angle", *grid)}
         turn = geometry.exact.motion.gear_axis[2] / geometry.pair.assembly.ratio
         inside = ordered(data, "inside", *grid) == 1
-        on_both = [ordered(data, name, *grid)[inside] for name in ("ease_off_angle", "lever_arm")]
         splines = fit(data["lengthwise"].values, data["profile"].values, fields)
-        return cls(splines, turn, wrench[:, inside].T, *on_both)
+        lever_arm, angle = (ordered(data, name, *grid) for name in ("lever_arm", "ease_off_angle"))
+        return cls(splines, turn, wrench[:, inside].T, lever_arm[inside], angle, inside)
 
     def first_contact_change(self, twist: Array) -> float:
-        """Change of the gear rotation to first contact [rad] by a small twist (6) of pinion to gear."""
-        first = int(np.argmin(self.ease_off_angle))
-        return float(self.flank[first] @ twist / self.lever_arm[first])
+        """Change of the gear rotation to first contact [rad] by a twist (6) of the pinion to the gear, to first order.
+
+        First order of the gap at every point: where the first contact is may change.
+        """
+        angle = self.ease_off_angle.copy()
+        angle[self.inside] += self.flank @ twist / self.lever_arm
+        return first_contact(angle, self.inside) - first_contact(self.ease_off_angle, self.inside)
 
     def on_lines(self, points: Array) -> Array:
         """Wrenches (6, ...) at points (2, ...) of contact lines."""
