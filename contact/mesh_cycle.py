@@ -221,7 +221,7 @@ class MeshCycle:
             The supports, about whose motion the assembly of this cycle is that without load.
         rounds
             How far the ease-off follows the assembly found under load; by default at every torque with the mean over
-            the mesh cycle, until it changes gaps by less than a nanometre.
+            the mesh cycle, until it changes gaps by less than 10 nm.
         assembled
             The pair in another assembly, with its deviations and modification; ``misaligned`` if left out.
 
