@@ -64,12 +64,12 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     matrix = problem.compliance_matrix
     if not isinstance(matrix, ModalCompliance) or not problem.torque > 0.0 or (code := compiled_code()) is None:
         return None
-    if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION or matrix.modes.basis.shared is not None:
+    if not matrix.local_fraction > SMALLEST_LOCAL_FRACTION:
         return None
     size = problem.separation.size
     force, gap, numbers, counts = _results(1, size)
     code.solve_batch(
-        tuple(matrix.modes.basis.columns)[:6], np.array([problem.torque]), problem.separation.reshape(1, size),
+        tuple(matrix.modes.basis.columns), np.array([problem.torque]), problem.separation.reshape(1, size),
         problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK if active is None else active.reshape(1, size),
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
@@ -93,11 +93,11 @@ def linear_answers(problem: ContactProblem, separation: Array, torque: Array) ->
     matrix = problem.compliance_matrix
     if not isinstance(matrix, ModalCompliance) or (code := compiled_code()) is None:
         return None
-    if not (matrix.local_fraction > SMALLEST_LOCAL_FRACTION and isinstance(matrix.modes, ModalBasis)) or matrix.modes.shared:
+    if not (matrix.local_fraction > SMALLEST_LOCAL_FRACTION and isinstance(matrix.modes, ModalBasis)):
         return None
     force, gap, numbers, counts = _results(*separation.shape)
     code.solve_batch(
-        tuple(matrix.modes.columns)[:6], torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
+        tuple(matrix.modes.columns), torque, separation, problem.lever_arm, matrix.local, _NO_LAW, _NO_MASK,
         force, gap, _NO_FORCES, numbers, counts,
     )  # fmt: skip
     return force, gap, numbers, counts
@@ -119,13 +119,13 @@ def line_contact_answer(bending: ContactProblem, law: Array) -> CompiledAnswer |
         As of `linear_answer`; the certificate is that of the linear problem with the secant compliance.
     """
     basis, code = bending.modal_basis, compiled_code()
-    if basis is None or basis.shared or code is None or not bending.torque > 0.0:
+    if basis is None or code is None or not bending.torque > 0.0:
         return None
     size = bending.separation.size
     force, gap, numbers, counts = _results(1, size)
     secant = np.empty((1, size))
     code.solve_batch(
-        tuple(basis.columns)[:6], np.array([bending.torque]), bending.separation.reshape(1, size), bending.lever_arm,
+        tuple(basis.columns), np.array([bending.torque]), bending.separation.reshape(1, size), bending.lever_arm,
         bending.separation, law, _NO_MASK,
         force, gap, secant, numbers, counts,
     )  # fmt: skip
