@@ -133,12 +133,19 @@ class ModalBasis:
 
     @cached_property
     def border(self) -> SharedModes:
-        """The shared modes as solvers take them: W itself and a mixing of ones, unless it has more columns than q."""
+        """The shared modes as solvers take them: with no more than the directions of all blocks together.
+
+        Where there are at most q modes, the columns are W itself, and the mixing is one of ones.
+        """
         factor, blocks = self.shared_factor, self.index.shape[0]
         shared = self.shared
         if shared is None or factor.shape[1] <= shared.columns.shape[1]:
             return SharedModes(factor, np.tile(np.eye(factor.shape[1]), (blocks, 1, 1)))
-        return SharedModes(shared.columns, shared.mixing[:, :, shared.mixing.any(axis=(0, 1))])
+        mixing = shared.mixing[:, :, shared.mixing.any(axis=(0, 1))]
+        every = blocks * mixing.shape[1]
+        if mixing.shape[2] > every:  # M = R'Q', and M M' = R'R
+            mixing = np.linalg.qr(mixing.reshape(every, -1).T, mode="r").T.reshape(*mixing.shape[:2], every)
+        return SharedModes(shared.columns, np.ascontiguousarray(mixing))
 
     @cached_property
     def blocks(self) -> list[tuple[NDArray[np.intp], Array]]:
