@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from .mode_columns import ModeColumns, mode_columns
-from .shared_columns import few_directions, shared_columns
+from .modes.mode_columns import ModeColumns, mode_columns
+from .modes.shared_columns import few_directions, shared_columns
 
 Array = NDArray[np.float64]
 

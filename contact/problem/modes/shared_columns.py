@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+#: Work with shared columns set apart, over that with all columns in one block, below which it is worth while.
+WORTHWHILE_WORK = 0.8
 #: Size of a direction left out, relative to the largest.
 DIRECTION_TOLERANCE = 1e-15
 
 
 def shared_columns(factor: Array) -> NDArray[np.bool_]:
-    """Return the columns of a factor that couple groups of rows, if setting them apart at least halves the work, (k).
+    """Return the columns of a factor that couple groups of rows, if setting them apart saves work enough, (k).
 
     Columns are taken in turn, those of the fewest entries first. One that meets rows of a single group extends it; one
     that meets rows of several groups couples them.
@@ -51,7 +53,7 @@ def shared_columns(factor: Array) -> NDArray[np.bool_]:
         _work(int(rows[own].sum()), int(np.count_nonzero(patterns[own][:, ~coupling].any(axis=0))), shared)
         for own in owned
     ]
-    return coupling if 2.0 * (sum(split) + shared**3) < _work(size, width, 0) else none
+    return coupling if sum(split) + shared**3 / 3 < WORTHWHILE_WORK * _work(size, width, 0) else none
 
 
 def _work(segments: int, own: int, shared: int) -> float:
