@@ -16,8 +16,10 @@ if TYPE_CHECKING:
         parse_design,
         read_case,
         read_design,
+        read_supports,
         shipped_cases,
         shipped_designs,
+        shipped_supports,
     )
     from .rexs.rexs_reading import read_rexs
     from .rexs.rexs_writing import write_rexs
@@ -25,7 +27,9 @@ if TYPE_CHECKING:
     from .schema.design_schema import Design
     from .schema.friction_table import FrictionTable
     from .schema.load_case_table import LoadCase
+    from .schema.supports_table import SupportsTable
     from .session.session_script import read_session_script
+    from .support_conversion import support_system
     from .writing import case_toml, write_case
 
 __all__ = [
@@ -34,6 +38,7 @@ __all__ = [
     "Design",
     "FrictionTable",
     "LoadCase",
+    "SupportsTable",
     "case_text",
     "case_toml",
     "design_text",
@@ -49,8 +54,11 @@ __all__ = [
     "read_load_cases",
     "read_rexs",
     "read_session_script",
+    "read_supports",
     "shipped_cases",
     "shipped_designs",
+    "shipped_supports",
+    "support_system",
     "write_case",
     "write_rexs",
 ]
@@ -65,8 +73,10 @@ _ORIGINS = {
         "parse_design",
         "read_case",
         "read_design",
+        "read_supports",
         "shipped_cases",
         "shipped_designs",
+        "shipped_supports",
     ],
     ".rexs.rexs_reading": ["read_rexs"],
     ".rexs.rexs_writing": ["write_rexs"],
@@ -74,7 +84,9 @@ _ORIGINS = {
     ".schema.design_schema": ["Design"],
     ".schema.friction_table": ["FrictionTable"],
     ".schema.load_case_table": ["LoadCase"],
+    ".schema.supports_table": ["SupportsTable"],
     ".session.session_script": ["read_session_script"],
+    ".support_conversion": ["support_system"],
     ".writing": ["case_toml", "write_case"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

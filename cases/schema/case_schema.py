@@ -16,6 +16,7 @@ from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
 from .schema_table import InputFile, Integer, Number, Table, number
+from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
 
 
@@ -239,6 +240,7 @@ class Case(InputFile):
     pinion: PinionTable
     gear: MemberTable
     misalignment: MisalignmentTable = MisalignmentTable()
+    supports: SupportsTable | None = None
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None

@@ -87,7 +87,7 @@ class Beam:
         --------
         >>> beam = Beam((ShaftSection(0.0, 100.0, 40.0),), Material(206000.0, 0.3))
         >>> tip = beam.compliance(0.0, 100.0, origin=100.0)  # of a cantilever, about its free end
-        >>> round(1e6 * tip[0, 0], 3), round(1e6 * 100.0**3 / (3.0 * 206000.0 * beam.sections[0].second_moment), 3)
+        >>> round(1e6 * float(tip[0, 0]), 3), round(1e6 * 100.0**3 / (3.0 * 206000.0 * beam.sections[0].second_moment), 3)
         (14.009, 12.876)
         """
         lower, upper = min(start, end), max(start, end)

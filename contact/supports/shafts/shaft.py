@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ....core.checks import number, shown
 from ....core.errors import InputError
-from ...compliance.elastic_model import STEEL
 from ...compliance.material import Material
 from ..wrench import shift_matrix
 from .beam import Beam
@@ -23,6 +22,7 @@ from .bearing import Bearing
 from .shaft_section import POSITION_LIMIT, ShaftSection
 
 Array = NDArray[np.float64]
+STEEL = Material(206000.0, 0.3)
 BEARING_COUNT_LIMIT = 20
 STEP_COUNT_LIMIT = 500  # of bearings whose stiffness depends on the load
 STIFFNESS_CHANGE_LIMIT = 1e-13  # relative, at which they have converged
@@ -63,8 +63,8 @@ class Shaft:
     ...     (Bearing("head", 110.0, 600e3, 150e3), Bearing("tail", 170.0, 400e3, 100e3)),
     ...     reference=90.0,
     ... )
-    >>> round(1000.0 * shaft.compliance[0, 0], 5)
-    0.00598
+    >>> round(1000.0 * float(shaft.compliance[0, 0]), 5)
+    0.00395
     >>> shaft.loads[:, 0, 0].round(3).tolist()  # on head and tail bearing
     [1.333, -0.333]
     """
@@ -203,8 +203,8 @@ class Shaft:
         ...     (ShaftSection(0.0, 100.0, 40.0),), (Bearing("a", 20.0, curve, 1e5), Bearing("b", 80.0, 4e5)), 50.0
         ... )
         >>> loaded = shaft.under(np.array([6e3, 0.0, 0.0, 0.0, 0.0, 0.0]))
-        >>> round(loaded.bearings[0].radial), loaded.is_linear  # 3 kN on each
-        (280061, True)
+        >>> round(float(loaded.bearings[0].radial)), loaded.is_linear  # 3 kN on each
+        (278085, True)
         """
         if self.is_linear:
             return self
@@ -217,8 +217,8 @@ class Shaft:
             if np.all(np.abs(new - old) <= STIFFNESS_CHANGE_LIMIT * old):
                 return found
         raise InputError(
-            f"the stiffness of the bearings does not converge in {STEP_COUNT_LIMIT} steps: their displacement must grow "
-            "more evenly with the load"
+            f"the stiffness of the bearings does not converge in {STEP_COUNT_LIMIT} steps: their displacement must "
+            "grow more evenly with the load"
         )
 
 
