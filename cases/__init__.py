@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .schema.supports_table import SupportsTable
     from .session.session_script import read_session_script
     from .support_conversion import support_system
+    from .supported_case import with_supports
     from .writing import case_toml, write_case
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "shipped_designs",
     "shipped_supports",
     "support_system",
+    "with_supports",
     "write_case",
     "write_rexs",
 ]
@@ -87,6 +89,7 @@ _ORIGINS = {
     ".schema.supports_table": ["SupportsTable"],
     ".session.session_script": ["read_session_script"],
     ".support_conversion": ["support_system"],
+    ".supported_case": ["with_supports"],
     ".writing": ["case_toml", "write_case"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -157,7 +157,10 @@ SUPPORT = FileKind(
     "support",
     SupportFile,
     SHIPPED.joinpath("supports"),
-    {"case": "a case: give a file of supports, or the tables in the case", "design": "a design: give a file of supports"},
+    {
+        "case": "a case: give a file of supports, or the tables in the case",
+        "design": "a design: give a file of supports",
+    },
 )
 KINDS: tuple[FileKind[Any], ...] = (CASE, DESIGN, SUPPORT)
 
@@ -257,7 +260,7 @@ def read_design(name_or_path: str | Path, *, allow_outside: bool = False) -> Des
 
 
 def read_supports(name_or_path: str | Path) -> SupportsTable:
-    """Read and check a file of supports, for the key ``supports`` of a case.
+    """Read and check a file of supports, for ``with_supports``.
 
     Parameters
     ----------
@@ -271,9 +274,7 @@ def read_supports(name_or_path: str | Path) -> SupportsTable:
 
     Examples
     --------
-    >>> from easeoff.cases import read_case
-    >>> case = read_case("fm-11x41").model_copy(update={"supports": read_supports("axle-fm-11x41")})
-    >>> case.supports.gear.shaft.seat
+    >>> read_supports("axle-fm-11x41").gear.shaft.seat
     63.0
     """
     return SUPPORT.read(name_or_path).supports

@@ -37,8 +37,8 @@ def support_system(case: Case) -> LoadedSupports | None:
 
     Examples
     --------
-    >>> from easeoff.cases import read_case, read_supports
-    >>> case = read_case("fm-11x41").model_copy(update={"supports": read_supports("axle-fm-11x41")})
+    >>> from easeoff.cases import read_case, with_supports
+    >>> case = with_supports(read_case("fm-11x41"), "axle-fm-11x41")
     >>> unloaded = support_system(case).at(np.zeros(6), np.zeros(6))
     >>> [bearing.name for bearing in unloaded.gear.bearings]
     ['flange side', 'far side']

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -35,7 +36,7 @@ def _pairs(value: Any) -> Any:
             f"{written(value)}: must be 2 to {CURVE_LENGTH_LIMIT} pairs of positive numbers, such as "
             "[[1000.0, 0.004], [5000.0, 0.017]], the load first"
         )
-    for (before, _), (load, _) in zip(rows, rows[1:], strict=False):
+    for (before, _), (load, _) in pairwise(rows):
         if load <= before:
             raise ValueError(f"{written(value)}: loads must increase, and {load:g} follows {before:g}")
     return tuple(rows)
@@ -75,7 +76,7 @@ class ShaftSectionTable(Table):
 
 
 class ShaftTable(Table):
-    """The shaft of a member. All places are on the member's axis, from its crossing point, positive towards the heel."""
+    """The shaft of a member. Places are on the member's axis, from its crossing point, positive towards the heel."""
 
     sections: Annotated[tuple[ShaftSectionTable, ...], Field(strict=False, min_length=1, max_length=200)]
     seat: Number | None = number(
@@ -124,12 +125,8 @@ class BearingTable(Table):
             stiffness, curve = getattr(self, f"{name}_stiffness"), getattr(self, f"{name}_displacement")
             if stiffness is not None and curve is not None:
                 raise ValueError(f"{name}_stiffness and {name}_displacement are both given: give one of them")
-            limit, unit = (
-                (TILTING_STIFFNESS_LIMIT, "N mm/rad") if name == "tilting" else (STIFFNESS_LIMIT, "N/mm")
-            )
-            values = (
-                [value for _, value in stiffness] if isinstance(stiffness, tuple) else [stiffness or 0.0]
-            )
+            limit, unit = (TILTING_STIFFNESS_LIMIT, "N mm/rad") if name == "tilting" else (STIFFNESS_LIMIT, "N/mm")
+            values = [value for _, value in stiffness] if isinstance(stiffness, tuple) else [stiffness or 0.0]
             for value in values:
                 if not 0.0 <= value <= limit:
                     raise ValueError(f"{name}_stiffness = {value:g}: must be from 0 to {limit:g} [{unit}]")
@@ -214,13 +211,15 @@ class SupportsTable(Table):
         members = [name for name in ("pinion", "gear") if getattr(self, name) is not None]
         if self.housing is not None and members:
             raise ValueError(
-                f"[supports.housing] and [supports.{members[0]}] are both given: the matrix of a housing holds for both "
-                "members with their shafts and bearings, so give either"
+                f"[supports.housing] and [supports.{members[0]}] are both given: the matrix of a housing holds for "
+                "both members with their shafts and bearings, so give either"
             )
         if self.housing is None and not members:
             raise ValueError("no support is given: give [supports.pinion], [supports.gear] or [supports.housing]")
         if self.gear is not None and self.gear.shaft is not None and self.gear.shaft.torque_position is not None:
-            raise ValueError("gear.shaft.torque_position: must be left out: the rotation of the gear is that of the mesh")
+            raise ValueError(
+                "gear.shaft.torque_position: must be left out: the rotation of the gear is that of the mesh"
+            )
         pinion = self.pinion.shaft if self.pinion is not None else None
         if self.wind_up and pinion is not None and pinion.torque_position is None:
             raise ValueError("wind_up = true: must go with torque_position in [supports.pinion.shaft]")
