@@ -22,7 +22,7 @@ Point = Annotated[tuple[Coordinate, Coordinate, Coordinate], Field(strict=False)
 
 def _matrix(rows: int) -> Any:
     row = Annotated[tuple[Number, ...], Field(strict=False, min_length=rows, max_length=rows)]
-    return Annotated[tuple[row, ...], Field(strict=False, min_length=rows, max_length=rows)]  # type: ignore[valid-type]
+    return Annotated[tuple[row, ...], Field(strict=False, min_length=rows, max_length=rows)]
 
 
 def _pairs(value: Any) -> Any:

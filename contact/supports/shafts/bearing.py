@@ -168,10 +168,12 @@ class Bearing:
         >>> round(Bearing("tail", 90.0, radial=curve).under(np.array([1200.0, 1600.0, 0, 0, 0, 0])).radial)
         285714
         """
-        sizes = {"radial": np.hypot(*load[:2]), "axial": abs(load[2]), "tilting": np.hypot(*load[3:5])}
-        found = {
-            name: value.stiffness(float(size))
-            for name, size in sizes.items()
-            if isinstance(value := getattr(self, name), StiffnessCurve)
-        }
-        return replace(self, **found)
+        radial, axial, tilting = (
+            value.stiffness(float(size)) if isinstance(value, StiffnessCurve) else value
+            for value, size in (
+                (self.radial, np.hypot(*load[:2])),
+                (self.axial, load[2]),
+                (self.tilting, np.hypot(*load[3:5])),
+            )
+        )
+        return replace(self, radial=radial, axial=axial, tilting=tilting)
