@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ...core.checks import is_number
 from ..mistakes import written
+from .load_case_table import Name
 from .schema_table import InputFile, Number, Table, number
 
 STIFFNESS_LIMIT = 1e9  # of a bearing [N/mm]
@@ -96,7 +97,7 @@ class ShaftTable(Table):
 class BearingTable(Table):
     """A bearing. Each stiffness is a number, or a curve of loads and stiffness, or one of loads and displacement."""
 
-    name: Annotated[str, Field(min_length=1, max_length=60)]
+    name: Name = number("of the bearing in results", "1")
     position: Number = number(
         "where it acts on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000
     )
@@ -138,7 +139,9 @@ class BearingTable(Table):
 class MemberSupportTable(Table):
     """The support of a member: a matrix at a reference point, or a shaft on bearings."""
 
-    reference: Point | None = number("point x, y, z in the pair's frame at which a matrix holds", "mm", default=None)
+    reference: Point | None = number(
+        "point x, y, z of the member, in the pair's frame, at which a matrix holds", "mm", default=None
+    )
     stiffness: _matrix(6) | None = number(  # type: ignore[valid-type]
         "force x, y, z [N] and moment x, y, z [N mm] for translation x, y, z [mm] and rotation x, y, z [rad] of the "
         "reference: 6 rows of 6",
