@@ -21,6 +21,17 @@ from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.supports_table import (
+    CURVE_LENGTH_LIMIT,
+    STIFFNESS_LIMIT,
+    TILTING_STIFFNESS_LIMIT,
+    BearingTable,
+    HousingTable,
+    MemberSupportTable,
+    ShaftSectionTable,
+    ShaftTable,
+    SupportsTable,
+)
 from easeoff.friction import COEFFICIENTS, FILM_FACTORS, FILMS, THERMAL_FACTORS, available_lubricants
 
 PAGE = Path(__file__).with_name("case_file.md")
@@ -70,14 +81,25 @@ MEANINGS = {
     "name": ("of the load case in results and pictures; its number, from 1, if left out", ""),
     "flank": ("flanks in mesh; those of the analysis if left out", ""),
     "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
+    "wind_up": (
+        "whether the pinion turns about its axis by the compliance of its support; else this rotation is held, as that "
+        "of the gear always is",
+        "",
+    ),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),
 }
 
+PAIRS = f"2 to {CURVE_LENGTH_LIMIT} pairs of positive numbers, loads and displacements increasing"
 # Values that a model elsewhere checks: what it allows.
 ELSEWHERE = {
     "name": "text of up to 60 letters, digits, blanks and `. _ + = -`",
     "free_settings": "names of settings",
     "rim_depth": "one or two numbers, each > 0 and < 1000",
+    **{key: "three numbers, each > -5000 and < 5000" for key in ("reference", "pinion_reference", "gear_reference")},
+    **{key: "symmetric, positive definite, see [supports](supports.md)" for key in ("stiffness", "compliance")},
+    **{key: f"a number ≥ 0 and ≤ {STIFFNESS_LIMIT:g}, or {PAIRS}" for key in ("radial_stiffness", "axial_stiffness")},
+    "tilting_stiffness": f"a number ≥ 0 and ≤ {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}",
+    **{f"{key}_displacement": PAIRS for key in ("radial", "axial", "tilting")},
     "speed": "a number or a list, each ≥ 1e-6 and ≤ 1e6",
     "temperature": "a number or a list, within the oil's data; clamped to them, ≤ 400",
     "roughness": "a number or a list, each ≥ 0 and ≤ 100",
@@ -129,6 +151,12 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[pinion.concave.cutter]`, and so on for every flank", cutting_table.Cutter
     yield "### `[pinion.material]` and `[gear.material]`", model.Steel
     yield "### `[misalignment]`", model.MisalignmentTable
+    yield "### `[supports]`", SupportsTable
+    yield "### `[supports.pinion]` and `[supports.gear]`", MemberSupportTable
+    yield "### `[supports.pinion.shaft]` and `[supports.gear.shaft]`", ShaftTable
+    yield "### `sections` of a shaft, a list of tables", ShaftSectionTable
+    yield "### `[[supports.pinion.bearings]]` and `[[supports.gear.bearings]]`", BearingTable
+    yield "### `[supports.housing]`", HousingTable
     yield "### `[contact]`", model.ContactTable
     yield "### `[compliance]`", model.ComplianceTable
     yield "### `[friction]`", FrictionTable

@@ -17,6 +17,7 @@ from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
 from .misalignment_table import MisalignmentTable
 from .schema_table import InputFile, Integer, Number, Table, number
+from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
 
 
@@ -231,6 +232,7 @@ class Case(InputFile):
     pinion: PinionTable
     gear: MemberTable
     misalignment: MisalignmentTable = MisalignmentTable()
+    supports: SupportsTable | None = None
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
