@@ -1,7 +1,7 @@
 """Rounds in which the assembly found under load becomes that of the geometry, until it changes no more.
 
-The contact problem of a round has the ease-off of its assembly, and what the members move beyond it to first order. What
-is left to the next round is that the forces turn and move with the flanks: about a hundredth of the change before.
+The contact problem of a round has the ease-off of its assembly, and what the members move beyond it to first order.
+What is left to the next round is that the forces turn and move with the flanks: about a hundredth of the change before.
 """
 
 from __future__ import annotations

@@ -11,8 +11,11 @@ import xarray as xr
 from ...cases.analysis_size import AnalysisSize
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
+from ...cases.supported_case import with_supports
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import SolverChoice, require_solver
+from ...contact.supports.assembly_rounds import AssemblyRounds
+from ...contact.supports.support import LoadedSupports
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
@@ -46,6 +49,8 @@ def analyze(
     oil: str | Lubricant | None = None,
     friction_model: FrictionModel | None = None,
     friction_feedback: bool | None = None,
+    supports: LoadedSupports | str | Path | None = None,
+    rounds: AssemblyRounds | None = None,
     progress: Callable[[], None] | None = None,
     stage: Callable[[str], None] | None = None,
     **options: Any,
@@ -91,6 +96,11 @@ def analyze(
     friction_feedback
         Let friction take its part of the torque from the normal forces, see ``friction.feedback``; the case's own or
         not if left out.
+    supports
+        Shafts, bearings and housing: ``contact`` supports, the name of shipped ones, or the path of a file of them; the
+        case's own if left out, and rigid if it has none.
+    rounds
+        How far the ease-off follows the assembly that the supports give under load, see ``MeshCycle.supported``.
     progress
         Called after every solved torque and mesh position, then after every part of the friction.
     stage
@@ -102,9 +112,10 @@ def analyze(
     -------
     xr.DataTree
         Groups ``flanks``, ``ease_off``, ``teeth``, ``unloaded``, ``light_load`` (1 % of the greatest torque),
-        ``misalignment``, ``loaded``; with finite elements ``root_stress``, unless a blade has no edge radius (the
-        attribute ``root_stress_left_out`` says which); if a speed is given ``friction``; where it came from in the
-        attributes. Where the misalignment depends on the torque, ``flanks`` to ``unloaded`` are those without torque.
+        ``misalignment``, ``loaded``; on supports ``supports``; with finite elements ``root_stress``, unless a blade has
+        no edge radius (the attribute ``root_stress_left_out`` says which); if a speed is given ``friction``; where it
+        came from in the attributes. Where the misalignment depends on the torque, ``flanks`` to ``unloaded`` are those
+        without torque.
 
     Raises
     ------
@@ -128,6 +139,8 @@ def analyze(
     2
     """
     case = checked_case(case)
+    if isinstance(supports, str | Path):
+        case, supports = with_supports(case, supports), None
     require_solver(solver)
     operation = operation_of(case.friction, speed=speed, temperature=temperature, roughness=roughness, oil=oil)
     friction_model, feedback = friction_settings(case, operation, friction_model, friction_feedback)
@@ -149,7 +162,15 @@ def analyze(
     if stage is not None:
         stage("loaded contact")
     found = contact_analysis(
-        state, torques, edge_contact=edge_contact, marking=marking, solver=solver, progress=progress, **options
+        state,
+        torques,
+        edge_contact=edge_contact,
+        marking=marking,
+        solver=solver,
+        supports=supports,
+        rounds=rounds,
+        progress=progress,
+        **options,
     )
     if operation is None:
         return found.tree

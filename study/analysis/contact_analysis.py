@@ -5,22 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.schema.case_schema import Case
 from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
+from ...cases.support_conversion import support_system
 from ...contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ...contact.load_capacity.tooth_root_stress import root_stress
-from ...contact.loaded_cases import LoadedCase
 from ...contact.solvers import SolverChoice, require_solver
+from ...contact.supports.assembly_rounds import AssemblyRounds
+from ...contact.supports.support import LoadedSupports
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
 from ..case_in_mesh import CaseInMesh, case_attributes
 from ..deviation_source import require_line_contact
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis, misalignment_group
+from .supported_analysis import LoadedPart, supported_parts
 
 Array = NDArray[Any]
 
@@ -57,6 +61,8 @@ def contact_analysis(
     edge_contact: bool | None = None,
     marking: float | None = None,
     solver: SolverChoice = "auto",
+    supports: LoadedSupports | None = None,
+    rounds: AssemblyRounds | None = None,
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
@@ -66,8 +72,10 @@ def contact_analysis(
     ----------
     state
         The pair in mesh. Where its misalignment depends on the torque, every torque is analysed in its assembly.
-    torques, edge_contact, marking, solver, progress, **options
+    torques, edge_contact, marking, solver, rounds, progress, **options
         As of ``analyze``.
+    supports
+        Supports of the members; the case's own if left out.
 
     Raises
     ------
@@ -93,36 +101,49 @@ def contact_analysis(
         if own.deviations:
             require_line_contact(own.cycle.lost_contact, own.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
-    parts, solved = [], []
+    held = support_system(case) if supports is None else supports
+    how: dict[str, Any] = {"edge_contact": edges, "solver": solver, "progress": progress, **options}
+    solved: list[LoadedPart] = []
     for places, own in assemblies:
-        loaded, cases = own.cycle.loaded(
-            load[list(places)], edge_contact=edges, solver=solver, progress=progress, **options
-        )
-        parts.append((places, Analysis(_loaded_groups(own, loaded, cases), cases)))
-        solved.append((own, cases))
+        at = load[list(places)]
+        if held is None:
+            solved.append(LoadedPart(places, own, *own.cycle.loaded(at, **how), {}))
+        else:
+            solved += supported_parts(own, places, at, held, rounds, **how)
+    parts = [(one.places, Analysis(_loaded_groups(one), one.cases)) for one in solved]
     groups = {
         "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
         "flanks": geometry.flanks,
         "ease_off": geometry.ease_off,
         "teeth": geometry.teeth,
         "unloaded": with_unloaded_numbers(cycle, unloaded),
-        "light_load": _light_load(state, LIGHT_LOAD_SHARE * load.max(), edges, solved),
+        "light_load": _light_load(state, LIGHT_LOAD_SHARE * load.max(), edges, solved, held, rounds),
     }
     if state.teeth is not None and case.compliance.model == "fe" and (sharp := _sharp_roots(state)):
         groups["/"].attrs["root_stress_left_out"] = "; ".join(sharp)
-    if len(parts) == 1 and _same_assembly(assemblies[0][1], state):
+    if len(parts) == 1 and _same_assembly(solved[0].state, state):
         only = parts[0][1]
         return Analysis(groups | {name: only.groups[name] for name in OVER_TORQUE if name in only.groups}, only.cases)
-    return joined_analysis(parts, groups)
+    found = joined_analysis(parts, groups)
+    if reasons := [reason for one in solved if (reason := _not_ended(one))]:
+        found.groups["supports"].attrs["rounds_not_ended"] = "; ".join(reasons)
+    return found
 
 
-def _loaded_groups(state: CaseInMesh, loaded: xr.Dataset, cases: list[LoadedCase]) -> dict[str, xr.Dataset]:
+def _not_ended(part: LoadedPart) -> str:
+    """Why rounds of a part did not end; empty if they did."""
+    return str(part.groups["supports"].attrs.get("rounds_not_ended", "")) if part.groups else ""
+
+
+def _loaded_groups(part: LoadedPart) -> dict[str, xr.Dataset]:
     """Groups over the torque of a pair in one assembly, and its ease-off."""
+    state, loaded, cases = part.state, part.loaded, part.cases
     torques, positions = loaded["torque"].values, loaded["mesh_position"].values
     errors = [state.pair.assembly.misalignment] * torques.size
     groups = {
         "ease_off": state.cycle.geometry.ease_off,
         "misalignment": misalignment_group(errors, torques, positions),
+        **part.groups,
         "loaded": with_loaded_numbers(state.cycle, loaded, cases),
     }
     if state.teeth is not None and state.case.compliance.model == "fe" and not _sharp_roots(state):
@@ -131,11 +152,19 @@ def _loaded_groups(state: CaseInMesh, loaded: xr.Dataset, cases: list[LoadedCase
 
 
 def _light_load(
-    state: CaseInMesh, torque: float, edges: bool, parts: list[tuple[CaseInMesh, list[LoadedCase]]]
+    state: CaseInMesh,
+    torque: float,
+    edges: bool,
+    parts: list[LoadedPart],
+    held: LoadedSupports | None,
+    rounds: AssemblyRounds | None,
 ) -> xr.Dataset:
     """The group ``light_load``, in the assembly at its torque [N m]; segments of a greater torque there are taken."""
-    ((_, own),) = state.assemblies([torque])
-    greater = next((cases for at, cases in parts if _same_assembly(at, own)), [])
+    ((places, own),) = state.assemblies([torque])
+    if held is not None:
+        (one,) = supported_parts(own, places, np.array([torque]), held, rounds, edge_contact=edges)
+        return with_loaded_numbers(one.state.cycle, one.loaded, one.cases)
+    greater = next((one.cases for one in parts if _same_assembly(one.state, own)), [])
     return with_loaded_numbers(own.cycle, *own.cycle.loaded([torque], edge_contact=edges, greater=greater))
 
 

@@ -18,7 +18,7 @@ from ...geometry.pair.assembly import Misalignment
 Array = NDArray[Any]
 
 #: Groups over the torque, joined from those of the assemblies.
-OVER_TORQUE = ("misalignment", "loaded", "root_stress", "friction")
+OVER_TORQUE = ("misalignment", "supports", "loaded", "root_stress", "friction")
 #: Attributes of a group that count something in one assembly: of several the greatest stands.
 COUNTS = ("searched_segments",)
 
