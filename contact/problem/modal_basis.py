@@ -146,7 +146,8 @@ class ModalBasis:
         mixing = shared.mixing[:, :, shared.mixing.any(axis=(0, 1))]
         every = blocks * mixing.shape[1]
         if mixing.shape[2] > every:  # M = R'Q', and M M' = R'R
-            mixing = np.linalg.qr(mixing.reshape(every, -1).T, mode="r").T.reshape(*mixing.shape[:2], every)
+            triangle: Array = np.asarray(np.linalg.qr(mixing.reshape(every, -1).T, mode="r"))
+            mixing = triangle.T.reshape(*mixing.shape[:2], every)
         return SharedModes(shared.columns, np.ascontiguousarray(mixing))
 
     @cached_property
@@ -195,7 +196,7 @@ def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
     columns, mixing = shared.columns, shared.mixing
     for name, values, shape in (("columns", columns, f"({size}, q)"), ("mixing", mixing, f"({blocks}, q, s)")):
         wanted = 2 if name == "columns" else 3
-        if not (isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == wanted):
+        if not (np.asarray(values) is values and values.dtype == np.float64 and values.ndim == wanted):
             raise InputError(f"shared {name}: must be an array of floats of shape {shape}")
         if not np.isfinite(values).all():
             raise InputError(f"shared {name}: must be finite")

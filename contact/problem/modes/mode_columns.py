@@ -99,8 +99,8 @@ def mode_columns(
     whole = np.concatenate(order).astype(np.int64)
     shared = np.zeros((2, size if mixing.shape[2] else 0))
     for (index, _), own_mixing in zip(blocks, mixing, strict=True) if mixing.shape[2] else ():
-        own = shared_columns[index]
-        modes, terms = own @ own_mixing, np.abs(own) @ np.abs(own_mixing)
+        part = shared_columns[index]
+        modes, terms = part @ own_mixing, np.abs(part) @ np.abs(own_mixing)
         shared[:, index] = np.einsum("ij,ij->i", modes, modes), np.einsum("ij,ij->i", terms, terms)
     mixed = np.ascontiguousarray(mixing)
     return ModeColumns(places, table, whole, np.concatenate(columns), bending, row_sum, mixed, shared)
