@@ -139,12 +139,15 @@ class ModalBasis:
         """
         factor, blocks = self.shared_factor, self.index.shape[0]
         shared = self.shared
-        if shared is None or factor.shape[1] <= shared.columns.shape[1]:
+        if shared is None:
+            return SharedModes(factor, np.zeros((blocks, 0, 0)))
+        if factor.shape[1] <= shared.columns.shape[1]:
             return SharedModes(factor, np.tile(np.eye(factor.shape[1]), (blocks, 1, 1)))
         mixing = shared.mixing[:, :, shared.mixing.any(axis=(0, 1))]
         every = blocks * mixing.shape[1]
         if mixing.shape[2] > every:  # M = R'Q', and M M' = R'R
-            mixing = np.linalg.qr(mixing.reshape(every, -1).T, mode="r").T.reshape(*mixing.shape[:2], every)
+            triangle: Array = np.asarray(np.linalg.qr(mixing.reshape(every, -1).T, mode="r"))
+            mixing = triangle.T.reshape(*mixing.shape[:2], every)
         return SharedModes(shared.columns, np.ascontiguousarray(mixing))
 
     @cached_property
@@ -178,6 +181,11 @@ class BendingFactor:
     factor: Array
 
     @cached_property
+    def shared_factor(self) -> Array:
+        """The columns that couple blocks (n, s) [(mm/N)^0.5]."""
+        return self.factor[:, shared_columns(self.factor, factor_blocks(self.factor))]
+
+    @cached_property
     def basis(self) -> ModalBasis:
         """The factor compressed by blocks."""
         return modal_basis(self.factor)
@@ -188,7 +196,7 @@ def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
     columns, mixing = shared.columns, shared.mixing
     for name, values, shape in (("columns", columns, f"({size}, q)"), ("mixing", mixing, f"({blocks}, q, s)")):
         wanted = 2 if name == "columns" else 3
-        if not (isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == wanted):
+        if not (np.asarray(values) is values and values.dtype == np.float64 and values.ndim == wanted):
             raise InputError(f"shared {name}: must be an array of floats of shape {shape}")
         if not np.isfinite(values).all():
             raise InputError(f"shared {name}: must be finite")
@@ -209,16 +217,19 @@ def modal_basis(factor: Array) -> ModalBasis:
     factor
         V (n, k) [(mm/N)^0.5].
     """
-    shared = shared_columns(factor)
-    if shared.any():
-        basis = _own_basis(factor[:, ~shared])
-        return replace(basis, shared=_shared_modes(factor[:, shared], [rows for rows, _ in basis.blocks]))
-    return _own_basis(factor)
-
-
-def _own_basis(factor: Array) -> ModalBasis:
-    """The basis of a factor without shared modes."""
+    if factor.shape[1] > 0 and (factor != 0.0).all():
+        return _own_basis(factor, [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))])
     blocks = factor_blocks(factor)
+    shared = shared_columns(factor, blocks)
+    if not shared.any():
+        return _own_basis(factor, blocks)
+    own = factor[:, ~shared]
+    basis = _own_basis(own, factor_blocks(own))
+    return replace(basis, shared=_shared_modes(factor[:, shared], [rows for rows, _ in basis.blocks]))
+
+
+def _own_basis(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> ModalBasis:
+    """The basis of a factor without shared modes, from its rows and columns of each block."""
     whole = len(blocks) == 1 and blocks[0][1].size == factor.shape[1]
     compressed = [compressed_block(factor if whole else factor[np.ix_(*both)]) for both in blocks]
     return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], compressed)

@@ -96,7 +96,7 @@ class ModalBatch:
     @property
     def rank(self) -> int:
         """Number k of modes of a block."""
-        return self.rows.shape[3] - self.mixing.shape[2] - 1
+        return int(self.rows.shape[3] - self.mixing.shape[2] - 1)
 
     def in_blocks(self, values: Sequence[Array], padding: float) -> Array:
         """Return values of the segments of every problem in blocks, (b, p, m)."""

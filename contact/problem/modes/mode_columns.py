@@ -90,14 +90,17 @@ def mode_columns(
             own, part = index[chosen], modes[chosen]
             table[level, number] = first, own.size, entry, modes.shape[1]
             order.append(own)
-            columns += [part.T.ravel(), shared_columns[own].T.ravel()]
-            first, entry = first + own.size, entry + part.size + own.size * shared_columns.shape[1]
+            columns.append(part.T.ravel())
+            first, entry = first + own.size, entry + part.size
+            if shared_columns.shape[1]:
+                columns.append(shared_columns[own].T.ravel())
+                entry += columns[-1].size
         place += first
     whole = np.concatenate(order).astype(np.int64)
     shared = np.zeros((2, size if mixing.shape[2] else 0))
-    for (index, _), own_mixing in zip(blocks if mixing.shape[2] else (), mixing, strict=False):
-        own = shared_columns[index]
-        modes, terms = own @ own_mixing, np.abs(own) @ np.abs(own_mixing)
+    for (index, _), own_mixing in zip(blocks, mixing, strict=True) if mixing.shape[2] else ():
+        part = shared_columns[index]
+        modes, terms = part @ own_mixing, np.abs(part) @ np.abs(own_mixing)
         shared[:, index] = np.einsum("ij,ij->i", modes, modes), np.einsum("ij,ij->i", terms, terms)
     mixed = np.ascontiguousarray(mixing)
     return ModeColumns(places, table, whole, np.concatenate(columns), bending, row_sum, mixed, shared)

@@ -138,7 +138,7 @@ class ModalTouching:
             return held + turn * self._by_arm[..., None], shared, turn
         rest = shared - self._mixed(self._by_shared.swapaxes(1, 2) @ loads)
         turn = (imbalance + self._turned @ rest) / self._pivot
-        moved = np.linalg.solve(self._common, rest) + turn * self._turned[:, None]
+        moved = np.asarray(np.linalg.solve(self._common, rest), dtype=np.float64) + turn * self._turned[:, None]
         return held + turn * self._by_arm[..., None] - self._by_shared @ (self._mixing @ moved), moved, turn
 
     def _change(self, segment: int, entering: bool) -> bool:
