@@ -78,6 +78,19 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
     return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(own)
 
 
+def deflection_attributes(misalignment: Misalignment | Deflections, flank: FlankName) -> dict[str, Any]:
+    """Attributes of a file: first and last torque of the table of deflections, if there is one.
+
+    Examples
+    --------
+    >>> deflection_attributes(Deflections([100.0, 300.0], offset=[0.02, 0.05]), "drive")
+    {'deflection_torques_N_m': [100.0, 300.0]}
+    """
+    if isinstance(misalignment, Misalignment):
+        return {}
+    return {"deflection_torques_N_m": list(misalignment.torque_range(flank))}
+
+
 @dataclass(frozen=True)
 class CaseInMesh:
     """The gear pair of a case in mesh, over one pitch of the pinion; ``of`` makes one.
@@ -212,16 +225,7 @@ class CaseInMesh:
             "misalignment_pinion_axial_mm": errors.pinion_axial,
             "misalignment_gear_axial_mm": errors.gear_axial,
             "misalignment_shaft_angle_rad": errors.shaft_angle,
-            **self._table_attributes,
+            **deflection_attributes(self.misalignment, self.flank),
             **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
             **deviation_attributes(self.deviations, self.deviated),
         }
-
-    @property
-    def _table_attributes(self) -> dict[str, Any]:
-        """Torques of the table of deflections, if there is one."""
-        return (
-            {}
-            if self.deflections is None
-            else {"deflection_torques_N_m": list(self.deflections.torque_range(self.flank))}
-        )

@@ -81,4 +81,6 @@ def _errors(here: xr.Dataset) -> str:
     names = {"E": "offset_error", "P": "pinion_axial_error", "G": "gear_axial_error"}
     errors = [f"{key} {here[name].item():+g} mm" for key, name in names.items() if here[name].item()]
     sigma = np.degrees(here["shaft_angle_error"].item())
-    return ", ".join([*errors, *([f"Sigma {sigma:+g} deg"] if sigma else [])]) or "none"
+    over_torque = "depends_on_torque" in here and bool(here["depends_on_torque"].item())  # older results lack it
+    errors += [f"Sigma {sigma:+g} deg"] if sigma else []
+    return ", ".join([*errors, *(["deflections over the torque"] if over_torque else [])]) or "none"

@@ -25,6 +25,7 @@ OPTIONAL_ATTRIBUTES: dict[str, str | int] = {
         (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
         "number",
     ),
+    "deflection_torques_N_m": 2,
     "seed": "number",
 }
 #: Dimensions that a number may have beside those of the points and of the loads.
