@@ -78,17 +78,23 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
     return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(own)
 
 
-def deflection_attributes(misalignment: Misalignment | Deflections, flank: FlankName) -> dict[str, Any]:
-    """Attributes of a file: first and last torque of the table of deflections, if there is one.
+def deflection_attributes(
+    misalignment: Misalignment | Deflections, flank: FlankName, torques: Sequence[float] | NDArray[Any]
+) -> dict[str, Any]:
+    """Attributes of a file: first and last torque of the table of deflections, and which torques [N m] are beyond.
 
     Examples
     --------
-    >>> deflection_attributes(Deflections([100.0, 300.0], offset=[0.02, 0.05]), "drive")
-    {'deflection_torques_N_m': [100.0, 300.0]}
+    >>> axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
+    >>> deflection_attributes(axle, "drive", [200.0, 400.0])["deflections"]
+    'table from 100 to 300 N m, extrapolated to 400 N m'
     """
     if isinstance(misalignment, Misalignment):
         return {}
-    return {"deflection_torques_N_m": list(misalignment.torque_range(flank))}
+    first, last = misalignment.torque_range(flank)
+    beyond = f", extrapolated to {max(torques):g} N m" if len(torques) and max(torques) > last else ""
+    told = f"table from {first:g} to {last:g} N m{beyond}"
+    return {"deflection_torques_N_m": [first, last], "deflections": told}
 
 
 @dataclass(frozen=True)
@@ -225,7 +231,6 @@ class CaseInMesh:
             "misalignment_pinion_axial_mm": errors.pinion_axial,
             "misalignment_gear_axial_mm": errors.gear_axial,
             "misalignment_shaft_angle_rad": errors.shaft_angle,
-            **deflection_attributes(self.misalignment, self.flank),
             **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
             **deviation_attributes(self.deviations, self.deviated),
         }

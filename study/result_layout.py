@@ -84,7 +84,7 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
 }
 OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "": {
-        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out"), "text"),
+        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out", "deflections"), "text"),
         **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
         "modification_um": "table of numbers",
         "deflection_torques_N_m": 2,

@@ -299,7 +299,8 @@ def _misalignment(plan: SweepPlan) -> dict[str, Any]:
         "Sigma": ("misalignment_shaft_angle_rad", found.shaft_angle),
     }
     constant = dict(pair for name, pair in errors.items() if name not in plan.table.names)
-    return constant | deflection_attributes(given, flank)
+    swept = [axis.columns["torque"].tolist() for axis in plan.axes if "torque" in axis.columns]
+    return constant | deflection_attributes(given, flank, swept[0] if swept else plan.setup.torques or ())
 
 
 def _departures(plan: SweepPlan) -> dict[str, Any]:

@@ -18,7 +18,7 @@ ATTRIBUTES: dict[str, str | int] = {
     **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
 }
 OPTIONAL_ATTRIBUTES: dict[str, str | int] = {
-    **dict.fromkeys(("compliance_model", "sampler", "distributions", "deviated"), "text"),
+    **dict.fromkeys(("compliance_model", "sampler", "distributions", "deviated", "deflections"), "text"),
     **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
     "modification_um": "table of numbers",
     **dict.fromkeys(
