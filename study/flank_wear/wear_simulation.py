@@ -36,7 +36,7 @@ from ...geometry.deviation.ease_off_update import deviated_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
 from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
-from ..case_in_mesh import CaseInMesh, checked_case, prepared_pair
+from ..case_in_mesh import CaseInMesh, checked_case, deflection_attributes, prepared_pair
 from ..deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
@@ -150,6 +150,7 @@ def wear(
         "flank": flank,
         "edge_contact": 0,
         **of_pair,
+        **deflection_attributes(designed.misalignment, flank, list(shares)),
         **_attributes(law),
     }
     return labelled(result)

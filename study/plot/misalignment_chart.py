@@ -23,6 +23,7 @@ def draw(tree: xr.DataTree) -> Figure:
     assert found is not None
     torques, errors = found
     in_cycle = " · bands: over the mesh cycle" if np.any(np.ptp(errors, axis=1)) else ""
+    last = float(np.asarray(tree.attrs.get("deflection_torques_N_m", (0.0, np.inf)))[1])
     figure = page(tree, "Misalignment over the torque", 4.6, f"a mark a torque, the first without load{in_cycle}")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
     for number, (label, colour, mark) in enumerate(DISPLACEMENTS):
@@ -32,12 +33,12 @@ def draw(tree: xr.DataTree) -> Figure:
         plain_axes(axes)
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
         axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+        if torques[-1] > last:
+            axes.axvspan(last, torques[-1], color=GREY, alpha=0.12, linewidth=0, zorder=0, label="beyond the table")
         axes.legend(
             fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
             handlelength=1.6, borderaxespad=0.6,
         )  # fmt: skip
-        if "deflection_torques_N_m" in tree.attrs:
-            _mark_end(axes, float(np.asarray(tree.attrs["deflection_torques_N_m"])[1]), float(torques[-1]))
     lower.set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
     lower.set_xlim(left=0.0)
     figure.align_ylabels([upper, lower])
@@ -46,13 +47,7 @@ def draw(tree: xr.DataTree) -> Figure:
 
 def _curve(axes: Axes, torques: np.ndarray, values: np.ndarray, label: str, colour: str, mark: str) -> None:
     """Draw values over the torques (t, k): mean over the mesh cycle, and their range as a band."""
-    style = {"color": colour, "marker": mark, "markersize": 3.5, "linewidth": 1.4, "zorder": 3}
-    axes.plot(torques, values.mean(axis=1), label=label, **style)
+    mean = values.mean(axis=1)
+    axes.plot(torques, mean, label=label, color=colour, marker=mark, markersize=3.5, linewidth=1.4, zorder=3)
     if np.any(np.ptp(values, axis=1)):
         axes.fill_between(torques, values.min(axis=1), values.max(axis=1), color=colour, alpha=0.18, linewidth=0)
-
-
-def _mark_end(axes: Axes, last: float, greatest: float) -> None:
-    """Shade the torques [N m] beyond the table."""
-    if greatest > last:
-        axes.axvspan(last, greatest, color=GREY, alpha=0.12, linewidth=0, zorder=0, label="beyond the table")

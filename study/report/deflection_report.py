@@ -52,8 +52,8 @@ def deflection_table(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> print(deflection_table(easeoff.analyze("nasa-12x36", torques=100.0, misalignment=axle)).splitlines()[-1])
-           100  +0.0250       0       0       0
+    >>> print(deflection_table(easeoff.analyze("nasa-12x36", torques=100.0, misalignment=axle)).splitlines()[-1].split())
+    ['100', '+0.0250', '0', '0', '0']
     """
     found = misalignment_over_torque(tree)
     if found is None:
@@ -80,7 +80,7 @@ def deflection_notes(tree: xr.DataTree) -> list[str]:
     if "deflection_torques_N_m" not in tree.attrs:
         return []
     last = float(np.asarray(tree.attrs["deflection_torques_N_m"])[1])
-    beyond = [torque for torque in np.sort(tree["loaded"]["torque"].values) if torque > last]
+    beyond = [torque for torque in np.sort(tree["loaded"].to_dataset()["torque"].values) if torque > last]
     if not beyond:
         return []
     at = ", ".join(f"{torque:g}" for torque in beyond[:ROW_COUNT_LIMIT])
