@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[Any]
 
 ERRORS = ("offset", "pinion_axial", "gear_axial", "shaft_angle")
+UNITS = {"offset": "mm", "pinion_axial": "mm", "gear_axial": "mm", "shaft_angle": "rad"}
 SYMBOLS = ("E", "P", "G", "Sigma")
 #: Beyond these no row may lie, nor what is continued beyond the last [mm, rad].
 ERROR_LIMITS = (10.0, 10.0, 10.0, float(np.radians(5.0)))
@@ -46,7 +47,7 @@ class Deflections:
     shaft_angle
         Sigma (n) [rad]; zero if left out.
     flank
-        Flanks in mesh of each row (n), whose torques rise for themselves; the rows are of both if left out.
+        Flanks in mesh of each row (n) or of all, whose torques rise for themselves; both if left out.
     constant
         Added at every torque.
 
@@ -54,15 +55,15 @@ class Deflections:
     --------
     >>> found = Deflections([0.0, 100.0, 300.0], offset=[0.0, 0.02, 0.05])
     >>> found.at(100.0).offset, round(found.at(400.0).offset, 4)
-    (0.02, 0.0627)
+    (0.02, 0.0617)
     """
 
-    torque: Sequence[float]
-    offset: Sequence[float] = ()
-    pinion_axial: Sequence[float] = ()
-    gear_axial: Sequence[float] = ()
-    shaft_angle: Sequence[float] = ()
-    flank: Sequence[FlankName] = ()
+    torque: Sequence[float] | Array
+    offset: Sequence[float] | Array = ()
+    pinion_axial: Sequence[float] | Array = ()
+    gear_axial: Sequence[float] | Array = ()
+    shaft_angle: Sequence[float] | Array = ()
+    flank: FlankName | Sequence[FlankName] = ()
     constant: Misalignment = NONE
 
     def __post_init__(self) -> None:
@@ -72,19 +73,19 @@ class Deflections:
             raise InputError(f"torque = {torque.max():g}: must be below {TORQUE_LIMIT:g} [N m]")
         for name, limit in zip(ERRORS, ERROR_LIMITS, strict=True):
             given = getattr(self, name)
-            units = "rad" if name == "shaft_angle" else "mm"
-            values = array(name, given, units, ndim=1) if len(given) else np.zeros(torque.size)
+            values = array(name, given, UNITS[name], ndim=1) if np.size(given) else np.zeros(torque.size)
             if values.size != torque.size:
                 raise InputError(f"{name}: has {values.size} values: must have {torque.size}, one a torque")
             if np.abs(values).max() >= limit:
                 worst = values[np.argmax(np.abs(values))]
-                raise InputError(f"{name} = {worst:g}: must lie between {-limit:.4g} and {limit:.4g} [{units}]")
+                raise InputError(f"{name} = {worst:g}: must lie between {-limit:.4g} and {limit:.4g} [{UNITS[name]}]")
             object.__setattr__(self, name, tuple(values.tolist()))
-        flanks = tuple(one_of("flank", one, FLANKS) for one in self.flank)
+        given = (self.flank,) * torque.size if isinstance(self.flank, str) else self.flank
+        flanks = tuple(one_of("flank", one, FLANKS) for one in given)
         if flanks and len(flanks) != torque.size:
             raise InputError(f"flank: has {len(flanks)} values: must have {torque.size}, one a torque, or none")
         object.__setattr__(self, "flank", flanks)
-        for flank in dict.fromkeys(flanks) or [FLANKS[0]]:
+        for flank in self._flanks or FLANKS[:1]:
             for before, after in pairwise(self._rows(flank)[0].tolist()):
                 if after <= before:
                     of_flank = f" of the {flank} flanks" if flanks else ""
@@ -112,9 +113,10 @@ class Deflections:
         whole = found + np.array([getattr(self.constant, name) for name in ERRORS])
         for symbol, value, limit in zip(SYMBOLS, whole, ERROR_LIMITS, strict=True):
             if abs(value) >= limit:
+                units, shown = ("deg", np.degrees([value, limit])) if symbol == "Sigma" else ("mm", (value, limit))
                 raise InputError(
-                    f"torque = {torque:g}: the misalignment there, {symbol} = {value:g}, is out of range: the table of "
-                    f"deflections ends at {rows[-1]:g} N m; give rows up to the torque"
+                    f"torque = {torque:g}: {symbol} = {shown[0]:.4g} there: must lie between {-shown[1]:g} and "
+                    f"{shown[1]:g} [{units}]; the table of deflections ends at {rows[-1]:g} N m"
                 )
         return Misalignment(*whole.tolist())
 
@@ -133,12 +135,17 @@ class Deflections:
         """The same rows, with this added at every torque in place of what was."""
         return replace(self, constant=constant)
 
+    @property
+    def _flanks(self) -> tuple[FlankName, ...]:
+        """Flanks that have rows of their own; none if the rows are of both."""
+        return tuple(flank for flank in FLANKS if flank in self.flank)
+
     def _rows(self, flank: FlankName) -> tuple[Array, Array]:
         """Torques (n) and values (n, 4) of the rows of a flank."""
-        own = np.array([not self.flank or one == flank for one in self.flank or self.torque])
+        own = np.array([one == flank for one in self.flank] if self._flanks else [True] * len(self.torque))
         if not own.any():
             raise InputError(
-                f"misalignment: the table of deflections has rows of the {self.flank[0]} flanks alone: give rows of "
+                f"misalignment: the table of deflections has rows of the {self._flanks[0]} flanks alone: give rows of "
                 f"the {flank} flanks, too"
             )
         return np.array(self.torque)[own], np.array([getattr(self, name) for name in ERRORS]).T[own]
@@ -148,7 +155,7 @@ class Deflections:
         """Curves through the rows of every flank that has two or more."""
         from scipy.interpolate import PchipInterpolator
 
-        found = {flank: self._rows(flank) for flank in dict.fromkeys(self.flank) or FLANKS}
+        found = {flank: self._rows(flank) for flank in self._flanks or FLANKS}
         return {flank: PchipInterpolator(*rows) for flank, rows in found.items() if rows[0].size > 1}
 
 

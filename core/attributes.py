@@ -381,6 +381,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
     "case": ("", "shipped case the problem comes from"),
     "flanks": ("", "which flanks mesh: drive or coast"),
     "pinion_torque": ("N m", "torque at the pinion in the instant the problem comes from"),
+    "depends_on_torque": ("1", "1 where the assembly depends on the torque; its errors are then those without torque"),
     "offset_error": ("mm", "assembly error E"),
     "pinion_axial_error": ("mm", "assembly error P"),
     "segments_per_line": ("1", "segments of a contact line"),

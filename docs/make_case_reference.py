@@ -21,6 +21,7 @@ from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.misalignment_table import DeflectionRow, MisalignmentTable
 from easeoff.cases.schema.supports_table import (
     CURVE_LENGTH_LIMIT,
     STIFFNESS_LIMIT,
@@ -150,7 +151,8 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[pinion.concave.machine.motions]`, and so on for every generated flank", cutting_table.Motions
     yield "### `[pinion.concave.cutter]`, and so on for every flank", cutting_table.Cutter
     yield "### `[pinion.material]` and `[gear.material]`", model.Steel
-    yield "### `[misalignment]`", model.MisalignmentTable
+    yield "### `[misalignment]`", MisalignmentTable
+    yield "### `[[misalignment.deflections]]`", DeflectionRow
     yield "### `[supports]`", SupportsTable
     yield "### `[supports.pinion]` and `[supports.gear]`", MemberSupportTable
     yield "### `[supports.pinion.shaft]` and `[supports.gear.shaft]`", ShaftTable

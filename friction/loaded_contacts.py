@@ -117,13 +117,28 @@ def potential_segments(tree: xr.DataTree) -> PotentialSegments:
     Raises
     ------
     InputError
-        If the result is of an older version without points of action, or lacks a dimension.
+        If the result is of an older version without points of action, or lacks a dimension, or its misalignment depends
+        on the torque.
     """
+    _require_one_assembly(tree)
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
     points = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
     exists = np.isfinite(points[0])
     velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), points[:, exists])
     return PotentialSegments(exists, velocities)
+
+
+def _require_one_assembly(tree: xr.DataTree) -> None:
+    """Refuse a result whose torques are not in the assembly that its ease-off is of."""
+    if "misalignment" not in tree.children:  # older results
+        return
+    for name, units in (("offset", "mm"), ("pinion_axial", "mm"), ("gear_axial", "mm"), ("shaft_angle", "rad")):
+        of_ease_off = tree.attrs.get(f"misalignment_{name}_{units}")
+        if of_ease_off is not None and np.any(tree["misalignment"][name].values != of_ease_off):
+            raise InputError(
+                "the misalignment of this result depends on the torque, and its ease-off is that without torque: for "
+                "friction give the speed to the analysis itself, which knows every assembly"
+            )
 
 
 def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None) -> LoadedContacts:

@@ -78,6 +78,25 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
     return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(own)
 
 
+def deflection_attributes(
+    misalignment: Misalignment | Deflections, flank: FlankName, torques: Sequence[float] | NDArray[Any]
+) -> dict[str, Any]:
+    """Attributes of a file: first and last torque of the table of deflections, and which torques [N m] are beyond.
+
+    Examples
+    --------
+    >>> axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
+    >>> deflection_attributes(axle, "drive", [200.0, 400.0])["deflections"]
+    'table from 100 to 300 N m, extrapolated to 400 N m'
+    """
+    if isinstance(misalignment, Misalignment):
+        return {}
+    first, last = misalignment.torque_range(flank)
+    beyond = f", extrapolated to {max(torques):g} N m" if len(torques) and max(torques) > last else ""
+    told = f"table from {first:g} to {last:g} N m{beyond}"
+    return {"deflection_torques_N_m": [first, last], "deflections": told}
+
+
 @dataclass(frozen=True)
 class CaseInMesh:
     """The gear pair of a case in mesh, over one pitch of the pinion; ``of`` makes one.
@@ -212,16 +231,6 @@ class CaseInMesh:
             "misalignment_pinion_axial_mm": errors.pinion_axial,
             "misalignment_gear_axial_mm": errors.gear_axial,
             "misalignment_shaft_angle_rad": errors.shaft_angle,
-            **self._table_attributes,
             **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
             **deviation_attributes(self.deviations, self.deviated),
         }
-
-    @property
-    def _table_attributes(self) -> dict[str, Any]:
-        """Torques of the table of deflections, if there is one."""
-        return (
-            {}
-            if self.deflections is None
-            else {"deflection_torques_N_m": list(self.deflections.torque_range(self.flank))}
-        )

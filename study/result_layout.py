@@ -84,7 +84,7 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
 }
 OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "": {
-        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out"), "text"),
+        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out", "deflections"), "text"),
         **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
         "modification_um": "table of numbers",
         "deflection_torques_N_m": 2,
@@ -301,12 +301,18 @@ def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[s
         for name in names:
             if (
                 name not in group.variables
-                or set(group[name].dims) != set(dimensions)
+                or set(group[name].dims) not in _allowed(dimensions)
                 or group[name].dtype.kind not in "fiu"
             ):
                 yield f"no numbers {name!r} over {', '.join(dimensions)}"
             elif np.any(np.isfinite(values := group[name].values) & (np.abs(values) > MAGNITUDE_LIMIT)):
                 yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
+
+
+def _allowed(dimensions: tuple[str, ...]) -> list[set[str]]:
+    """Dimensions that a variable may have: segments that every torque has for itself may go with it."""
+    over_torque = [{*dimensions, "torque"}] if "segment" in dimensions else []
+    return [set(dimensions), *over_torque]
 
 
 def _is(kind: str | int, value: Any) -> bool:

@@ -31,7 +31,9 @@ class DeflectionRow(Table):
     P: Number | None = number("pinion away from the crossing point", "mm", default=None, gt=-10, lt=10)
     G: Number | None = number("gear away from the crossing point", "mm", default=None, gt=-10, lt=10)
     Sigma: Number | None = number("increase of the shaft angle", "deg", default=None, gt=-5, lt=5)
-    flank: Literal["drive", "coast"] | None = None
+    flank: Literal["drive", "coast"] | None = Field(
+        default=None, description="flanks in mesh that the row is of; both if left out"
+    )
 
 
 def _rows(value: Any) -> Any:

@@ -21,7 +21,7 @@ from ...contact.supports.support import LoadedSupports
 from ...core.checks import distinct
 from ...core.errors import InputError
 from ...core.processes.blas_threads import one_blas_thread
-from ..case_in_mesh import CaseInMesh, case_attributes
+from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviation_source import require_line_contact
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis, misalignment_group
 from .supported_analysis import LoadedPart, supported_parts
@@ -112,7 +112,7 @@ def contact_analysis(
             solved += supported_parts(own, places, at, held, rounds, **how)
     parts = [(one.places, Analysis(_loaded_groups(one), one.cases)) for one in solved]
     groups = {
-        "/": xr.Dataset(attrs=_provenance(state, solver, edge_contact=edges)),
+        "/": xr.Dataset(attrs=_provenance(state, load, solver, edge_contact=edges)),
         "flanks": geometry.flanks,
         "ease_off": geometry.ease_off,
         "teeth": geometry.teeth,
@@ -177,12 +177,13 @@ def _sharp_roots(state: CaseInMesh) -> list[str]:
     return [tooth.no_root for tooth in state.teeth or () if tooth.root is None]
 
 
-def _provenance(state: CaseInMesh, solver: SolverChoice, *, edge_contact: bool) -> dict[str, Any]:
+def _provenance(state: CaseInMesh, torques: Array, solver: SolverChoice, *, edge_contact: bool) -> dict[str, Any]:
     """Origin of a result, as netCDF attributes."""
     flanks = (state.pair.pinion.opposite, state.pair.gear.opposite)
     return {
         **case_attributes(state.case, "analyze"),
         **state.attributes,
+        **deflection_attributes(state.misalignment, state.flank, torques),
         "schema_version": RESULT_SCHEMA_VERSION,
         "solver": solver if isinstance(solver, str) else require_solver(solver),
         "compliance_model": state.case.compliance.model,

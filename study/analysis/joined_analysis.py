@@ -134,7 +134,7 @@ def _joined(parts: list[xr.Dataset], places: list[tuple[int, ...]]) -> xr.Datase
         elif "torque" in first.dims or "segment" in first.dims:
             # What depends on the segments alone is another thing in every assembly.
             if "torque" not in first.dims:
-                own = [one.set_dims({"torque": len(at)} | one.sizes) for one, at in zip(own, places, strict=True)]
+                own = [_repeated(one, len(at)) for one, at in zip(own, places, strict=True)]
             if "pair" in first.dims and pairs is not None:
                 own = [_of_pairs(one, part["pair"].values, pairs) for one, part in zip(own, parts, strict=True)]
             if "segment" in first.dims:
@@ -149,6 +149,12 @@ def _joined(parts: list[xr.Dataset], places: list[tuple[int, ...]]) -> xr.Datase
     attributes |= {name: max(part.attrs[name] for part in parts) for name in COUNTS if name in attributes}
     coordinates = {name: data.pop(str(name)) for name in map(str, parts[0].coords)}
     return xr.Dataset(data, coords=coordinates, attrs=attributes)
+
+
+def _repeated(variable: xr.Variable, torques: int) -> xr.Variable:
+    """A variable over as many torques, the same at each."""
+    values = np.broadcast_to(variable.values, (torques, *variable.shape))
+    return xr.Variable(("torque", *variable.dims), values, variable.attrs)
 
 
 def _of_pairs(variable: xr.Variable, known: Array, pairs: Array) -> xr.Variable:

@@ -12,6 +12,7 @@ from tabulate import tabulate
 from ...contact.solvers import Status
 from ...friction.operation import named_models
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
+from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque
 from .departures import deviations, modification
 from .edge_load import edge_notes
 from .key_numbers import key_numbers
@@ -94,10 +95,10 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on implausible numbers, load on edges, pressures that jump, and ranges of the friction models left."""
+    """Notes on implausible numbers, extrapolation, load on edges, pressures that jump, and friction out of range."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     loaded = tree["loaded"].to_dataset()
-    return [*plausibility(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
+    return [*plausibility(tree), *deflection_notes(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
 
 
 def outcome(tree: xr.DataTree) -> str:
@@ -139,12 +140,15 @@ def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
         ("Sigma", sigma, "deg"),
     ]
     misaligned = ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"
+    if misalignment_over_torque(tree) is not None:
+        misaligned = f"{misaligned} without torque; under load see below"
     pair = f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion"
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     shared = f"{100 * numbers['common_flank'].item():.0f} % of the gear flank"
     head = [
         ("pair", f"{pair}, {attrs['flank']} flanks"),
         ("misalignment", misaligned),
+        ("deflections", str(attrs.get("deflections", ""))),
         ("deviating flanks", deviations(attrs)),
         ("modified ease-off", modification(attrs)),
         ("common flank", f"{shared}, ease-off up to {numbers['max_ease_off'].item():.1f} um"),
@@ -160,8 +164,8 @@ def _notes(tree: xr.DataTree) -> list[str]:
     # Older results lack the attribute.
     searched = int(tree["loaded"].attrs.get("searched_segments", 0))
     if searched:
-        loaded = tree["loaded"].to_dataset().isel(torque=0)
-        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum())
+        loaded = tree["loaded"].to_dataset()
+        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
         notes.append(
             f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
             "approach was searched for; forces and pressures there are approximate."
@@ -191,6 +195,8 @@ def result_summary(tree: xr.DataTree) -> str:
     attrs, numbers = tree.attrs, key_numbers(tree)
     title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
     parts = ["\n".join(title), "=" * max(len(line) for line in title), "", _head(tree, numbers), ""]
+    if table := deflection_table(tree):
+        parts += ["Misalignment over the torque", "", table, ""]
     parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
     parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
     if "friction" in tree.children:

@@ -96,6 +96,8 @@ def _coordinates(dataset: xr.Dataset) -> str:
                 values.size > SHOWN_LOADS
             )
         lines.append(f"{name:<13} {printable(said)}")
+    if "deflections" in dataset.attrs:
+        lines.append(f"{'deflections':<13} {printable(str(dataset.attrs['deflections']))}")
     if "seed" in dataset.attrs:
         lines.append(
             f"{'samples':<13} {dataset.attrs.get('sampler', '')}, seed {dataset.attrs['seed']}: "

@@ -10,7 +10,15 @@ import click
 
 from ....core.magnitude import time_in_words
 from ..terminal_bar import terminal_bar
-from .shared_options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
+from .shared_options import (
+    DEFLECTION_FILE,
+    MISALIGNMENT,
+    allow_outside_option,
+    deviation_option,
+    flank_option,
+    misalignment,
+    torques,
+)
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
@@ -26,7 +34,7 @@ _PAIR = (
         callback=misalignment,
         metavar=MISALIGNMENT,
         show_default="from the case",
-        help="Assembly errors in mm, Sigma in degrees.",
+        help=f"Assembly errors in mm, Sigma in degrees; {DEFLECTION_FILE}.",
     ),
     deviation_option(
         "Deviation of a member's flank from the designed one: a measured grid (a file, or the name of a shipped one) "
