@@ -53,8 +53,9 @@ WITH_CODE = (
     "vh_check",
     "load_cases",
     "half_space",
+    "supports",
 )
-QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
+QUICK = ("index", "results", "contact_problems", "python", "supports")  # the others take seconds each
 
 
 def text(name: str) -> str:
