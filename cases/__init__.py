@@ -8,6 +8,8 @@ from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
+    from .deflection_table import read_deflections
+    from .deflections import Deflections
     from .load_cases import load_case_misalignment, read_load_cases
     from .reading import (
         case_text,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Case",
     "ContactTable",
+    "Deflections",
     "Design",
     "FrictionTable",
     "LoadCase",
@@ -51,6 +54,7 @@ __all__ = [
     "parse_case",
     "parse_design",
     "read_case",
+    "read_deflections",
     "read_design",
     "read_load_cases",
     "read_rexs",
@@ -67,6 +71,8 @@ __all__ = [
 
 _ORIGINS = {
     ".conversion": ["designed_blanks", "ease_off_target", "elastic_model", "gear_pair"],
+    ".deflection_table": ["read_deflections"],
+    ".deflections": ["Deflections"],
     ".load_cases": ["load_case_misalignment", "read_load_cases"],
     ".reading": [
         "case_text",

@@ -15,10 +15,10 @@ from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT
 from ..core.suggestion import suggestion
 from ..geometry.pair.assembly import Misalignment
-from .load_case_rows import read_load_case_rows
 from .mistakes import mistakes
 from .schema.case_schema import Case
 from .schema.load_case_table import LOAD_CASE_COUNT_LIMIT, LoadCase, named_load_cases
+from .table_rows import read_table_rows
 
 COLUMNS = tuple(LoadCase.model_fields)
 TEXT_COLUMNS = ("name", "flank")
@@ -51,7 +51,7 @@ def read_load_cases(path: str | os.PathLike[str]) -> tuple[LoadCase, ...]:
     >>> cruise.E, climb.E
     (None, 0.05)
     """
-    found = read_load_case_rows(
+    found = read_table_rows(
         path, _is_text, _load_case, size_limit=TOML_SIZE_LIMIT, count_limit=LOAD_CASE_COUNT_LIMIT, needed="torque"
     )
     try:

@@ -53,6 +53,8 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
 }
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
 OF_EACH_GROUP = {"pair"}
+#: Those of the group ``misalignment``, which older results lack.
+MISALIGNMENT: dict[tuple[str, ...], tuple[str, ...]] = {LOADED: ("offset", "pinion_axial", "gear_axial", "shaft_angle")}
 #: Further ones of the group ``friction``, if there is one.
 FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     (*SEGMENTS, *CONDITIONS[1:]): ("friction_coefficient",),
@@ -85,6 +87,7 @@ OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
         **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out"), "text"),
         **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
         "modification_um": "table of numbers",
+        "deflection_torques_N_m": 2,
     },
     "loaded": {"searched_segments": "number"},
     "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
@@ -157,6 +160,8 @@ def faults(tree: xr.DataTree) -> list[str]:
     ["loaded: no numbers 'force' over torque, mesh_position, segment"]
     """
     layout = dict(VARIABLES)
+    if "misalignment" in tree.children:
+        layout["misalignment"] = MISALIGNMENT
     if "friction" in tree.children:
         layout["friction"] = FRICTION
     if "light_load" in tree.children:

@@ -16,7 +16,7 @@ from easeoff import InputError, read_case
 from easeoff.cases import case_text, parse_case, read_load_cases
 from easeoff.core.writing.private_folder import private_folder
 from easeoff.study import key_numbers
-from easeoff.study.analysis import analyze
+from easeoff.study.analysis.case_analysis import analyze
 from easeoff.study.cli import main
 from easeoff.study.report.key_numbers import number_names
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, write_sweep

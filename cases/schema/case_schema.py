@@ -15,6 +15,7 @@ from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
+from .misalignment_table import MisalignmentTable
 from .schema_table import InputFile, Integer, Number, Table, number
 from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
@@ -104,15 +105,6 @@ class PairTable(Table):
 
     shaft_angle: Number = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
     hypoid_offset: Number = number("offset; zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
-
-
-class MisalignmentTable(Table):
-    """Assembly errors."""
-
-    offset: Number = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
-    pinion_axial: Number = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    gear_axial: Number = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    shaft_angle: Number = number("increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
 
 
 class ContactTable(Table):

@@ -123,8 +123,13 @@ class ModalCompliance:
 
     @cached_property
     def local_fraction(self) -> float:
-        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii."""
-        whole = self.diagonal
+        """Least part that a segment's own compliance d has in its whole one without shared modes.
+
+        Those move many segments alike, as the rotation does, and cost no steps.
+        """
+        whole, shared = self.diagonal, self.modes.basis.shared_factor
+        if shared.shape[1]:
+            whole = np.maximum(whole - np.einsum("ij,ij->i", shared, shared), self.local)
         return float((self.local / whole).min()) if whole.min() > 0.0 else 0.0
 
     def deflection(self, force: Array) -> Array:

@@ -260,6 +260,11 @@ class Supports:
         members = [Support(points[i], matrix[6 * i : 6 * i + 6, 6 * i : 6 * i + 6], bearings[i]) for i in (0, 1)]
         return cls(*members, coupling=matrix[:6, 6:], wind_up=wind_up)
 
+    @classmethod
+    def rigid(cls) -> Supports:
+        """Supports that do not give way."""
+        return cls(Support.rigid(), Support.rigid())
+
     @property
     def compliance(self) -> Array:
         """Twists of pinion and gear for wrenches on them (12, 12), each about its reference."""

@@ -137,13 +137,11 @@ def checked_stiffness(
     for number, (reference, axis) in enumerate(free):
         own[6 * number : 6 * number + 6, number] = rotation_at(axis, reference)
     allowed, _ = np.linalg.qr(_unscaled(own, length))
-    for motion in (loose - allowed @ (allowed.T @ loose)).T:
-        if np.linalg.norm(motion) > FREE_MOTION_RESIDUAL:
-            raise InputError(
-                f"{name} = {shown(matrix)}: must be positive definite; it leaves the "
-                f"{_motion(motion, length, [point for point, _ in free])} free"
-                + (", which is not the axis of the member: check stiffness and reference" if free else "")
-            )
+    _, sizes, mixtures = np.linalg.svd(loose - allowed @ (allowed.T @ loose), full_matrices=False)
+    if sizes.size and sizes[0] > FREE_MOTION_RESIDUAL:
+        motion = _motion(loose @ mixtures[0], length, [point for point, _ in free])
+        beside = ", which is not the axis of the member: check stiffness and reference" if free else ""
+        raise InputError(f"{name} = {shown(matrix)}: must be positive definite; it leaves the {motion} free{beside}")
     return matrix
 
 

@@ -64,7 +64,9 @@ def run(
     from ...cases.analysis_size import AnalysisSize
     from ...core.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
     from ...core.writing.output_file import check_folder, check_writable
-    from ..analysis import analyze, case_torques, operation_of
+    from ..analysis.case_analysis import analyze
+    from ..analysis.contact_analysis import case_torques
+    from ..analysis.friction_analysis import operation_of
     from ..report.result_summary import doubts, outcome, uncertified
     from ..result import write_result
 

@@ -48,7 +48,7 @@ def problems(
     from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.exchange.problem_set import ProblemSet
     from ...contact.solvers import require_solver
-    from ..analysis import case_torques, contact_analysis
+    from ..analysis.contact_analysis import case_torques, contact_analysis
     from ..case_in_mesh import CaseInMesh
     from ..compare.problem_export import check_problem_output, write_problem_set
 

@@ -33,7 +33,7 @@ from ...core.errors import GeometryError, InputError
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import Modification, basis, terms
-from ..analysis import case_torques, contact_analysis
+from ..analysis.contact_analysis import case_torques, contact_analysis
 from ..case_in_mesh import CaseInMesh, checked_case
 
 Array = NDArray[Any]

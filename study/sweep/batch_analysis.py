@@ -23,7 +23,9 @@ from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
-from ..analysis import Analysis, contact_analysis, friction_settings, operation_of, with_friction
+from ..analysis.contact_analysis import contact_analysis
+from ..analysis.friction_analysis import friction_settings, operation_of, with_friction
+from ..analysis.joined_analysis import Analysis
 from ..case_in_mesh import CaseInMesh
 from ..report.key_numbers import key_numbers
 from .point_table import assemblies

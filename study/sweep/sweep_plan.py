@@ -21,7 +21,8 @@ from ...core.errors import InputError
 from ...core.processes.memory import require_memory
 from ...core.reading.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
-from ..analysis import case_torques, friction_settings, operation_of
+from ..analysis.contact_analysis import case_torques
+from ..analysis.friction_analysis import friction_settings, operation_of
 from ..case_in_mesh import checked_case
 from ..deviation_source import flank_deviations, shipped_deviations
 from .axis import Axis, grid_axis, is_distribution

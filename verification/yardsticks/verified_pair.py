@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ...cases.schema.case_schema import Case
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
-from ...study.analysis import Analysis, case_torques, contact_analysis
+from ...study.analysis.contact_analysis import case_torques, contact_analysis
+from ...study.analysis.joined_analysis import Analysis
 from ...study.case_in_mesh import CaseInMesh
 from ..flank_contact.surface_cells import FlanksInMesh, flanks_of
 
