@@ -54,8 +54,9 @@ WITH_CODE = (
     "load_cases",
     "deflections",
     "half_space",
+    "supports",
 )
-QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
+QUICK = ("index", "results", "contact_problems", "python", "supports")  # the others take seconds each
 
 
 def text(name: str) -> str:

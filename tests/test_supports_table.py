@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,13 @@ from easeoff.cases import (
     with_supports,
 )
 from easeoff.cases.conversion import gear_pair, sections
+from easeoff.cases.reading import SUPPORT
+from easeoff.cases.schema.schema_table import Table
 from easeoff.contact.supports.shafts.shaft_support import ShaftSupports
 from easeoff.contact.supports.support import Support, Supports
 from easeoff.contact.supports.wrench import ORIGIN, shifted_wrench
 from easeoff.core.errors import InputError
+from easeoff.geometry.pair.gear_pair import pair_geometry
 
 SHIPPED = {"axle-fm-11x41": "fm-11x41", "gearbox-nasa-12x36": "nasa-12x36"}
 SHAFT = {
@@ -274,6 +278,46 @@ def test_shipped_shafts_fit_their_blanks(supports: str) -> None:
             assert 0.5 * section.outer_diameter < min(nose, bore)
 
 
+def test_the_page_has_the_numbers_of_the_shipped_systems() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "supports.md").read_text(encoding="utf-8")
+    tables = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line[:1] == "|"]
+
+    def plain(cell: str) -> float:
+        return float(cell.replace(" ", "").replace("−", "-"))
+
+    for supports, case in SHIPPED.items():
+        system = support_system(with_supports(read_case(case), supports))
+        assert isinstance(system, Supports)
+        for member in ("pinion", "gear"):
+            first, stiff = (row for row in tables if row[0] == f"`{case}` {member}")
+            own = tables.index(first)
+            bearings = getattr(read_supports(supports), member).bearings
+            assert [row[2] for row in tables[own : own + 2]] == [bearing.name for bearing in bearings]
+            for row, bearing in zip(tables[own : own + 2], bearings, strict=True):
+                shown = [bearing.position, bearing.radial_stiffness, bearing.axial_stiffness]
+                assert [plain(cell) for cell in row[4:7]] == shown
+            compliance = np.asarray(getattr(system, member).compliance).diagonal()
+            across, along, tilting = (1, 0, 4) if member == "pinion" else (0, 2, 4)
+            found = [1.0 / compliance[at] for at in (across, along, tilting)]
+            assert [plain(cell) for cell in stiff[1:]] == pytest.approx(found, rel=5e-3)
+
+
+def test_the_tables_of_the_page_are_supports() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "supports.md").read_text(encoding="utf-8")
+    shaft, stiffness, displacement, matrix = re.findall(r"^```toml\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
+    case = parse_case(case_text("nasa-12x36") + shaft)
+    assert isinstance(support_system(case), Supports)
+    for curve, other in ((stiffness, "radial_stiffness = 0.9e6"), (displacement, "radial_stiffness = 0.9e6")):
+        curved = parse_case(case_text("nasa-12x36") + shaft.replace(other, curve.split("#")[0]))
+        system = support_system(curved)
+        assert isinstance(system, ShaftSupports)
+        head = system.pinion.shaft.bearings[0].radial  # type: ignore[union-attr]
+        assert head.stiffness(5000.0) == pytest.approx(0.92e6, rel=2e-3)  # type: ignore[union-attr]
+    assert isinstance(
+        with_supports(read_case("fm-11x41"), SUPPORT.parse(matrix, "page", None).supports).supports, Table
+    )
+
+
 def _roller_stiffness(rollers: int, length: float, factor: float, radial: float, preload: float) -> tuple[float, float]:
     """Radial and axial stiffness [N/mm] by 0.000077 Q^0.9 / l^0.8, see the shipped files."""
     angle = math.atan(factor / 1.5)
@@ -287,7 +331,7 @@ def _roller_stiffness(rollers: int, length: float, factor: float, radial: float,
 @pytest.mark.parametrize(
     ("supports", "member", "rollers"),
     [
-        ("axle-fm-11x41", "pinion", [(17, 15.0, 0.37, 15000.0, 4000.0), (17, 12.5, 0.37, 5000.0, 4000.0)]),
+        ("axle-fm-11x41", "pinion", [(17, 15.0, 0.37, 11300.0, 4000.0), (17, 12.5, 0.37, 3700.0, 4000.0)]),
         ("axle-fm-11x41", "gear", [(19, 15.0, 0.40, 9200.0, 3000.0), (19, 15.0, 0.40, 3700.0, 3000.0)]),
         ("gearbox-nasa-12x36", "pinion", [(17, 14.3, 0.37, 7500.0, 2500.0), (17, 12.5, 0.37, 2500.0, 2500.0)]),
         ("gearbox-nasa-12x36", "gear", [(17, 15.0, 0.37, 5100.0, 2500.0), (17, 15.0, 0.37, 2600.0, 2500.0)]),
@@ -313,11 +357,10 @@ def test_shipped_stiffnesses_follow_from_their_formula_and_load(
 
 
 def _mean_wrench(supports: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Wrench on the gear at the middle of its drive flank, under the middle torque."""
+    """Wrench on the gear about the origin, of contact at the middle of its drive flank under the middle torque."""
     case = read_case(SHIPPED[supports])
     pair = gear_pair(case)
-    flank = pair.gear.flank(np.array([0.5]), np.array([0.5]))
-    point, normal = flank.position[:, 0], flank.normal[:, 0]
-    moment = np.cross(point, normal)
-    force = 1e3 * case.contact.torques[1] * pair.assembly.ratio / abs(moment[2])
-    return -force * np.concatenate([normal, moment])
+    middle = pair_geometry(pair, (9, 7)).ease_off.isel(lengthwise=4, profile=3)
+    force = 1e3 * case.contact.torques[1] * pair.assembly.ratio / float(middle["lever_arm"])
+    normal = middle["action_normal"].values
+    return np.asarray(force * np.concatenate([normal, np.cross(middle["action_position"].values, normal)]))
