@@ -27,6 +27,7 @@ def coarse() -> Case:
         update={
             "contact": case.contact.model_copy(update={**size, "torques": (250.0,)}),
             "misalignment": type(case.misalignment)(),
+            "compliance": case.compliance.model_copy(update={"model": "shell"}),
         }
     )
 
