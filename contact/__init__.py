@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     from .solvers.parametric.solution_change import Differentiability, SolutionChange
     from .solvers.parametric.solution_sensitivity import sensitivity
     from .solvers.parametric.torque_path import TorquePath, torque_path
+    from .supports.assembly_rounds import AssemblyRounds
+    from .supports.support import BearingReaction, MemberAxis, Support, Supports, member_axes
+    from .supports.supported_contact import SupportedContact
     from .unloaded import unloaded_contact
 
 __all__ = [
@@ -61,6 +64,8 @@ __all__ = [
     "LCP",
     "SOLVERS",
     "STEEL",
+    "AssemblyRounds",
+    "BearingReaction",
     "Certificate",
     "Conditioning",
     "ContactProblem",
@@ -74,6 +79,7 @@ __all__ = [
     "LiftedQP",
     "LineContactPath",
     "Material",
+    "MemberAxis",
     "MeshCycle",
     "MeshLines",
     "ModalBasis",
@@ -87,6 +93,9 @@ __all__ = [
     "SolutionChange",
     "Solver",
     "Status",
+    "Support",
+    "SupportedContact",
+    "Supports",
     "ToothDimensions",
     "TorquePath",
     "WeberLineContact",
@@ -103,6 +112,7 @@ __all__ = [
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
+    "member_axes",
     "peak_to_peak",
     "problem_checksum",
     "read_fclib",
@@ -181,6 +191,9 @@ _ORIGINS = {
         "solve",
         "solve_many",
     ],
+    ".supports.assembly_rounds": ["AssemblyRounds"],
+    ".supports.support": ["BearingReaction", "MemberAxis", "Support", "Supports", "member_axes"],
+    ".supports.supported_contact": ["SupportedContact"],
     ".unloaded": ["unloaded_contact"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -11,6 +11,7 @@ import xarray as xr
 
 from ..contact.evaluation.pressure_place import LineEnd
 from ..contact.solvers import Status
+from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.reading.json_text import parsed_json
 from ..core.stored_status import StoredStatus
 
@@ -55,6 +56,16 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
 OF_EACH_GROUP = {"pair"}
 #: Those of the group ``misalignment``, which older results lack.
 MISALIGNMENT: dict[tuple[str, ...], tuple[str, ...]] = {LOADED: ("offset", "pinion_axial", "gear_axial", "shaft_angle")}
+#: Those of the group ``supports`` of a pair on supports.
+SUPPORTS: dict[tuple[str, ...], tuple[str, ...]] = {
+    LOADED: (
+        *("transmission_error", "whole_rotation", "pinion_support_rotation", "gear_support_rotation"),
+        *("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation"),
+    ),
+    ("member", *LOADED, "space"): ("mesh_force", "mesh_moment"),
+    ("member", "space"): ("reference",),
+    ("torque",): ("whole_peak_to_peak", "rounds", "last_change", "rounds_status"),
+}
 #: Further ones of the group ``friction``, if there is one.
 FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     (*SEGMENTS, *CONDITIONS[1:]): ("friction_coefficient",),
@@ -111,6 +122,12 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {GRID: ("least_gap",)},
     ),
     "loaded": (EVALUATION, {SEGMENTS: ("overhang",), LOADED: ("edge_share",)}, {("torque",): ("rms",)}),
+    "supports": (
+        {
+            ("bearing", *LOADED, "space"): ("bearing_force", "bearing_moment"),
+            ("bearing", "space"): ("bearing_position",),
+        },
+    ),
     "friction": (
         {
             CONDITIONS: ("extrapolated_share",),
@@ -139,7 +156,11 @@ DUTY: dict[tuple[str, ...], tuple[str, ...]] = {
     ("damage_exponent",): ("damage_exponent",),
 }
 #: Variables whose values have meanings, in the groups of solves and elsewhere.
-FLAGS: dict[str, type[StoredStatus]] = {"status": Status, "max_pressure_line_end": LineEnd}
+FLAGS: dict[str, type[StoredStatus]] = {
+    "status": Status,
+    "max_pressure_line_end": LineEnd,
+    "rounds_status": RoundsStatus,
+}
 #: Groups whose status is that of other things.
 OTHER_STATUS = ("flanks", "ease_off")
 #: The contact at light load has its own torque and segments.
@@ -162,6 +183,8 @@ def faults(tree: xr.DataTree) -> list[str]:
     layout = dict(VARIABLES)
     if "misalignment" in tree.children:
         layout["misalignment"] = MISALIGNMENT
+    if "supports" in tree.children:
+        layout["supports"] = SUPPORTS
     if "friction" in tree.children:
         layout["friction"] = FRICTION
     if "light_load" in tree.children:
