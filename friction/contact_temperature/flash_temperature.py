@@ -93,7 +93,7 @@ def flash_temperature(
     35.4 K
     """
     pinion, gear = rise_per_heat(half_width, velocities, materials)
-    return np.asarray(heat) * (pinion * gear / (pinion + gear))
+    return np.asarray(heat * (pinion * gear / (pinion + gear)))
 
 
 def blok_flash_temperature(

@@ -60,7 +60,7 @@ def _logarithms() -> Array:
     """Chebyshev series of the logarithm of the greatest temperature in that of the Peclet number."""
     nodes = _nodes(PECLET_COUNT)
     peclet = SLOW * (FAST / SLOW) ** (0.5 * (nodes + 1.0))
-    return chebyshev.chebfit(nodes, np.log(searched_greatest(peclet)), PECLET_COUNT - 1)
+    return np.asarray(chebyshev.chebfit(nodes, np.log(searched_greatest(peclet)), PECLET_COUNT - 1))
 
 
 def greatest_temperature(peclet: Array) -> Array:
