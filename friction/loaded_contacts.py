@@ -36,6 +36,8 @@ class LoadedContacts:
         Whether torque and mesh position (t, k) have a certified solution.
     contact_modulus
         [Pa].
+    on_line
+        Which are on contact lines (n), not on tooth edges beside them.
     """
 
     index: NDArray[np.int64]
@@ -47,6 +49,12 @@ class LoadedContacts:
     velocities: SurfaceVelocities
     solved: NDArray[np.bool_]
     contact_modulus: float
+    on_line: NDArray[np.bool_]
+
+    @property
+    def half_width(self) -> Array:
+        """Of the band of contact (n) [m], by Hertz."""
+        return 2.0 * self.force / (np.pi * self.length * self.hertz_pressure)
 
     @property
     def group(self) -> NDArray[np.int64]:
@@ -178,4 +186,5 @@ def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None
         velocities=segments.velocities.chosen(chosen),
         solved=loaded["status"].values == 0,
         contact_modulus=modulus,
+        on_line=np.isnan(loaded["overhang"].values[touching]) if "overhang" in loaded else np.ones(length.size, bool),
     )

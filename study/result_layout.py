@@ -137,6 +137,13 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {CONDITIONS: ("film_thinning", "thinned_share")},
         {CONDITIONS: ("transition_share",)},
         {CONDITIONS: ("min_film_thickness", "min_film_lengthwise", "min_film_profile")},
+        {
+            CONDITIONS: (
+                *("max_flash_temperature", "max_flash_lengthwise", "max_flash_profile"),
+                *("max_contact_temperature", "max_pressure_velocity"),
+            ),
+        },
+        {(*SEGMENTS, *CONDITIONS[1:]): ("flash_temperature",)},
         {("mesh_position", "segment", "speed"): ("sliding_velocity", "rolling_velocity")},
         {(*SEGMENTS, *CONDITIONS[1:]): ("lambda_ratio",)},
         {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},

@@ -28,6 +28,7 @@ MAIN_NUMBERS = (
     "max_root_stress",
     "efficiency",
     "min_film_thickness",
+    "max_flash_temperature",
 )
 SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise")
 SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)
