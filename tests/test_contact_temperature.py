@@ -101,6 +101,8 @@ def test_limits_of_fast_and_slow_bands(distribution: Distribution) -> None:
 def test_published_factors_of_fast_bands() -> None:
     """Uniform heat q over the width d: 2/sqrt(pi) = 1.128 q sqrt(d/(k rho c u)) (Carslaw and Jaeger, section 10.7).
 
+    Its mean over the band is 1.064 q/k sqrt(a b/u) (Jaeger 1942).
+
     Elliptic heat Q = f w v: 1.11 Q/(sqrt(k rho c u) sqrt(d)) (Blok 1937), at 0.652 of the half width.
     """
     heat_flux, width, velocity = 3e7, 2.0 * WIDTH, 50.0
@@ -110,6 +112,11 @@ def test_published_factors_of_fast_bands() -> None:
     assert uniform == pytest.approx(
         2.0 / np.sqrt(np.pi) * heat_flux * np.sqrt(width / velocity) / effusivity, rel=1e-12
     )
+    nodes, weights = np.polynomial.legendre.leggauss(4)  # of the root of the distance from the front, squared
+    root = 0.5 * (nodes + 1.0)
+    mean = float(np.sum(weights * root * fast_band(2.0 * root**2 - 1.0, "uniform")))
+    factor = mean / np.sqrt(peclet) * 2.0 * WIDTH / np.sqrt(STEEL.diffusivity * WIDTH / velocity)
+    assert factor == pytest.approx(1.064, abs=5e-4)
     assert pytest.approx(1.11, abs=2e-3) == BLOK_FACTOR
     assert ellipk(HOTTEST_PARAMETER) == pytest.approx(2.0 * ellipe(HOTTEST_PARAMETER), rel=1e-12)
     fine = np.linspace(-1.0, 1.0, 200_001)
