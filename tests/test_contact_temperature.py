@@ -298,6 +298,13 @@ def test_greatest_values_do_not_need_the_fields(tree: xr.DataTree) -> None:
         np.testing.assert_array_equal(found[name], tree["friction"][name])
 
 
+def test_blocks_of_contacts_make_no_difference(tree: xr.DataTree, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("easeoff.friction.losses.BLOCK_SIZE", 50)
+    found = friction(tree, Operation([500.0, 1500.0], temperature=[60.0, 90.0]))
+    for name in (each for each in found.data_vars if str(each).startswith("max_")):
+        np.testing.assert_array_equal(found[name], tree["friction"][name])
+
+
 def test_flash_temperature_does_not_depend_on_the_frame_of_rolling(tree: xr.DataTree) -> None:
     """The heat moves with the contact line, in whatever frame the rolling velocity of the film is taken."""
     operation = Operation(1500.0)
