@@ -101,6 +101,8 @@ def test_limits_of_fast_and_slow_bands(distribution: Distribution) -> None:
 def test_published_factors_of_fast_bands() -> None:
     """Uniform heat q over the width d: 2/sqrt(pi) = 1.128 q sqrt(d/(k rho c u)) (Carslaw and Jaeger, section 10.7).
 
+    Its mean over the band is 1.064 q/k sqrt(a b/u) (Jaeger 1942).
+
     Elliptic heat Q = f w v: 1.11 Q/(sqrt(k rho c u) sqrt(d)) (Blok 1937), at 0.652 of the half width.
     """
     heat_flux, width, velocity = 3e7, 2.0 * WIDTH, 50.0
@@ -110,6 +112,11 @@ def test_published_factors_of_fast_bands() -> None:
     assert uniform == pytest.approx(
         2.0 / np.sqrt(np.pi) * heat_flux * np.sqrt(width / velocity) / effusivity, rel=1e-12
     )
+    nodes, weights = np.polynomial.legendre.leggauss(4)  # of the root of the distance from the front, squared
+    root = 0.5 * (nodes + 1.0)
+    mean = float(np.sum(weights * root * fast_band(2.0 * root**2 - 1.0, "uniform")))
+    factor = mean / np.sqrt(peclet) * 2.0 * WIDTH / np.sqrt(STEEL.diffusivity * WIDTH / velocity)
+    assert factor == pytest.approx(1.064, abs=5e-4)
     assert pytest.approx(1.11, abs=2e-3) == BLOK_FACTOR
     assert ellipk(HOTTEST_PARAMETER) == pytest.approx(2.0 * ellipe(HOTTEST_PARAMETER), rel=1e-12)
     fine = np.linspace(-1.0, 1.0, 200_001)
@@ -288,6 +295,13 @@ def test_greatest_values_do_not_need_the_fields(tree: xr.DataTree) -> None:
     found = friction(tree, operation, segment_fields=False)
     assert "flash_temperature" not in found
     for name in ("max_flash_temperature", "max_flash_lengthwise", "max_contact_temperature", "max_pressure_velocity"):
+        np.testing.assert_array_equal(found[name], tree["friction"][name])
+
+
+def test_blocks_of_contacts_make_no_difference(tree: xr.DataTree, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("easeoff.friction.losses.BLOCK_SIZE", 50)
+    found = friction(tree, Operation([500.0, 1500.0], temperature=[60.0, 90.0]))
+    for name in (str(each) for each in found.data_vars if str(each).startswith("max_")):
         np.testing.assert_array_equal(found[name], tree["friction"][name])
 
 

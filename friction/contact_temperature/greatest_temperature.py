@@ -81,4 +81,4 @@ def greatest_temperature(peclet: Array) -> Array:
     found = np.exp(chebyshev.chebval(2.0 * within - 1.0, _logarithms()))
     found = np.where(number > FAST, FAST_LIMIT / np.sqrt(number), found)
     slow = (np.log(4.0 / number) - np.euler_gamma + 0.5) / np.pi
-    return np.where(number < SLOW, slow, found)
+    return np.asarray(np.where(number < SLOW, slow, found))
