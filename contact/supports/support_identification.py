@@ -16,7 +16,7 @@ from .support import Support, Supports
 from .wrench import ORIGIN
 
 Array = NDArray[np.float64]
-SHAFT_ANGLE_LENGTH = 100.0  # [mm]; an error of Sigma counts as the displacement at this length
+ROTATION_LENGTH = 100.0  # [mm]; an error of Sigma counts as the displacement at this length
 RIDGE = 1e-6  # of the data; what the deflections do not determine is as small as it can be
 RANK_SHARE = 1e-6  # of the greatest singular value; a smaller one is no independent datum
 
@@ -30,13 +30,13 @@ class IdentifiedSupport:
     assembly
         The assembly without load.
     compliance
-        E, P, G [mm] and Sigma [rad] per force that works on each of them [N, N mm] (4, 4); symmetric, without negative
-        eigenvalues.
+        E, P, G [mm] and Sigma [rad] per force that works on each of them [N, N mm] (4, 4), or with the rotations of
+        pinion and gear (6, 6); symmetric, without negative eigenvalues.
     residual
         Measured deflections less those of the compliance (n, 4) [mm, rad].
     determined
-        How many of the ten numbers of a symmetric matrix the deflections determine: four for mesh forces of one
-        direction, seven for two, as of drive and coast. The others are as small as they can be.
+        How many of the numbers of a symmetric matrix the deflections determine: of the ten of (4, 4) four for mesh
+        forces of one direction, seven for two, as of drive and coast. The others are as small as they can be.
     independent_forces
         Number of directions of the mesh force that differ.
 
@@ -59,12 +59,14 @@ class IdentifiedSupport:
     @property
     def supports(self) -> Supports:
         """The support for an analysis: all of it at the pinion, the gear rigid."""
-        twists = _twists(self.assembly)
+        twists = _twists(self.assembly, len(self.compliance))
         relative = twists @ self.compliance @ twists.T
         return Supports(Support(ORIGIN, 0.5 * (relative + relative.T)), Support.rigid(), wind_up=True)
 
 
-def identified_support(assembly: Assembly, wrenches: ArrayLike, deflections: ArrayLike) -> IdentifiedSupport:
+def identified_support(
+    assembly: Assembly, wrenches: ArrayLike, deflections: ArrayLike, *, rotations: bool = False
+) -> IdentifiedSupport:
     """Find the support under which mesh forces give the deflections that were measured.
 
     Parameters
@@ -76,6 +78,8 @@ def identified_support(assembly: Assembly, wrenches: ArrayLike, deflections: Arr
         over the mesh cycle, see ``SupportedContact.mesh_wrench``.
     deflections
         E, P, G [mm] and Sigma [rad] under these, less those without load (n, 4).
+    rotations
+        Whether the moments about both axes may move E, P, G and Sigma, too, as they do where the members tilt.
 
     Returns
     -------
@@ -102,10 +106,11 @@ def identified_support(assembly: Assembly, wrenches: ArrayLike, deflections: Arr
         raise InputError(
             f"deflections, wrenches = arrays of shapes {rows.shape}, {known.shape}: must have the shapes (n, 4), (n, 6)"
         )
-    forces = known @ _twists(assembly)
+    parts = 6 if rotations else 4
+    forces = known @ _twists(assembly, parts)
     # Sigma as a displacement, and what works on it as a force.
-    scale = np.array([1.0, 1.0, 1.0, SHAFT_ANGLE_LENGTH])
-    given, moved = forces / scale, rows * scale
+    scale = np.repeat([1.0, ROTATION_LENGTH], [3, parts - 3])
+    given, moved = forces / scale, rows * scale[:4]
     size = float(np.linalg.norm(given, axis=1).max())
     if size == 0.0:
         raise InputError("wrenches = 0: must have a force on E, P, G or Sigma")
@@ -117,51 +122,53 @@ def identified_support(assembly: Assembly, wrenches: ArrayLike, deflections: Arr
     return IdentifiedSupport(
         assembly,
         compliance,
-        rows - forces @ compliance,
+        rows - (forces @ compliance)[:, :4],
         int(np.count_nonzero(values > RANK_SHARE * values[0])),
         int(np.count_nonzero(directions > RANK_SHARE * directions[0])),
     )
 
 
-def _twists(assembly: Assembly) -> Array:
-    """Twists (6, 4) of E, P, G and Sigma; the sense of the drive rotation has no part in them."""
-    return RelativeMotion(assembly, 1.0).twists[:, :4]
+def _twists(assembly: Assembly, parts: int) -> Array:
+    """Twists (6, p) of E, P, G, Sigma, and of both rotations if p is 6."""
+    return RelativeMotion(assembly, 1.0).twists[:, :parts]
 
 
-def _symmetric_basis() -> Array:
-    """Symmetric matrices (10, 4, 4) of unit length, one for every entry of a triangle."""
+def _symmetric_basis(parts: int) -> Array:
+    """Symmetric matrices (b, p, p) of unit length, one for every entry of a triangle."""
     found = []
-    for row in range(4):
-        for column in range(row, 4):
-            one = np.zeros((4, 4))
+    for row in range(parts):
+        for column in range(row, parts):
+            one = np.zeros((parts, parts))
             one[row, column] = one[column, row] = 1.0 if row == column else np.sqrt(0.5)
             found.append(one)
     return np.array(found)
 
 
 def _symmetric_map(forces: Array) -> Array:
-    """Displacements (n * 4, 10) under forces (n, 4) for the numbers of a symmetric compliance."""
-    return np.einsum("nj,bij->nib", forces, _symmetric_basis()).reshape(-1, 10)
+    """Displacements (n * 4, b) under forces (n, p) for the numbers of a symmetric compliance."""
+    basis = _symmetric_basis(forces.shape[1])
+    return np.einsum("nj,bij->nib", forces, basis[:, :4]).reshape(-1, len(basis))
 
 
 def _nearest(forces: Array, moved: Array) -> Array:
-    """The matrix (4, 4) without negative eigenvalues whose displacements under forces (n, 4) are nearest to given ones.
+    """The matrix (p, p) without negative eigenvalues whose displacements under forces (n, p) are nearest to given ones.
 
     Where the least squares without this condition meet it, they are the answer.
     """
-    basis, design = _symmetric_basis(), _symmetric_map(forces)
+    parts = forces.shape[1]
+    basis, design = _symmetric_basis(parts), _symmetric_map(forces)
     ridge = RIDGE * float(np.linalg.norm(design, 2))
-    widened = np.concatenate([design, ridge * np.eye(10)])
-    numbers, *_ = np.linalg.lstsq(widened, np.concatenate([moved.ravel(), np.zeros(10)]))
+    widened = np.concatenate([design, ridge * np.eye(len(basis))])
+    numbers, *_ = np.linalg.lstsq(widened, np.concatenate([moved.ravel(), np.zeros(len(basis))]))
     free = np.tensordot(numbers, basis, axes=1)
     if np.linalg.eigvalsh(free).min() >= 0.0:
         return np.asarray(free)
     import cvxpy as untyped  # half a second
 
     cvxpy: Any = untyped
-    matrix = cvxpy.Variable((4, 4), PSD=True)
-    parts = forces @ matrix - moved, ridge * matrix
-    misfit = cvxpy.norm(cvxpy.hstack([cvxpy.vec(part, order="F") for part in parts]))
+    matrix = cvxpy.Variable((parts, parts), PSD=True)
+    errors = (forces @ matrix)[:, :4] - moved, ridge * matrix
+    misfit = cvxpy.norm(cvxpy.hstack([cvxpy.vec(one, order="F") for one in errors]))
     cvxpy.Problem(cvxpy.Minimize(misfit)).solve(solver="CLARABEL")
     values, vectors = np.linalg.eigh(0.5 * (matrix.value + matrix.value.T))
     return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
