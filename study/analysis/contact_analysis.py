@@ -102,6 +102,8 @@ def contact_analysis(
             require_line_contact(own.cycle.lost_contact, own.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
     held = support_system(case) if supports is None else supports
+    if rounds is None and supports is None and case.supports is not None:
+        rounds = AssemblyRounds(case.supports.rounds)
     how: dict[str, Any] = {"edge_contact": edges, "solver": solver, "progress": progress, **options}
     solved: list[LoadedPart] = []
     for places, own in assemblies:
