@@ -15,7 +15,7 @@ from easeoff.core.errors import InputError
 Array = NDArray[np.float64]
 ASSEMBLY = gear_pair(read_case("fm-11x41")).assembly
 TWISTS = RelativeMotion(ASSEMBLY, 1.0).twists[:, :4]
-SCALE = np.array([1.0, 1.0, 1.0, 100.0])
+SCALE: Array = np.array([1.0, 1.0, 1.0, 100.0])
 
 
 def compliance(seed: int = 4) -> Array:
@@ -24,7 +24,7 @@ def compliance(seed: int = 4) -> Array:
 
 
 def wrenches(count: int) -> Array:
-    return np.random.default_rng(5).normal(size=(count, 6)) * np.repeat([1e4, 5e5], 3)
+    return np.asarray(np.random.default_rng(5).normal(size=(count, 6)) * np.repeat([1e4, 5e5], 3))
 
 
 def test_compliance_is_found_again_where_the_forces_differ_enough() -> None:

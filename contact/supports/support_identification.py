@@ -147,7 +147,7 @@ def _symmetric_basis(parts: int) -> Array:
 def _symmetric_map(forces: Array) -> Array:
     """Displacements (n * 4, b) under forces (n, p) for the numbers of a symmetric compliance."""
     basis = _symmetric_basis(forces.shape[1])
-    return np.einsum("nj,bij->nib", forces, basis[:, :4]).reshape(-1, len(basis))
+    return np.asarray(np.einsum("nj,bij->nib", forces, basis[:, :4]).reshape(-1, len(basis)))
 
 
 def _nearest(forces: Array, moved: Array) -> Array:
