@@ -53,6 +53,7 @@ def test_supports_by_name_are_those_of_a_case_that_has_them(coarse: Case, tmp_pa
     assert "supports" not in analyze(plain).children
 
 
+@pytest.mark.thorough
 def test_problems_and_sweeps_take_supports(coarse: Case, tmp_path: Path) -> None:
     plain = tmp_path / "plain.toml"
     write_case(coarse, plain)
@@ -84,6 +85,7 @@ def test_a_mistake_in_supports_is_one_message(coarse: Case, tmp_path: Path) -> N
     assert not out.exists()
 
 
+@pytest.mark.thorough
 def test_rounds_are_those_of_the_case_unless_given(coarse: Case) -> None:
     table = read_supports(AXLE).model_copy(update={"rounds": "none"})
     first_order = analyze(with_supports(coarse, table))
@@ -94,6 +96,7 @@ def test_rounds_are_those_of_the_case_unless_given(coarse: Case) -> None:
     assert int(first_order["supports/rounds"].max()) < int(usual["supports/rounds"].max())
 
 
+@pytest.mark.thorough
 def test_bearings_that_stiffen_lie_between_their_least_and_greatest_stiffness(coarse: Case) -> None:
     """Of a pinion whose bearings follow a line contact, under a torque within the curves."""
     table = read_supports(AXLE)
