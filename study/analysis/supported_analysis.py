@@ -72,6 +72,7 @@ def supported_parts(
     Examples
     --------
     >>> from easeoff.cases import read_case
+    >>> import numpy as np
     >>> from easeoff.contact.supports.support import Supports
     >>> coarse = {"mesh_positions": 2, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
     >>> case = read_case("nasa-12x36")

@@ -1,4 +1,4 @@
-"""Misalignment chart: E, P, G and Sigma over the torque, with their range over the mesh cycle."""
+"""Misalignment chart: E, P, G and Sigma over the torque, and the centre of the pattern that moves with them."""
 
 from __future__ import annotations
 
@@ -23,15 +23,19 @@ def draw(tree: xr.DataTree) -> Figure:
     assert found is not None
     torques, errors = found
     in_cycle = " · bands: over the mesh cycle" if np.any(np.ptp(errors, axis=1)) else ""
+    note = f"marks: without load (pattern: at light load) and at every torque{in_cycle}"
     last = float(np.asarray(tree.attrs.get("deflection_torques_N_m", (0.0, np.inf)))[1])
-    figure = page(tree, "Misalignment over the torque", 4.6, f"a mark a torque, the first without load{in_cycle}")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
+    figure = page(tree, "Misalignment over the torque", 6.2, note)
+    panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.6, 1.0, 1.0])
     for number, (label, colour, mark) in enumerate(DISPLACEMENTS):
-        _curve(upper, torques, 1e3 * errors[:, :, number], label, colour, mark)
-    _curve(lower, torques, 1e3 * errors[:, :, 3], "Σ, shaft angle", INK, "D")
-    for axes, label in ((upper, "displacement [µm]"), (lower, "angle [mrad]")):
+        _curve(panels[0], torques, 1e3 * errors[:, :, number], label, colour, mark)
+    _curve(panels[1], torques, 1e3 * errors[:, :, 3], "Σ, shaft angle", INK, "D")
+    for fraction, label, colour, mark in (("lengthwise", "from toe", INK, "o"), ("profile", "from root", GREY, "s")):
+        centres = _pattern_centres(tree, fraction)
+        _curve(panels[2], centres["torque"].values, 100.0 * centres.values[:, None], label, colour, mark)
+    labels = ("displacement [µm]", "angle [mrad]", "pattern centre [%]")
+    for axes, label in zip(panels, labels, strict=True):
         plain_axes(axes)
-        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
         axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
         if torques[-1] > last:
             axes.axvspan(last, torques[-1], color=GREY, alpha=0.12, linewidth=0, zorder=0, label="beyond the table")
@@ -39,10 +43,19 @@ def draw(tree: xr.DataTree) -> Figure:
             fontsize=SMALL_SIZE, frameon=False, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
             handlelength=1.6, borderaxespad=0.6,
         )  # fmt: skip
-    lower.set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
-    lower.set_xlim(left=0.0)
-    figure.align_ylabels([upper, lower])
+    for axes in panels[:2]:
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    panels[2].set_ylim(0.0, 100.0)
+    panels[2].set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
+    panels[2].set_xlim(left=0.0)
+    figure.align_ylabels(panels)
     return figure
+
+
+def _pattern_centres(tree: xr.DataTree, fraction: str) -> xr.DataArray:
+    """Centre of the loaded pattern on the gear flank, at light load and at every torque, as a fraction."""
+    groups = [tree[name].to_dataset() for name in ("light_load", "loaded")]
+    return xr.concat([group[f"pattern_centre_{fraction}"] for group in groups], "torque").sortby("torque")
 
 
 def _curve(axes: Axes, torques: np.ndarray, values: np.ndarray, label: str, colour: str, mark: str) -> None:

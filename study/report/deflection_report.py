@@ -52,7 +52,8 @@ def deflection_table(tree: xr.DataTree) -> str:
     --------
     >>> import easeoff
     >>> axle = easeoff.cases.Deflections([0.0, 200.0], offset=[0.0, 0.05])
-    >>> print(deflection_table(easeoff.analyze("nasa-12x36", torques=100.0, misalignment=axle)).splitlines()[-1].split())
+    >>> tree = easeoff.analyze("nasa-12x36", torques=100.0, misalignment=axle)
+    >>> deflection_table(tree).splitlines()[-1].split()
     ['100', '+0.0250', '0', '0', '0']
     """
     found = misalignment_over_torque(tree)
