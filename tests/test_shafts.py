@@ -357,6 +357,8 @@ def test_sections_and_curves_that_make_no_sense_are_refused() -> None:
         ShaftSection(5.0, 5.0, 30.0)
     with pytest.raises(InputError, match=r"inner_diameter = 30: must be smaller than outer_diameter = 30 \[mm\]"):
         ShaftSection(0.0, 5.0, 30.0, 30.0)
+    with pytest.raises(InputError, match=r"inner_diameter = 29.9: must leave a wall, at most 29.7 \[mm\]"):
+        ShaftSection(0.0, 5.0, 30.0, 29.9)
     with pytest.raises(InputError, match=r"displacement = .*: must increase from point to point"):
         StiffnessCurve((1.0, 2.0), (0.2, 0.1))
     with pytest.raises(InputError, match=r"stiffness 3 at load 2: must be load over displacement, smaller than 2"):
