@@ -67,13 +67,14 @@ def _losses(
     progress: Callable[[], None] | None,
     segment_fields: bool | None = None,
 ) -> xr.Dataset:
-    """The group ``friction`` of an analysis in one assembly."""
+    """The group ``friction`` of an analysis whose ease-off is that of all its torques."""
     from ...friction import friction
     from ...friction import friction_feedback as with_feedback
 
+    tree = xr.DataTree.from_dict({name: found.groups[name] for name in ("ease_off", "loaded")})
     if feedback:
-        return with_feedback(found.tree, found.cases, operation, model, solver=solver, progress=progress)
-    return friction(found.tree, operation, model, segment_fields=segment_fields, progress=progress)
+        return with_feedback(tree, found.cases, operation, model, solver=solver, progress=progress)
+    return friction(tree, operation, model, segment_fields=segment_fields, progress=progress)
 
 
 def friction_settings(
