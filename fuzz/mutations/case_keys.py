@@ -11,8 +11,6 @@ FRICTION: dict[str, Any] = {
     "film": "pan_hamrock", "thermal_factor": "gupta_cheng", "rolling_frame": "fixed", "out_of_range": "error",
     "feedback": False,
     "film_heating": "gupta_cheng",
-    "bulk_temperature": 70.0, "tooth_conductivity": [46.0, 20.0], "tooth_density": 7850.0,
-    "tooth_heat_capacity": 460.0,
 }  # fmt: skip
 COMPLIANCE: dict[str, Any] = {"model": "shell", "root": "weber", "shear_factor": 0.8}
 MISALIGNMENT: dict[str, Any] = {"offset": 0.05, "pinion_axial": -0.02, "gear_axial": 0.0, "shaft_angle": 0.05}
@@ -42,9 +40,9 @@ CONTACT_KEYS: dict[str, tuple[Any, ...]] = {
     "misalignment.offset": (9.0, 0.3, 1e300, NAN),
     "misalignment.shaft_angle": (5.0, -5.0, 0.2, 180.0),
     "misalignment.E": (0.1,),
-    "misalignment.deflections": ([{"torque": 50.0, "E": 0.02}], [], {}, [{}], [{"torque": -1.0}],
-    [{"torque": 50.0}] * 2, [{"torque": float(n)} for n in range(1001)], [{"torque": 50.0, "E": 0.1}, {"torque": 60.0}], [{"torque": NAN}],
-    [{"torque": 0.0, "Sigma": 0.0}, {"torque": 1e-6, "Sigma": 4.0}], [{"torque": 50.0, "offset": 1.0}],
+    "misalignment.deflections": ([{"torque": 50.0, "E": 0.02}], [], {}, [{}], [{"torque": -1.0}], [{"torque": NAN}],
+    [{"torque": 50.0}] * 2, [{"torque": float(n)} for n in range(1001)], [{"torque": 50.0, "offset": 1.0}],
+    [{"torque": 50.0, "E": 0.1}, {"torque": 60.0}], [{"torque": 0.0, "Sigma": 0.0}, {"torque": 1e-6, "Sigma": 4.0}],
     [{"torque": 50.0, "flank": "left"}], [{"torque": 50.0, "flank": "coast"}], [{"torque": 1e9}],
     [{"torque": 0.0, "E": -9.0}, {"torque": 10.0, "E": 9.0}]),
     "friction.film_heating": ("gupta_cheng", "murch_wilson", "hot", True, "none"),
@@ -55,10 +53,6 @@ CONTACT_KEYS: dict[str, tuple[Any, ...]] = {
     "friction.rolling_frame": ("contact_line", "fixed", "x"),
     "friction.out_of_range": ("clamp", "error", "x"),
     "friction.temperature": (500.0, -300.0, [], [60.0, 90.0], NAN),
-    "friction.bulk_temperature": (120.0, -300.0, "warm", [60.0, 70.0], NAN),
-    "friction.tooth_conductivity": ([46.0, 20.0], 0.0, -1, [46.0], [46.0, 46.0, 46.0], "steel", 1e300, NAN),
-    "friction.tooth_density": ([7850.0, 1400.0], 0, True),
-    "friction.tooth_heat_capacity": (460.0, [], [NAN, 1.0]),
     "friction.feedback": (True, 1, "yes"),
     "friction.roughness": ([[0.8, 0.4, 0.2]], [], [0.0], -1, 1e9, [[0.8, 0.4]]),
     "friction.speed": ("fast", [], [500.0, 500.0], 0.0, 1e9, 1e-9, 500.0, [float(n) for n in range(1, 200)]),
