@@ -28,6 +28,7 @@ def on_supports() -> Case:
     return with_supports(coarse(), "axle-fm-11x41")
 
 
+@pytest.mark.thorough
 def test_analysis_on_supports_is_a_result_like_others(tmp_path: Path) -> None:
     tree = easeoff.analyze(coarse(), torques=[300.0, 100.0], supports="axle-fm-11x41", speed=1000.0)
     assert list(tree.children) == [*GROUPS, "friction"]
