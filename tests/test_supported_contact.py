@@ -127,6 +127,7 @@ def test_torsion_of_the_pinion_s_shaft_turns_the_gear_by_its_share() -> None:
         np.testing.assert_allclose(wound.loaded["transmission_error"], rigid.loaded["transmission_error"], rtol=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "flank"), CASES)
 def test_first_order_programme_is_the_limit_of_iterating_between_supports_and_contact(
     name: str, flank: FlankName
@@ -150,6 +151,7 @@ def test_first_order_programme_is_the_limit_of_iterating_between_supports_and_co
         assert solution.rotation == pytest.approx(case.solution.rotation, rel=1e-8)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "flank"), CASES)
 def test_contact_in_the_assembly_found_is_the_same_without_supports(name: str, flank: FlankName) -> None:
     """With the pinion turned as its support turns it, at every mesh position."""
@@ -205,6 +207,7 @@ def test_geometry_that_has_no_contact_ends_the_rounds_with_a_reason() -> None:
     assert (result.loaded["status"].values == 0).all()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "flank"), CASES)
 def test_every_position_is_certified_and_by_solvers_of_the_lifted_form(name: str, flank: FlankName) -> None:
     result = found(name, flank)
@@ -220,6 +223,7 @@ def test_every_position_is_certified_and_by_solvers_of_the_lifted_form(name: str
         assert again.rotation == pytest.approx(case.solution.rotation, rel=1e-8)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "flank"), CASES)
 def test_work_of_the_torque_is_the_energy_of_teeth_contact_and_supports(name: str, flank: FlankName) -> None:
     """By the rotation over the torque: the derivative of the complementary energy is the rotation of the problem."""
@@ -304,6 +308,7 @@ def on_two_bearings(axis: MemberAxis, places: tuple[float, float]) -> Support:
     return Support(reference, held.compliance, tuple(bearings))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "flank"), CASES)
 @pytest.mark.parametrize("rounds", [FIRST_ORDER, AssemblyRounds()], ids=["first order", "rounds"])
 def test_bearing_forces_balance_the_mesh_force_and_the_torques(
@@ -368,6 +373,7 @@ def test_supports_that_depend_on_the_load_are_those_under_the_load_found(update:
                 np.testing.assert_allclose(own.twist(one.found.parts[0, position]), twist, atol=1e-3 * size)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 def test_mirror_image_moves_alike(flank: FlankName) -> None:
     """The other hand: E, P, G, Sigma and the rotation are the same, the forces along the offset turn round."""
