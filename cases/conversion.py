@@ -233,7 +233,8 @@ def finite_elements(
     def tooth(member: MemberName, material: Material, rim_depth: float | None) -> FiniteElementTooth:
         if stage is not None:
             stage(f"{what} of the {member}")
-        return make(pair, member, material, fineness=table.fineness, rim_depth=rim_depth)
+        own = {"fineness": table.fineness, "neighbours": table.neighbours}
+        return make(pair, member, material, rim_depth=rim_depth, **own)
 
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
     return tooth("pinion", pinion, of_pinion), tooth("gear", gear, of_gear)

@@ -150,7 +150,7 @@ Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field
 
 
 SHELL_KEYS = frozenset({"plate", "profile_modes", "lengthwise_modes", "shear_factor", "root", "root_factor"})
-BRICK_KEYS = frozenset({"rim_depth", "fineness"})
+BRICK_KEYS = frozenset({"rim_depth", "fineness", "neighbours"})
 
 
 class ComplianceTable(Table):
@@ -175,6 +175,12 @@ class ComplianceTable(Table):
         default=1.0,
         ge=0.2,
         le=4,
+    )
+
+    neighbours: bool = Field(
+        default=True,
+        description="with `fe` and `solid_shell`: the teeth of a member share its body, which couples them; otherwise "
+        "each has a sector of its own",
     )
 
     @model_validator(mode="after")

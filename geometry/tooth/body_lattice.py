@@ -13,6 +13,7 @@ from ..flanks.blank_section import BlankSection
 Array = NDArray[Any]
 
 COLUMN_SPREAD = 0.25  # widening of the columns under the tooth, over the depth
+SPREAD_LIMIT = 0.3  # of the way from there to the side of the body
 DEPTH_PER_HEIGHT = 1.2  # default depth of the body over the height of the tooth
 DEPTH_SHARE_LIMIT = 0.65  # of the way from the root to the member's axis
 
@@ -66,7 +67,8 @@ def body_nodes(sections: LatticeSections, top: Array, corner: int, through: Arra
     bottom = floor - np.minimum(depth, DEPTH_SHARE_LIMIT * here / falling)
     angle = top[0] / sections.radial(top[1])[1]
     last = top.shape[2] - 1 - corner
-    spread = COLUMN_SPREAD * (floor - bottom) / here
+    room = np.minimum(angle[:, corner] - angle[:, 0], angle[:, -1] - angle[:, last])
+    spread = np.minimum(COLUMN_SPREAD * (floor - bottom) / here, SPREAD_LIMIT * room)
     left, right = angle[:, corner] - spread, angle[:, last] + spread
     lower = angle.copy()
     lower[:, corner : last + 1] = left[:, None] + (right - left)[:, None] * through

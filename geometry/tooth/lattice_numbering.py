@@ -28,7 +28,7 @@ class LatticeSize:
     slot
         From the middle of the slot to the middle of the fillet, on either side.
     beside
-        In the pitch beyond the slot, on either side.
+        In the pitch beyond the slot, on either side; zero to let the lattice end in mid slot.
     deep
         From the root to the bottom of the body.
     overhang
@@ -50,7 +50,7 @@ class LatticeSize:
 
     def __post_init__(self) -> None:
         for name, bricks in vars(self).items():
-            whole(name, bricks, 0 if name == "overhang" else 1)
+            whole(name, bricks, 0 if name in ("beside", "overhang") else 1)
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""
@@ -77,8 +77,9 @@ class ToothLattice:
         Nodes (2 l + 1, 2 t + 1, 2 (d + u) + 1) of the tooth and the body under it.
     root_row
         Third index in ``column`` where the tooth begins.
-    held
-        Nodes at the bottom and at both sides of the body.
+    body
+        Nodes (2 (l + 2 o) + 1, c, 2 d + 1) of the body: from toe to heel with the o bricks of the overhang at either
+        end, across it from the loaded side, and up from its bottom.
     flank_normal
         Unit normals (2 l + 1, 2 u + 1, 3) of the loaded side at the nodes ``flank``, outwards.
     lengthwise
@@ -107,7 +108,7 @@ class ToothLattice:
     cells: NDArray[np.int64]
     column: NDArray[np.int64]
     root_row: int
-    held: NDArray[np.int64]
+    body: NDArray[np.int64]
     flank_normal: Array
     lengthwise: Array
     profile: Array
@@ -120,6 +121,16 @@ class ToothLattice:
     def flank(self) -> NDArray[np.int64]:
         """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
         return self.column[:, 0, self.root_row :]
+
+    @property
+    def held(self) -> NDArray[np.int64]:
+        """Nodes at the bottom and at both sides of the body."""
+        return np.unique(np.concatenate([part.ravel() for part in (self.body[:, :, 0], *self.sides)]))
+
+    @property
+    def sides(self) -> NDArray[np.int64]:
+        """Nodes (2, 2 (l + 2 o) + 1, 2 d + 1) at the sides of the body, the loaded one first."""
+        return np.stack([self.body[:, 0], self.body[:, -1]])
 
 
 def numbered(
@@ -144,7 +155,6 @@ def numbered(
     whole = np.concatenate([toe[::-1], tooth, heel])
     in_the_body = layers(whole, in_body)
     cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])
-    held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
     floors = np.stack(
         [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
     )
@@ -158,7 +168,7 @@ def numbered(
         np.ascontiguousarray(cells),
         tooth[:, None, None] + in_column,
         rows - 1,
-        (whole[:, None] + held).ravel(),
+        whole[:, None, None] + in_body,
         normal,
         t,
         profile,

@@ -110,7 +110,7 @@ def tooth_lattice(
     for on_side, land, sense in zip((tooth.loaded, tooth.opposite), tooth.root_lands, (1.0, -1.0), strict=True):
         floor, side = _side_curves(sections, on_side, land, size.slot, up)
         radius = sections.radial(floor[1, :, :1])[1]
-        away = graded(size.beside, 1.6)[:0:-1] * pitch
+        away = graded(size.beside, 1.6)[:0:-1] * pitch if size.beside else np.empty(0)
         beyond = np.stack([floor[0, :, :1] - sense * radius * away, np.repeat(floor[1, :, :1], away.size, axis=1)])
         floors.append(np.concatenate([beyond, floor], axis=2))
         sides.append(side)
