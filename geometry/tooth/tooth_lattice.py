@@ -45,7 +45,7 @@ __all__ = [
 
 Array = NDArray[Any]
 
-SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the lattice's nodes are taken
+SURFACE_NODES = (25, 25)  # up the fillet and up the flank
 # Share of the fillet, from the root land, at which the lattice has its corner: at about 45 degrees to the flank.
 CORNER_SHARE = 0.6
 DEPTH_GROWTH = 1.7  # every brick of the body than the one above
@@ -59,6 +59,7 @@ def tooth_lattice(
     size: LatticeSize | None = None,
     rim_depth: float | None = None,
     spacing: LatticeSpacing | None = None,
+    surface_nodes: tuple[int, int] = SURFACE_NODES,
 ) -> ToothLattice:
     """Lattice of one member's tooth.
 
@@ -75,6 +76,8 @@ def tooth_lattice(
         the member's axis.
     spacing
         Where the bricks of the tooth end; overrides their numbers in ``size``.
+    surface_nodes
+        Nodes up the fillet and up the flank, from which the lattice's nodes are taken.
 
     Raises
     ------
@@ -99,7 +102,7 @@ def tooth_lattice(
     t, up, through = spacing.lengthwise, spacing.upward, spacing.through
     size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
-        tooth = tooth_surface(pair, member, (t, SURFACE_NODES[1]), SURFACE_NODES[0])
+        tooth = tooth_surface(pair, member, (t, surface_nodes[1]), surface_nodes[0])
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)

@@ -16,16 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....geometry.pair.gear_pair import GearPair
+from ....geometry.tooth.lattice_spacing import graded
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
 from ....geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from ....geometry.vectors import rotate_z
 from ..material import Material
 from .elastic_body import elastic_body
 from .flank_compliance import FlankCompliance, SharedBody, flank_loads, flank_shares, square_root
-from .tooth_ring import RingCompliance, ring_compliance
+from .tooth_ring import RingCompliance, pitch_angle, ring_compliance
 
 Array = NDArray[Any]
 MODE_COUNT = 12  # modes of the body on a flank
-BESIDE = 2  # bricks in the pitch beside the slots of a tooth on a sector of its own, as the usual lattices have
+BESIDE, BESIDE_GROWTH = 2, 1.6  # bricks in the pitch beside a tooth's own, each longer than the one before
+SURFACE_NODES = (9, 13)  # up the fillet and up the flank
 AREA_GRID = (24, 12)  # points along the flank and up it, by which the nodes are weighted
 AREA_SHARE_MINIMUM = 0.1  # of the mean area: nodes in the fillet have none
 RING_SIZE = LatticeSize(lengthwise=6, upward=2, through=2, slot=1, beside=0, deep=2, overhang=1)
@@ -54,14 +57,36 @@ def body_modes(
         The lattice, and arrays by name: ``shapes`` (q, nodes), the modes on the nodes of its flank; ``coupling``
         (N, q, q), see ``SharedBody``; ``own`` (q, q), what of that the sector of a single tooth contains already.
     """
-    lattice = tooth_lattice(pair, member, size, rim_depth)
-    sector = tooth_lattice(pair, member, replace(size, beside=BESIDE), rim_depth)
-    teeth = named_member(pair, member).teeth
-    loads = flank_loads(lattice)
+    lattice = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES)
+    teeth, loads = named_member(pair, member).teeth, flank_loads(lattice)
     ring = ring_compliance(lattice, teeth, material, loads, np.unique(lattice.body[:, :, 0]))
-    single = elastic_body(sector.nodes, sector.cells, sector.held, material)
-    loads = flank_loads(sector)
-    return lattice, modes_of(ring, single.response(loads, loads), nodal_areas(lattice), MODE_COUNT)
+    nodes, cells, held = sector_of(lattice, teeth)
+    loads.resize(3 * len(nodes), loads.shape[1])
+    single = elastic_body(nodes, cells, held, material).response(loads, loads)
+    return lattice, modes_of(ring, single, nodal_areas(lattice), MODE_COUNT)
+
+
+def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+    """One pitch with a pitch of plain body at either side: nodes, bricks and held nodes, as of a tooth of its own."""
+    angle, nodes, cells = pitch_angle(lattice, teeth), [lattice.nodes], [lattice.cells]
+    held, count = [lattice.body[:, :, 0].ravel()], len(lattice.nodes)
+    for side, sense in zip(lattice.sides, (-1.0, 1.0), strict=True):
+        away = graded(BESIDE, BESIDE_GROWTH)[1:]
+        start = lattice.nodes[side.ravel()].T
+        nodes += [rotate_z(np.full(side.size, sense * share * angle), start).T for share in away]
+        numbers = count + np.arange(away.size * side.size).reshape(away.size, *side.shape)
+        count += numbers.size
+        layers = np.concatenate([side[None], numbers])[:: int(sense)]  # across the body, from the loaded side
+        windows = np.lib.stride_tricks.sliding_window_view(layers, (3, 3, 3))[::2, ::2, ::2].reshape(-1, 3, 3, 3)
+        along = np.swapaxes(windows, 1, 2)  # the first index runs along the face
+        cells.append(along if _right_way_round(lattice) else along[:, ::-1])
+        held += [numbers[:, :, 0].ravel(), numbers[-1].ravel()]
+    return np.concatenate(nodes), np.concatenate(cells), np.unique(np.concatenate(held))
+
+
+def _right_way_round(lattice: ToothLattice) -> bool:
+    """Whether the bricks of a lattice count from toe to heel, not from heel to toe."""
+    return bool(np.any(lattice.cells[0][0] == lattice.body[0, 0, 0]))
 
 
 def modes_of(ring: RingCompliance, single: Array, areas: Array, count: int) -> dict[str, Array]:
