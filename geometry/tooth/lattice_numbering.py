@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -77,9 +77,8 @@ class ToothLattice:
         Nodes (2 l + 1, 2 t + 1, 2 (d + u) + 1) of the tooth and the body under it.
     root_row
         Third index in ``column`` where the tooth begins.
-    body
-        Nodes (2 (l + 2 o) + 1, c, 2 d + 1) of the body: from toe to heel with the o bricks of the overhang at either
-        end, across it from the loaded side, and up from its bottom.
+    held
+        Nodes at the bottom and at both sides of the body.
     flank_normal
         Unit normals (2 l + 1, 2 u + 1, 3) of the loaded side at the nodes ``flank``, outwards.
     lengthwise
@@ -93,6 +92,9 @@ class ToothLattice:
         tip.
     body_bricks
         Number of bricks of the body; they come first.
+    body
+        Nodes (2 (l + 2 o) + 1, c, 2 d + 1) of the body: from toe to heel with the o bricks of the overhang at either
+        end, across it from the loaded side, and up from its bottom.
 
     Examples
     --------
@@ -108,7 +110,7 @@ class ToothLattice:
     cells: NDArray[np.int64]
     column: NDArray[np.int64]
     root_row: int
-    body: NDArray[np.int64]
+    held: NDArray[np.int64]
     flank_normal: Array
     lengthwise: Array
     profile: Array
@@ -116,16 +118,12 @@ class ToothLattice:
     through: Array
     upward: Array
     body_bricks: int
+    body: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 0, 0), dtype=np.int64))
 
     @property
     def flank(self) -> NDArray[np.int64]:
         """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
         return self.column[:, 0, self.root_row :]
-
-    @property
-    def held(self) -> NDArray[np.int64]:
-        """Nodes at the bottom and at both sides of the body."""
-        return np.unique(np.concatenate([part.ravel() for part in (self.body[:, :, 0], *self.sides)]))
 
     @property
     def sides(self) -> NDArray[np.int64]:
@@ -155,6 +153,7 @@ def numbered(
     whole = np.concatenate([toe[::-1], tooth, heel])
     in_the_body = layers(whole, in_body)
     cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])
+    held = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
     floors = np.stack(
         [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
     )
@@ -168,7 +167,7 @@ def numbered(
         np.ascontiguousarray(cells),
         tooth[:, None, None] + in_column,
         rows - 1,
-        whole[:, None, None] + in_body,
+        (whole[:, None] + held).ravel(),
         normal,
         t,
         profile,
@@ -176,6 +175,7 @@ def numbered(
         through,
         up,
         len(in_the_body),
+        whole[:, None, None] + in_body,
     )
 
 
