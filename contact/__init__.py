@@ -35,9 +35,10 @@ if TYPE_CHECKING:
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
-    from .problem.modal_basis import ModalBasis
+    from .problem.modal_basis import ModalBasis, SharedModes
     from .problem.operator_compliance import OperatorCompliance
     from .problem.proof.conditioning import Conditioning
+    from .problem.shared_modes import with_shared_modes
     from .solvers import (
         SOLVERS,
         ContactSolution,
@@ -81,6 +82,7 @@ __all__ = [
     "ProblemGradient",
     "ProblemSet",
     "Sensitivity",
+    "SharedModes",
     "Shell",
     "SolutionChange",
     "Solver",
@@ -119,6 +121,7 @@ __all__ = [
     "solve_many",
     "torque_path",
     "unloaded_contact",
+    "with_shared_modes",
     "write_fclib",
     "write_mat",
     "write_npz",
@@ -147,11 +150,12 @@ _ORIGINS = {
     ".problem.forms.complementarity_form": ["LCP", "lcp"],
     ".problem.compliance_matrix": ["ModalCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
-    ".problem.modal_basis": ["ModalBasis"],
+    ".problem.modal_basis": ["ModalBasis", "SharedModes"],
     ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.proof.conditioning": ["Conditioning"],
+    ".problem.shared_modes": ["with_shared_modes"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
     ".problem.exchange.matlab_file": ["read_mat", "write_mat"],

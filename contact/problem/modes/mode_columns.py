@@ -1,7 +1,8 @@
 """Bending modes as the compiled contact solution reads them: block by block, and again for a part of the segments.
 
 On level 0 stand all segments, on level 1 every fourth of each block, on level 2 every fourth of these. Places are
-numbers of segments in the order of the blocks; a mode of a block is contiguous in ``columns``.
+numbers of segments in the order of the blocks; a mode of a block is contiguous in ``columns``, and so is a shared
+column on its segments, behind the modes.
 """
 
 from __future__ import annotations
@@ -35,11 +36,15 @@ class ModeColumns(NamedTuple):
     order
         Segment at each place, one level after the other.
     columns
-        Modes of each block, one after the other [(mm/N)^0.5].
+        Modes of each block, one after the other [(mm/N)^0.5], and the shared columns of its segments.
     bending
         Diagonal of U U' (n) [mm/N], by segments.
     row_sum
         Row sums of U U' (n) [mm/N], by segments.
+    mixing
+        Of the shared columns (q, j, s); (q, 0, 0) without shared modes.
+    shared
+        Diagonal of W W', and that of the terms it is summed of (2, n) [mm/N], by segments; (2, 0) without shared modes.
     """
 
     places: Whole
@@ -48,9 +53,13 @@ class ModeColumns(NamedTuple):
     columns: Array
     bending: Array
     row_sum: Array
+    mixing: Array
+    shared: Array
 
 
-def mode_columns(size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]]) -> ModeColumns:
+def mode_columns(
+    size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]], shared_columns: Array, mixing: Array
+) -> ModeColumns:
     """Arrange modes.
 
     Parameters
@@ -59,6 +68,8 @@ def mode_columns(size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]]) ->
         Number of segments n.
     blocks
         Segments (m) and modes (m, k) of every block [(mm/N)^0.5].
+    shared_columns, mixing
+        Of the shared modes (n, j) and (q, j, s).
     """
     bending, row_sum = np.zeros(size), np.zeros(size)
     for index, modes in blocks:
@@ -81,6 +92,15 @@ def mode_columns(size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]]) ->
             order.append(own)
             columns.append(part.T.ravel())
             first, entry = first + own.size, entry + part.size
+            if shared_columns.shape[1]:
+                columns.append(shared_columns[own].T.ravel())
+                entry += columns[-1].size
         place += first
     whole = np.concatenate(order).astype(np.int64)
-    return ModeColumns(places, table, whole, np.concatenate(columns), bending, row_sum)
+    shared = np.zeros((2, size if mixing.shape[2] else 0))
+    for (index, _), own_mixing in zip(blocks, mixing, strict=True) if mixing.shape[2] else ():
+        part = shared_columns[index]
+        modes, terms = part @ own_mixing, np.abs(part) @ np.abs(own_mixing)
+        shared[:, index] = np.einsum("ij,ij->i", modes, modes), np.einsum("ij,ij->i", terms, terms)
+    mixed = np.ascontiguousarray(mixing)
+    return ModeColumns(places, table, whole, np.concatenate(columns), bending, row_sum, mixed, shared)
