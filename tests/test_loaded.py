@@ -11,7 +11,7 @@ import xarray as xr
 
 from easeoff import InputError, analyze
 from easeoff.cases import Case, gear_pair, read_case
-from easeoff.contact import ElasticModel, MeshCycle, available_solvers
+from easeoff.contact import ElasticModel, MeshCycle, available_solvers, solid_shells
 from easeoff.contact.compliance.elastic_model import shells, tooth_dimensions
 from easeoff.geometry import pair_geometry
 from easeoff.study import CaseInMesh, contact_analysis

@@ -13,7 +13,7 @@ from ..problem.modal_basis import ModalBasis
 from ..problem.shared_modes import with_shared_modes
 
 Array = NDArray[Any]
-DROPPED_SHARE = 1e-4  # of the greatest eigenvalue: shared modes below are left out
+DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which change no digit of a result, are left out
 EIGENVALUE_RATIO_LIMIT = 1e-12  # of the greatest: what is below is rounding
 
 
