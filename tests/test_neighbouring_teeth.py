@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 
-from easeoff.cases import gear_pair, read_case
+from easeoff.cases import case_text, case_toml, gear_pair, parse_case, read_case
 from easeoff.contact import STEEL, MeshCycle, solid_shells
 from easeoff.contact.compliance.elastic_model import PITCHES_PER_PAIR, body_coupling, member_points
 from easeoff.contact.compliance.finite_elements.elastic_body import elastic_body
@@ -29,8 +30,9 @@ from easeoff.contact.compliance.finite_elements.neighbouring_teeth import (
     with_body,
 )
 from easeoff.contact.compliance.finite_elements.tooth_ring import RingCompliance, pitch_angle, ring_compliance
-from easeoff.core.errors import GeometryError
+from easeoff.core.errors import GeometryError, InputError
 from easeoff.geometry import GearPair, LatticeSize, MemberName, ToothLattice, named_member, pair_geometry, tooth_lattice
+from easeoff.geometry.tooth.tooth_lattice import Web
 from easeoff.geometry.vectors import rotate_z
 from easeoff.verification import toothed_sector
 
@@ -258,3 +260,56 @@ def test_neighbours_give_way_and_every_position_is_certified() -> None:
     more = coupled["mean_level"] / separate["mean_level"] - 1.0
     assert np.all((more > 0.01) & (more < 0.08))
     assert more[1] > more[0]
+
+
+def twist(web: Web) -> tuple[float, float]:
+    """Rotation [rad/(N mm)] of the teeth of the gear of fm-11x41 under a torque on all; mean radius of the bore."""
+    pitch = tooth_lattice(pair_of("fm-11x41"), "gear", replace(SMALL, deep=2), web=web)
+    nodes = pitch.flank.ravel()
+    x, y, _ = pitch.nodes[nodes].T
+    radius = np.hypot(x, y)
+    around = np.stack([-y, x, 0.0 * x], axis=1) / radius[:, None]
+    torque = np.zeros((3 * len(pitch.nodes), 1))
+    torque.reshape(-1, 3)[nodes] = around / radius.sum()
+    ring = ring_compliance(pitch, 41, STEEL, csc_array(torque), np.unique(pitch.body[0]))
+    bore = np.hypot(*pitch.nodes[pitch.body[0].ravel(), :2].T)
+    assert 2.0 * bore.min() == pytest.approx(web.bore_diameter)
+    return float(ring.shared.sum() + ring.alone.sum()) / 41.0, 0.5 * float(bore.min() + bore.max())
+
+
+@pytest.mark.parametrize("thickness", [3.0, 10.0])
+def test_a_web_twists_as_a_conical_disc(thickness: float) -> None:
+    """Between two bores, under a torque T: T / (4 pi G t sin(cone angle)) times the difference of 1 / r^2."""
+    cone = pair_of("fm-11x41").gear.section.root_angle
+    (inner, first), (outer, second) = twist(Web(70.0, thickness)), twist(Web(110.0, thickness))
+    wanted = (first**-2 - second**-2) / (4.0 * np.pi * STEEL.shear_modulus * thickness * np.sin(cone))
+    assert inner - outer == pytest.approx(wanted, rel=0.01)
+
+
+def test_a_thin_web_couples_all_teeth() -> None:
+    """The whole rim leans under a load on one tooth: its opposite goes the other way, and the thinner the farther."""
+    size = replace(ring_size(), lengthwise=4)
+
+    def modes(web: Web | None) -> Array:
+        found = body_modes(pair_of("fm-11x41"), "gear", STEEL, size, None, web)[1]
+        load = found["shapes"].mean(axis=1)
+        return np.asarray(np.einsum("q,kqr,r->k", load, found["coupling"], load))
+
+    held, thick, thin = modes(None), modes(Web(80.0)), modes(Web(80.0, 4.0))
+    assert 1.0 < 1.5 * thick[1] / held[1] < thin[1] / held[1]
+    assert abs(held[20]) < 1e-3 * held[1]
+    assert thin[20] < 0.0
+    assert abs(thin[20]) > 0.02 * thin[1]
+
+
+def test_webs_that_lead_nowhere_are_refused() -> None:
+    for member, bore in (("gear", 700.0), ("pinion", 7.0)):
+        with pytest.raises(InputError, match="bore_diameter"):
+            tooth_lattice(pair_of("fm-11x41"), member, SMALL, web=Web(bore))
+    text = case_text("fm-11x41")
+    with pytest.raises(InputError, match=r"gear_web: must go with neighbours = true"):
+        parse_case(f"{text}\n[compliance]\nneighbours = false\n[compliance.gear_web]\nbore_diameter = 70\n")
+    with pytest.raises(InputError, match=r"neighbours = false: must go with model"):
+        parse_case(f'{text}\n[compliance]\nmodel = "shell"\nneighbours = false\n')
+    case = parse_case(f"{text}\n[compliance.gear_web]\nbore_diameter = 70\n")
+    assert parse_case(case_toml(case)).model_dump() == case.model_dump()

@@ -149,7 +149,8 @@ def numbered(
     under = in_body[first:last]
     in_column = np.concatenate([under, above.T], axis=1)
     tooth = np.arange(t.size) * nodes.shape[1]
-    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(4 * size.overhang) * in_body.size, 2)
+    counts = [len(end) for end in ends]
+    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(sum(counts)) * in_body.size, counts[:1])
     whole = np.concatenate([toe[::-1], tooth, heel])
     in_the_body = layers(whole, in_body)
     cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])

@@ -28,7 +28,7 @@ from ...core.errors import GeometryError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
-from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, body_nodes, overhang, usual_depth
+from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, Web, body_nodes, overhang, usual_depth
 from .lattice_numbering import LatticeSize, ToothLattice, numbered
 from .lattice_spacing import LatticeSpacing, graded
 from .tooth_flanks import named_member
@@ -39,6 +39,7 @@ __all__ = [
     "SHELL_HINT",
     "LatticeSize",
     "ToothLattice",
+    "Web",
     "tooth_lattice",
     "usual_depth",
 ]
@@ -60,6 +61,7 @@ def tooth_lattice(
     rim_depth: float | None = None,
     spacing: LatticeSpacing | None = None,
     surface_nodes: tuple[int, int] = SURFACE_NODES,
+    web: Web | None = None,
 ) -> ToothLattice:
     """Lattice of one member's tooth.
 
@@ -78,13 +80,15 @@ def tooth_lattice(
         Where the bricks of the tooth end; overrides their numbers in ``size``.
     surface_nodes
         Nodes up the fillet and up the flank, from which the lattice's nodes are taken.
+    web
+        Web from the toe end of the body, which has an overhang there, to a bore.
 
     Raises
     ------
     GeometryError
         If there is no whole tooth to fill: undercut, pointed, with overlapping fillets or flanks that cross.
     InputError
-        If the member has another name or the depth is not positive.
+        If the member has another name, the depth is not positive, or the web leads to no such bore.
 
     Examples
     --------
@@ -126,7 +130,7 @@ def tooth_lattice(
     plane = np.concatenate([body.reshape(2, t.size, -1), inside[:, :, 1:].reshape(2, t.size, -1)], axis=2)
     nodes = np.moveaxis(sections.points(plane), 0, -1)
     away = OVERHANG_PER_DEPTH * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
-    ends = [overhang(sections, body, end, away) for end in (0, -1)]
+    ends = [overhang(sections, body, 0, away, web), overhang(sections, body, -1, away)]
 
     normal = _flank_normals(sections, tooth.loaded, up)
     profile = sides[0][1] / sections.depth[:, None]

@@ -40,6 +40,17 @@ class ToothedSector:
         Nodes of the whole (t, n) by those of the pitch, of every tooth.
     angles
         Of the teeth about the member's axis (t) [rad].
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import STEEL
+    >>> from easeoff.geometry import LatticeSize, tooth_lattice
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> pitch = tooth_lattice(pair, "pinion", LatticeSize(3, 1, 1, 1, 0, 1, 1))
+    >>> on_flanks, _ = toothed_sector(pitch, 12, 2).compliance(STEEL, loaded=0)
+    >>> bool(on_flanks[0].sum() > 5.0 * on_flanks[1].sum() > 0.0)
+    True
     """
 
     pitch: ToothLattice

@@ -20,6 +20,7 @@ from ....geometry.tooth.tooth_lattice import (
     SHELL_HINT,
     LatticeSize,
     ToothLattice,
+    Web,
     tooth_lattice,
     usual_depth,
 )
@@ -90,6 +91,7 @@ def finite_element_tooth(
     fineness: float = 1.0,
     rim_depth: float | None = None,
     neighbours: bool = True,
+    web: Web | None = None,
 ) -> FiniteElementTooth:
     """Compliance and root stress of one member's tooth.
 
@@ -109,6 +111,8 @@ def finite_element_tooth(
         Depth of the elastic body below this member's root [mm]; ``None`` for 1.2 times the tooth's height.
     neighbours
         Whether the teeth share their body, or each has a sector of its own.
+    web
+        Web that carries the shared body and is held at its bore; ``None`` for a body that is held at its bottom.
 
     Raises
     ------
@@ -128,7 +132,7 @@ def finite_element_tooth(
     )
     reason = _sharp_root(pair, member)
     root = None if reason else StressResponse(found["stations"], found["stress"])
-    flank = _on_body(_flank(found), pair, member, material, rim_depth, neighbours, key)
+    flank = _on_body(_flank(found), pair, member, material, rim_depth, web, key) if neighbours else _flank(found)
     return FiniteElementTooth(flank, root, reason)
 
 
@@ -162,6 +166,7 @@ def solid_shell_tooth(
     fineness: float = 1.0,
     rim_depth: float | None = None,
     neighbours: bool = True,
+    web: Web | None = None,
 ) -> FiniteElementTooth:
     """Compliance of one member's tooth as a solid shell.
 
@@ -169,7 +174,7 @@ def solid_shell_tooth(
 
     Parameters
     ----------
-    pair, member, material, rim_depth, neighbours
+    pair, member, material, rim_depth, neighbours, web
         As ``finite_element_tooth``, which also says what is raised.
     fineness
         Multiplies the number of functions and of bricks in every direction.
@@ -188,7 +193,7 @@ def solid_shell_tooth(
         _flank_arrays(size),
         lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
     )
-    flank = _on_body(_flank(found), pair, member, material, rim_depth, neighbours, key)
+    flank = _on_body(_flank(found), pair, member, material, rim_depth, web, key) if neighbours else _flank(found)
     return FiniteElementTooth(flank, None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
 
@@ -223,17 +228,15 @@ def _on_body(
     member: MemberName,
     material: Material,
     rim_depth: float | None,
-    neighbours: bool,
+    web: Web | None,
     key: str,
 ) -> FlankCompliance:
-    """The tooth kept under a key on the body it shares with its neighbours; on that of its own without them."""
-    if not neighbours:
-        return flank
+    """The tooth kept under a key on the body it shares with its neighbours."""
     size = ring_size()
 
     def make() -> dict[str, Array]:
         try:
-            whole = with_body(flank, *body_modes(pair, member, material, size, rim_depth))
+            whole = with_body(flank, *body_modes(pair, member, material, size, rim_depth, web))
         except GeometryError as error:
             raise unfilled(member, error) from error
         assert whole.body is not None
@@ -241,7 +244,7 @@ def _on_body(
 
     nodes = flank.profile.size
     shapes = {"factor": (None, nodes), "shapes": (None, nodes), "coupling": (None, None, None)}
-    found = kept(key_of("shared body", key, size), shapes, make)
+    found = kept(key_of("shared body", key, size, web), shapes, make)
     return replace(flank, factor=found["factor"], body=SharedBody(found["shapes"], found["coupling"]))
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ....geometry.pair.gear_pair import GearPair
 from ....geometry.tooth.lattice_spacing import graded
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
-from ....geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, tooth_lattice
+from ....geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, Web, tooth_lattice
 from ....geometry.vectors import rotate_z
 from ..material import Material
 from .elastic_body import elastic_body
@@ -40,13 +40,18 @@ def ring_size(fineness: float = 1.0) -> LatticeSize:
 
 
 def body_modes(
-    pair: GearPair, member: MemberName, material: Material, size: LatticeSize, rim_depth: float | None = None
+    pair: GearPair,
+    member: MemberName,
+    material: Material,
+    size: LatticeSize,
+    rim_depth: float | None = None,
+    web: Web | None = None,
 ) -> tuple[ToothLattice, dict[str, Array]]:
     """Coupling of the teeth of a member by its body, in modes of the nodes of a lattice of one pitch.
 
     Parameters
     ----------
-    pair, member, material, rim_depth
+    pair, member, material, rim_depth, web
         As ``finite_element_tooth.finite_element_tooth``.
     size
         From ``ring_size``.
@@ -59,7 +64,11 @@ def body_modes(
     """
     lattice = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES)
     teeth, loads = named_member(pair, member).teeth, flank_loads(lattice)
-    ring = ring_compliance(lattice, teeth, material, loads, np.unique(lattice.body[:, :, 0]))
+    if web is None:
+        ring = ring_compliance(lattice, teeth, material, loads, np.unique(lattice.body[:, :, 0]))
+    else:
+        carried = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES, web=web)
+        ring = ring_compliance(carried, teeth, material, flank_loads(carried), np.unique(carried.body[0]))
     nodes, cells, held = sector_of(lattice, teeth)
     loads.resize(3 * len(nodes), loads.shape[1])
     single = elastic_body(nodes, cells, held, material).response(loads, loads)
