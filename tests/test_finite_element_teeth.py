@@ -231,7 +231,8 @@ def test_second_analysis_does_not_factor_again(tmp_path: Path, monkeypatch: pyte
     assert first.root is not None
     assert again.root is not None
     np.testing.assert_array_equal(first.root.stress, again.root.stress)
-    for other in ({"fineness": 0.3}, {"fineness": 0.25, "rim_depth": 5.0}):
+    others: tuple[dict[str, Any], ...] = ({"fineness": 0.3}, {"fineness": 0.25, "rim_depth": 5.0})
+    for other in others:
         with pytest.raises(AssertionError, match="factored again"):
             members.finite_element_tooth(pair(), "gear", STEEL, **other)
     with pytest.raises(AssertionError, match="factored again"):

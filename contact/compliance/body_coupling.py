@@ -31,7 +31,7 @@ class BodyCoupling:
     members: tuple[tuple[Array, int], ...]
     known: dict[tuple[int, ...], Array] = field(default_factory=dict, repr=False, compare=False)
 
-    def compliance(self, pairs: Sequence[int]) -> Array:
+    def compliance(self, pairs: Sequence[int] | NDArray[np.int64]) -> Array:
         """Compliance (p, q, p, q) [mm/N] between the modes of tooth pairs (p), those of all members one by one."""
         numbers = np.asarray(pairs)
         distance = numbers[:, None] - numbers
@@ -44,7 +44,7 @@ class BodyCoupling:
             start = own.stop
         return result
 
-    def coupled(self, basis: ModalBasis, pairs: Sequence[int], loads: Array) -> ModalBasis:
+    def coupled(self, basis: ModalBasis, pairs: Sequence[int] | NDArray[np.int64], loads: Array) -> ModalBasis:
         """Modes of tooth pairs and those of the bodies that they share.
 
         Parameters

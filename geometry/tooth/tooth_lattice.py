@@ -12,7 +12,8 @@ between the root and a line at an even depth below it:
     |___|___|_|___|____|_|___|___|   body: straight columns, one pitch to either side of the tooth's slots
 
 Beyond toe and heel the body runs on a little, as blanks do: one that ended flush with the tooth would be much too soft
-there. The neighbouring teeth are left out: they change the deflections by less than 1 %. Every brick has 27 nodes.
+there. The neighbouring teeth are left out: the body that all share is another lattice, of one pitch, from mid slot to
+mid slot (``LatticeSize(beside=0)``). Every brick has 27 nodes.
 """
 
 from __future__ import annotations

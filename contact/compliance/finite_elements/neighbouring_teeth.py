@@ -21,7 +21,7 @@ from ....geometry.tooth.tooth_flanks import MemberName, named_member
 from ....geometry.tooth.tooth_lattice import LatticeSize, ToothLattice, Web, tooth_lattice
 from ....geometry.vectors import rotate_z
 from ..material import Material
-from .elastic_body import elastic_body
+from .elastic_body import elastic_body, functionals
 from .flank_compliance import FlankCompliance, SharedBody, flank_loads, flank_shares, square_root
 from .tooth_ring import RingCompliance, pitch_angle, ring_compliance
 
@@ -70,8 +70,9 @@ def body_modes(
         carried = tooth_lattice(pair, member, size, rim_depth, surface_nodes=SURFACE_NODES, web=web)
         ring = ring_compliance(carried, teeth, material, flank_loads(carried), np.unique(carried.body[0]))
     nodes, cells, held = sector_of(lattice, teeth)
-    loads.resize(3 * len(nodes), loads.shape[1])
-    single = elastic_body(nodes, cells, held, material).response(loads, loads)
+    inward = -lattice.flank_normal.reshape(-1, 3)
+    on_sector = functionals(len(nodes), lattice.flank.reshape(-1, 1), np.ones((len(inward), 1)), inward)
+    single = elastic_body(nodes, cells, held, material).response(on_sector, on_sector)
     return lattice, modes_of(ring, single, nodal_areas(lattice), MODE_COUNT)
 
 
@@ -131,7 +132,7 @@ def nodal_areas(lattice: ToothLattice) -> Array:
     points = np.stack(np.meshgrid(along, up, indexing="ij")).reshape(2, -1)
     nodes, shares = flank_shares(lattice.lengthwise, lattice.profile, points)
     areas = np.bincount(nodes.ravel(), shares.ravel(), minlength=lattice.profile.size)
-    return np.maximum(areas, AREA_SHARE_MINIMUM * areas.mean())
+    return np.asarray(np.maximum(areas, AREA_SHARE_MINIMUM * areas.mean()))
 
 
 def with_body(flank: FlankCompliance, lattice: ToothLattice, modes: Mapping[str, Array]) -> FlankCompliance:
