@@ -26,9 +26,10 @@ from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
 from ..geometry.tooth.tooth_flanks import MemberName
+from ..geometry.tooth.tooth_lattice import Web
 from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
-from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable
+from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable, WebTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
 from .schema.misalignment_table import MisalignmentTable, deflections_of
 
@@ -233,13 +234,23 @@ def finite_elements(
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
     what = "finite elements" if table.model == "fe" else "solid shell"
 
-    def tooth(member: MemberName, material: Material, rim_depth: float | None) -> FiniteElementTooth:
+    def tooth(
+        member: MemberName, material: Material, rim_depth: float | None, web: WebTable | None
+    ) -> FiniteElementTooth:
         if stage is not None:
             stage(f"{what} of the {member}")
-        return make(pair, member, material, fineness=table.fineness, rim_depth=rim_depth)
+        return make(
+            pair,
+            member,
+            material,
+            fineness=table.fineness,
+            rim_depth=rim_depth,
+            neighbours=table.neighbours,
+            web=None if web is None else Web(web.bore_diameter, web.thickness),
+        )
 
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
-    return tooth("pinion", pinion, of_pinion), tooth("gear", gear, of_gear)
+    return tooth("pinion", pinion, of_pinion, table.pinion_web), tooth("gear", gear, of_gear, table.gear_web)
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import ElasticTeeth, whitened_loads
+from .compliance.elastic_model import ElasticTeeth, body_coupling, unit_loads
 from .compliance.spread_deflection import SpreadDeflection
-from .compliance.unit_loads import UnitLoads
+from .compliance.unit_loads import Loads, UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
@@ -201,13 +201,14 @@ class LineSegments:
     def loads(self, points: Array) -> UnitLoads:
         """Unit loads on the segments where they are loaded at points (2, m, count * g)."""
         weights = self.quadrature[1]
-        return UnitLoads(self.loads_on(np.reshape(points, (2, -1, weights.size)), weights))
+        on_lines = self.loads_on(np.reshape(points, (2, -1, weights.size)), weights)
+        return UnitLoads(on_lines, coupling=body_coupling(self.teeth.both))
 
-    def loads_on(self, points: Array, weights: Array) -> Array:
-        """Both teeth's unit loads (n, k) on segments with quadrature points (2, n, g), see ``whitened_loads``."""
-        bending = whitened_loads(self.teeth.both, self.fields, points, weights)
-        spread = (one.loads(self.fields, points, weights) for one in self.spread)
-        return np.concatenate([loads.T for loads in (*bending, *spread)], axis=1)
+    def loads_on(self, points: Array, weights: Array) -> Loads:
+        """Both teeth's unit loads on segments (n) with quadrature points (2, n, g), see ``unit_loads``."""
+        bending, on_bodies = unit_loads(self.teeth.both, self.fields, points, weights)
+        spread = [one.loads(self.fields, points, weights).T for one in self.spread]
+        return Loads(np.concatenate([*bending, *spread], axis=1), on_bodies)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:

@@ -170,6 +170,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[supports.housing]`", HousingTable
     yield "### `[contact]`", model.ContactTable
     yield "### `[compliance]`", model.ComplianceTable
+    yield "### `[compliance.pinion_web]` and `[compliance.gear_web]`", model.WebTable
     yield "### `[friction]`", FrictionTable
     yield "### `[target.drive]` and `[target.coast]`", model.TargetTable
     yield "### `[[load_cases]]`", LoadCase
