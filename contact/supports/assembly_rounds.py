@@ -295,7 +295,7 @@ class SupportedPair:
                     wrench[place] = here.mesh_wrench(case.solution.force)
                     parts[place] = motion.parts(modes[case.mesh_position].twist(wrench[place]))
                     rotation[place] = case.solution.rotation + apart - absorbed[k, 4] / self.assembly.ratio
-        beyond = np.nan_to_num(_mean(parts)) - absorbed.mean(axis=0)
+        beyond = np.nan_to_num(cycle_mean(parts)) - absorbed.mean(axis=0)
         beyond[:, MISALIGNMENT_PARTS.stop :] = 0.0
         found = MeshWrenches.of(mean.geometry)
         first_contact = np.array([found.first_contact_change(one) for one in self.motion(mean).twist(beyond)])
@@ -324,7 +324,7 @@ def _nearest_zero(angle: float) -> float:
     return float(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)
 
 
-def _mean(values: Array) -> Array:
+def cycle_mean(values: Array) -> Array:
     """Means (t, c) over mesh positions of values (t, k, c) that may be NaN; NaN where all are."""
     known = np.isfinite(values)
     count = known.sum(axis=1)

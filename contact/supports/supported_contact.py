@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..loaded_cases import LoadedCase, loaded_dataset, rotation_numbers
-from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, SupportedPair
+from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, SupportedPair, cycle_mean
 from .relative_motion import PARTS
 from .support_datasets import misalignment_dataset, supports_dataset
 
@@ -76,14 +76,20 @@ class SupportedContact:
 
     @property
     def transmission_error(self) -> Array:
-        """Rotation of the gear (t, k) [rad] against the drive sense, in the assembly found and from its first contact.
+        """Rotation of the gear (t, k) [rad] against the drive sense, without ``support_rotation``."""
+        return np.asarray(self.over_torque("rotation") - self.support_rotation[:, None])
 
-        It leaves out the rotations of both members within their relative motion.
+    @property
+    def support_rotation(self) -> Array:
+        """Rotation of the gear by the supports (t) [rad], on average over the mesh cycle.
+
+        By the rotations of both members within their relative motion, and by the first contact in the assembly found.
+        How it varies over the cycle belongs to the transmission error: E, P, G and Sigma vary with it, and turn the
+        gear as well.
         """
-        parts, ratio = self.over_torque("parts"), self.pair.assembly.ratio
-        pinion, gear = (parts[..., PARTS.index(name)] for name in ("pinion_rotation", "gear_rotation"))
-        own = self.over_torque("rotation") - self.over_torque("first_contact")[:, None]
-        return np.asarray(own - gear + pinion / ratio)
+        parts, ratio = cycle_mean(self.over_torque("parts")), self.pair.assembly.ratio
+        pinion, gear = (parts[:, PARTS.index(name)] for name in ("pinion_rotation", "gear_rotation"))
+        return np.asarray(self.over_torque("first_contact") + gear - pinion / ratio)
 
     @cached_property
     def loaded(self) -> xr.Dataset:
