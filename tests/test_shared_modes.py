@@ -170,7 +170,7 @@ def test_other_factors_stay_as_they_are() -> None:
     rng = np.random.default_rng(3)
     factors: list[Array] = [
         rng.standard_normal((40, 12)),
-        np.kron(np.eye(3), rng.standard_normal((8, 4))),
+        np.kron(np.eye(3), rng.standard_normal((8, 4))).astype(np.float64),
         np.eye(50) + np.eye(50, k=1),
         rng.standard_normal((60, 20)) * (rng.random((60, 20)) < 0.3),
         np.hstack([np.kron(np.eye(2), rng.standard_normal((8, 1))), rng.standard_normal((16, 8))]),

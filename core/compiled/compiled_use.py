@@ -21,7 +21,7 @@ FEWEST_PROBLEMS = 1000
 SWITCH = "EASEOFF_COMPILED"
 #: Set in the process that compiles for the one that started it.
 COMPILES_APART = "EASEOFF_COMPILES_APART"
-COMPILING = "compiling the contact analysis, once for this version on this machine: about 15 s"
+COMPILING = "compiling the contact analysis, once for this version on this machine: about 20 s"
 
 _used: ContextVar[bool] = ContextVar("compiled_code_used", default=True)
 _told: ContextVar[Callable[[str], None] | None] = ContextVar("compilation_told", default=None)
