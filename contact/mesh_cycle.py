@@ -249,10 +249,10 @@ class MeshCycle:
         """
 
         def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
-            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, progress, held=held)
+            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, held=held)
 
         load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-        pair = SupportedPair(self, supports, assembled or self.misaligned, solve)
+        pair = SupportedPair(self, supports, assembled or self.misaligned, solve, progress)
         return SupportedContact.of(pair, load, rounds or AssemblyRounds())
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:

@@ -119,6 +119,8 @@ class Round:
     ----------
     cycle
         The pair in the assembly of the geometry; the mean one where every mesh position has its own.
+    wrenches
+        Wrenches of the normal forces in that assembly.
     segments, cases
         As of ``loaded.cycle_cases``.
     wrench
@@ -134,6 +136,7 @@ class Round:
     """
 
     cycle: CycleInAssembly
+    wrenches: MeshWrenches
     segments: list[Segments | None]
     cases: list[LoadedCase]
     wrench: Array
@@ -181,12 +184,15 @@ class SupportedPair:
         The pair in another assembly.
     solve
         Contact solution.
+    progress
+        Called for every torque and mesh position, when the rounds of the torque have ended.
     """
 
     cycle: CycleInAssembly
     supports: LoadedSupports
     assembled: Assembled
     solve: Solve
+    progress: Callable[[], None] | None = None
 
     @property
     def assembly(self) -> Assembly:
@@ -201,9 +207,15 @@ class SupportedPair:
     def solved(self, torques: Array, rounds: AssemblyRounds) -> list[FoundRound]:
         """The last rounds at torques (t) [N m]: of all together where nothing is updated, else of each alone."""
         constant = isinstance(self.supports, Supports)
-        if rounds.update == "none" and constant:
-            return [self._ended(tuple(range(torques.size)), torques, rounds)]
-        return [self._ended((number,), torques[number : number + 1], rounds) for number in range(torques.size)]
+        together = rounds.update == "none" and constant
+        groups = [tuple(range(torques.size))] if together else [(number,) for number in range(torques.size)]
+        found = []
+        for numbers in groups:
+            found.append(self._ended(numbers, torques[list(numbers)], rounds))
+            if self.progress is not None:
+                for _ in found[-1].found.cases:
+                    self.progress()
+        return found
 
     def _ended(self, numbers: tuple[int, ...], torques: Array, rounds: AssemblyRounds) -> FoundRound:
         """The last round at torques (t)."""
@@ -263,7 +275,7 @@ class SupportedPair:
         for number, (supports, wrench) in enumerate(zip(following, found.wrench[0], strict=False)):
             changed = supports.relative(self.assembly) - found.supports[number].relative(self.assembly)
             twist[number] += np.nan_to_num(changed @ wrench)
-        return 1e3 * float(np.abs(MeshWrenches.of(found.cycle.geometry).flank @ twist.T).max())
+        return 1e3 * float(np.abs(found.wrenches.flank @ twist.T).max())
 
     def _round(self, torques: Array, absorbed: Array, supports: tuple[Supports, ...], update: Update) -> Round:
         """One round: the contact in the assembly that has absorbed parts (k, 6) of the motion."""
@@ -279,8 +291,9 @@ class SupportedPair:
             groups = [(list(range(positions)), mean)]
         segments: list[Segments | None] = []
         cases: list[LoadedCase] = []
+        in_mean = MeshWrenches.of(mean.geometry)
         for own, cycle in groups:
-            motion, wrenches = self.motion(cycle), MeshWrenches.of(cycle.geometry)
+            motion, wrenches = self.motion(cycle), in_mean if cycle is mean else MeshWrenches.of(cycle.geometry)
             modes = [SupportModes(compliances[supports[k]], motion.twist(absorbed[k])) for k in own]
             there, solved = self.solve(
                 replace(cycle.segments, wrenches=wrenches), torques, HeldMembers(modes, wrenches)
@@ -297,11 +310,9 @@ class SupportedPair:
                     rotation[place] = case.solution.rotation + apart - absorbed[k, 4] / self.assembly.ratio
         beyond = np.nan_to_num(_mean(parts)) - absorbed.mean(axis=0)
         beyond[:, MISALIGNMENT_PARTS.stop :] = 0.0
-        found = MeshWrenches.of(mean.geometry)
-        first_contact = np.array([found.first_contact_change(one) for one in self.motion(mean).twist(beyond)])
-        return Round(
-            mean, segments, cases, wrench, parts, rotation, first_contact + self._first_contact_change(mean), supports
-        )
+        change = np.array([in_mean.first_contact_change(one) for one in self.motion(mean).twist(beyond)])
+        first_contact = change + self._first_contact_change(mean)
+        return Round(mean, in_mean, segments, cases, wrench, parts, rotation, first_contact, supports)
 
     def _in_assembly(self, misalignment: Misalignment, changed: bool) -> CycleInAssembly:
         return self.assembled(misalignment) if changed else self.cycle
