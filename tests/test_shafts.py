@@ -352,11 +352,20 @@ def test_a_system_that_cannot_stand_is_refused(change: dict[str, object], messag
         shaft(**change)
 
 
+def test_bearings_that_a_thread_cannot_tell_apart_are_refused() -> None:
+    twins = tuple(Bearing(name, 1500.0, STIFF, STIFF, STIFF) for name in "ab")
+    thread = shaft(sections=(ShaftSection(0.0, 3000.0, 1.0),), bearings=(*twins, Bearing("c", 2400.0, STIFF)))
+    with pytest.raises(InputError, match="the bearings are too stiff for the shaft"):
+        _ = thread.compliance
+
+
 def test_sections_and_curves_that_make_no_sense_are_refused() -> None:
     with pytest.raises(InputError, match=r"end = 5: must be greater than start = 5 \[mm\]"):
         ShaftSection(5.0, 5.0, 30.0)
     with pytest.raises(InputError, match=r"inner_diameter = 30: must be smaller than outer_diameter = 30 \[mm\]"):
         ShaftSection(0.0, 5.0, 30.0, 30.0)
+    with pytest.raises(InputError, match=r"inner_diameter = 29.9: must leave a wall, at most 29.7 \[mm\]"):
+        ShaftSection(0.0, 5.0, 30.0, 29.9)
     with pytest.raises(InputError, match=r"displacement = .*: must increase from point to point"):
         StiffnessCurve((1.0, 2.0), (0.2, 0.1))
     with pytest.raises(InputError, match=r"stiffness 3 at load 2: must be load over displacement, smaller than 2"):

@@ -48,8 +48,9 @@ def test_supports_by_name_are_those_of_a_case_that_has_them(coarse: Case, tmp_pa
     tree = analyze(own)
     for group in ("misalignment", "supports", "loaded"):
         assert group in named.children
-    force = tree["loaded/force"].values  # not the same to the bit: few problems are solved without compiled code
-    np.testing.assert_allclose(named["loaded/force"], force, rtol=0, atol=1e-9 * np.nanmax(force))
+    there, force = (np.asarray(one["loaded/force"], dtype=float) for one in (named, tree))
+    # Not the same to the bit: few problems are solved without compiled code
+    np.testing.assert_allclose(there, force, rtol=0, atol=1e-9 * np.nanmax(force))
     assert "supports" not in analyze(plain).children
 
 
@@ -120,5 +121,5 @@ def test_bearings_that_stiffen_lie_between_their_least_and_greatest_stiffness(co
 def test_the_shipped_axle_moves_as_the_page_says() -> None:
     tree = analyze("fm-11x41", supports=AXLE, misalignment=Misalignment(), torques=250.0)
     moved = {name: float(tree[f"misalignment/{name}"].mean()) for name in ("offset", "pinion_axial", "gear_axial")}
-    assert moved == pytest.approx({"offset": -0.1055, "pinion_axial": 0.043, "gear_axial": -0.037}, abs=5e-4)
+    assert moved == pytest.approx({"offset": -0.1054, "pinion_axial": 0.043, "gear_axial": -0.037}, abs=5e-4)
     assert float(np.degrees(tree["misalignment/shaft_angle"]).mean()) == pytest.approx(0.025, abs=5e-4)

@@ -72,8 +72,8 @@ class ShaftSectionTable(Table):
 
     start: Number = number("where it begins on the member's axis", "mm", gt=-5000, lt=5000)
     end: Number = number("where it ends; the next section begins there", "mm", gt=-5000, lt=5000)
-    outer_diameter: Number = number("outer diameter", "mm", gt=0, lt=2000)
-    inner_diameter: Number = number("inner diameter, smaller than the outer one", "mm", default=0.0, ge=0, lt=2000)
+    outer_diameter: Number = number("outer diameter", "mm", ge=1, le=2000)
+    inner_diameter: Number = number("inner diameter, at most 99 % of the outer one", "mm", default=0.0, ge=0, lt=2000)
 
 
 class ShaftTable(Table):

@@ -139,7 +139,13 @@ class Shaft:
         every = np.concatenate(acting, axis=1)[:5]  # without the rotation about the axis
         # Units such that rotations and displacements, moments and forces are alike.
         scale = 1.0 / np.sqrt(flexibility.diagonal())
-        lower = np.linalg.cholesky(scale[:, None] * flexibility * scale)
+        try:
+            lower = np.linalg.cholesky(scale[:, None] * flexibility * scale)
+        except np.linalg.LinAlgError as error:
+            raise InputError(
+                "the bearings are too stiff for the shaft to tell what each one carries: two at one place must be one, "
+                "and diameters must be those of a shaft"
+            ) from error
         half = np.linalg.solve(lower, scale[:, None] * every.T)
         orthogonal, triangle = np.linalg.qr(half)
         inverse = np.linalg.inv(triangle)  # compliance = inverse inverse'; loads = scale lower^-T orthogonal inverse'

@@ -9,7 +9,8 @@ from ....core.checks import number, shown
 from ....core.errors import InputError
 
 POSITION_LIMIT = 5000.0  # along the axis, either way [mm]
-DIAMETER_LIMIT = 2000.0  # [mm]
+DIAMETER_RANGE = (1.0, 2000.0)  # [mm]
+WALL_MINIMUM = 0.01  # outer less inner diameter over the outer one
 
 
 def shear_coefficient(diameter_ratio: float, poisson_ratio: float) -> float:
@@ -46,7 +47,7 @@ class ShaftSection:
     Raises
     ------
     InputError
-        If the end is not beyond the start, or the inner diameter is not smaller than the outer one.
+        If the end is not beyond the start, or the inner diameter leaves no wall.
 
     Examples
     --------
@@ -62,7 +63,8 @@ class ShaftSection:
     def __post_init__(self) -> None:
         for name in ("start", "end"):
             number(name, getattr(self, name), "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
-        number("outer_diameter", self.outer_diameter, "mm", above=0.0, most=DIAMETER_LIMIT)
+        least, most = DIAMETER_RANGE
+        number("outer_diameter", self.outer_diameter, "mm", least=least, most=most)
         number("inner_diameter", self.inner_diameter, "mm", least=0.0)
         if self.end <= self.start:
             raise InputError(f"end = {shown(self.end)}: must be greater than start = {shown(self.start)} [mm]")
@@ -70,6 +72,11 @@ class ShaftSection:
             raise InputError(
                 f"inner_diameter = {shown(self.inner_diameter)}: must be smaller than outer_diameter = "
                 f"{shown(self.outer_diameter)} [mm]"
+            )
+        if self.inner_diameter > (1.0 - WALL_MINIMUM) * self.outer_diameter:
+            raise InputError(
+                f"inner_diameter = {shown(self.inner_diameter)}: must leave a wall, at most "
+                f"{shown((1.0 - WALL_MINIMUM) * self.outer_diameter)} [mm]"
             )
 
     @property
