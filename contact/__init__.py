@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from .solvers.parametric.torque_path import TorquePath, torque_path
     from .supports.assembly_rounds import AssemblyRounds
     from .supports.support import BearingReaction, MemberAxis, Support, Supports, member_axes
+    from .supports.support_identification import IdentifiedSupport, identified_support
     from .supports.supported_contact import SupportedContact
     from .unloaded import unloaded_contact
 
@@ -76,6 +77,7 @@ __all__ = [
     "ElasticFoundation",
     "ElasticModel",
     "HalfSpaceCompliance",
+    "IdentifiedSupport",
     "LiftedQP",
     "LineContactPath",
     "Material",
@@ -104,6 +106,7 @@ __all__ = [
     "dual_qp",
     "export_problems",
     "harmonics",
+    "identified_support",
     "import_problems",
     "lcp",
     "lifted_qp",
@@ -193,6 +196,7 @@ _ORIGINS = {
     ],
     ".supports.assembly_rounds": ["AssemblyRounds"],
     ".supports.support": ["BearingReaction", "MemberAxis", "Support", "Supports", "member_axes"],
+    ".supports.support_identification": ["IdentifiedSupport", "identified_support"],
     ".supports.supported_contact": ["SupportedContact"],
     ".unloaded": ["unloaded_contact"],
 }

@@ -87,6 +87,11 @@ MEANINGS = {
         "of the gear always is",
         "",
     ),
+    "rounds": (
+        "for which assembly under load the ease-off is computed anew: the mean one over the mesh cycle, that of every "
+        "mesh position, or none, so that all counts to first order",
+        "",
+    ),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),
 }
 

@@ -56,7 +56,7 @@ WITH_CODE = (
     "half_space",
     "supports",
 )
-QUICK = ("index", "results", "contact_problems", "python", "supports")  # the others take seconds each
+QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 
 
 def text(name: str) -> str:

@@ -13,7 +13,7 @@ from test_mirror import mirrored
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import MeshCycle, solve
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
-from easeoff.contact.supports.assembly_rounds import AssemblyRounds, RoundsStatus
+from easeoff.contact.supports.assembly_rounds import AssemblyRounds, RoundsStatus, Update
 from easeoff.contact.supports.mesh_wrench import MeshWrenches
 from easeoff.contact.supports.relative_motion import PARTS, RelativeMotion
 from easeoff.contact.supports.support import BearingReaction, MemberAxis, Support, Supports, member_axes
@@ -90,11 +90,13 @@ def test_one_spring_adds_the_product_of_the_normals(flank: FlankName) -> None:
     spring = np.zeros((6, 6))
     spring[:3, :3] = np.outer(direction, direction) / stiffness
     for member in (0, 1):
-        held = Supports(*(Support(ORIGIN, spring), Support.rigid())[:: 1 if member == 0 else -1])
+        one, other = Support(ORIGIN, spring), Support.rigid()
+        held = Supports(one, other) if member == 0 else Supports(other, one)
         case = here.supported([200.0], held, rounds=FIRST_ORDER, edge_contact=False).cases[0]
         plain = here.solved([200.0])[0].segments
         data = here.geometry.ease_off
         added = case.segments.bending_problem.dense_compliance - plain.bending_problem.dense_compliance
+        assert case.segments.wrench is not None
         normals = case.segments.wrench[:, :3]
         np.testing.assert_allclose(added, np.outer(normals @ direction, normals @ direction) / stiffness, atol=1e-16)
         # These are the flanks' normals, scaled by thousandths to the lever arm of the gear's.
@@ -108,10 +110,13 @@ def test_torsion_of_the_pinion_s_shaft_turns_the_gear_by_its_share() -> None:
     here = cycle()
     axis, torsion = member_axes(here.geometry.pair.assembly)[0], 3e-9
     shaft = Support(axis.point, torsion * np.outer(axis.couple, axis.couple))
-    options = {"rounds": FIRST_ORDER, "edge_contact": False}
-    rigid = here.supported(TORQUES, Supports.rigid(), **options)
+
+    def contact(held: Supports) -> SupportedContact:
+        return here.supported(TORQUES, held, rounds=FIRST_ORDER, edge_contact=False)
+
+    rigid = contact(Supports.rigid())
     for held, share in ((Supports(shaft, Support.rigid(), wind_up=True), 1.0), (Supports(shaft, Support.rigid()), 0.0)):
-        wound = here.supported(TORQUES, held, **options)
+        wound = contact(held)
         turned = 1e6 * share * torsion * 1e3 * np.array(TORQUES)[:, None]
         added = wound.supports["whole_rotation"].values - rigid.supports["whole_rotation"].values
         np.testing.assert_allclose(added, np.broadcast_to(turned / here.ratio, added.shape), rtol=1e-9, atol=1e-9)
@@ -174,7 +179,7 @@ def test_contact_in_the_assembly_found_is_the_same_without_supports(name: str, f
 
 
 @pytest.mark.parametrize("update", ["mean", "position"])
-def test_every_round_leaves_a_small_part_of_the_change_before(update: str) -> None:
+def test_every_round_leaves_a_small_part_of_the_change_before(update: Update) -> None:
     changes = [
         found("fm-11x41", "drive", AssemblyRounds(update=update, most=most, limit=1e-9)).supports["last_change"].values
         for most in (1, 2, 3)
@@ -342,7 +347,7 @@ class Stiffening:
 
 
 @pytest.mark.parametrize("update", ["none", "mean", "position"])
-def test_supports_that_depend_on_the_load_are_those_under_the_load_found(update: str) -> None:
+def test_supports_that_depend_on_the_load_are_those_under_the_load_found(update: Update) -> None:
     here = cycle()
     held = Stiffening(supports(here.geometry.pair.assembly), 8e3)
     result = here.supported(TORQUES, held, rounds=AssemblyRounds(update=update, limit=1e-8))

@@ -47,7 +47,8 @@ def test_work_and_moments_do_not_depend_on_the_reference_point() -> None:
 def test_shifted_compliance_is_the_inverse_of_the_shifted_stiffness() -> None:
     known = stiffness()
     there = shifted_stiffness(known, POINT, OTHER)
-    np.testing.assert_allclose(shifted_compliance(np.linalg.inv(known), POINT, OTHER) @ there, np.eye(6), atol=1e-8)
+    compliance: Array = np.asarray(np.linalg.inv(known), dtype=np.float64)
+    np.testing.assert_allclose(shifted_compliance(compliance, POINT, OTHER) @ there, np.eye(6), atol=1e-8)
 
 
 def test_support_is_the_same_from_every_reference_point() -> None:
@@ -69,8 +70,8 @@ def test_rotation_about_the_own_axis_is_held_and_may_be_free(member: int) -> Non
     clamped = np.linalg.inv(known + 1e20 * np.outer(axis.couple, axis.couple))
 
     def relative(support: Support) -> Array:
-        both = (Support.rigid(), support)[:: 1 if member else -1]
-        return Supports(*both).relative(assembly)
+        both = Supports(Support.rigid(), support) if member else Supports(support, Support.rigid())
+        return both.relative(assembly)
 
     found = relative(Support.of_stiffness(reference, known))
     np.testing.assert_allclose(found, relative(Support(reference, clamped)), atol=1e-9 * np.abs(found).max())
@@ -87,11 +88,11 @@ def test_rotation_about_the_own_axis_is_held_and_may_be_free(member: int) -> Non
 def test_matrix_of_both_members_is_that_of_each_where_no_housing_couples_them() -> None:
     assembly = gear_pair(read_case("fm-11x41")).assembly
     axes = member_axes(assembly)
-    each = Supports(*(Support.of_stiffness(p, stiffness(i)) for i, p in enumerate((POINT, OTHER))))
+    each = Supports(Support.of_stiffness(POINT, stiffness(0)), Support.of_stiffness(OTHER, stiffness(1)))
     whole = np.zeros((12, 12))
     whole[:6, :6], whole[6:, 6:] = stiffness(0), stiffness(1)
     for arguments in ({"stiffness": whole}, {"compliance": np.linalg.inv(whole)}, {"stiffness": whole, "axes": axes}):
-        found = Supports.of_matrix((POINT, OTHER), **arguments).relative(assembly)  # type: ignore[arg-type]
+        found = Supports.of_matrix((POINT, OTHER), **arguments).relative(assembly)
         np.testing.assert_allclose(found, each.relative(assembly), atol=1e-10 * np.abs(found).max())
 
 

@@ -205,6 +205,7 @@ class SupportsTable(Table):
     """
 
     wind_up: bool = False
+    rounds: Literal["none", "mean", "position"] = "mean"
     pinion: MemberSupportTable | None = None
     gear: MemberSupportTable | None = None
     housing: HousingTable | None = None

@@ -269,7 +269,7 @@ class SupportedPair:
         """One round: the contact in the assembly that has absorbed parts (k, 6) of the motion."""
         compliances = {one: one.relative(self.assembly) for one in set(supports)}
         positions, misalignment = len(supports), self.assembly.misalignment
-        mean = self._in_assembly(moved(misalignment, absorbed.mean(axis=0)), absorbed.any())
+        mean = self._in_assembly(moved(misalignment, absorbed.mean(axis=0)), bool(absorbed.any()))
         shape = (torques.size, positions)
         wrench, parts, rotation = np.full((*shape, 6), np.nan), np.full((*shape, 6), np.nan), np.full(shape, np.nan)
         if update == "position":
@@ -308,7 +308,7 @@ class SupportedPair:
 
     def _at(self, number: int, absorbed: Array) -> CycleInAssembly:
         """The pair at one mesh position, in the assembly with parts (6) of the motion, the pinion turned with it."""
-        cycle = self._in_assembly(moved(self.assembly.misalignment, absorbed), absorbed.any())
+        cycle = self._in_assembly(moved(self.assembly.misalignment, absorbed), bool(absorbed.any()))
         middle = cycle.geometry.exact.motion.center - self.cycle.geometry.exact.motion.center
         rotation = self.cycle.lines.rotations[number] + absorbed[4] - _nearest_zero(middle)
         return cycle.at_rotations(np.array([rotation]))

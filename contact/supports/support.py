@@ -40,12 +40,13 @@ class MemberAxis:
     @property
     def rotation(self) -> Array:
         """The twist (6) at the origin of the unit rotation about it."""
-        return np.concatenate([np.cross(self.point, self.direction), self.direction])
+        point, direction = np.asarray(self.point, dtype=np.float64), np.asarray(self.direction, dtype=np.float64)
+        return np.concatenate([np.cross(point, direction), direction])
 
     @property
     def couple(self) -> Array:
         """The wrench (6) of a unit couple about it, the same about every point."""
-        return np.concatenate([np.zeros(3), self.direction])
+        return np.concatenate([np.zeros(3), np.asarray(self.direction, dtype=np.float64)])
 
 
 def member_axes(assembly: Assembly) -> tuple[MemberAxis, MemberAxis]:
@@ -257,8 +258,8 @@ class Supports:
             free = list(zip(points, axes, strict=True)) if axes is not None else []
             known = checked_stiffness("stiffness", stiffness, 2, free)
             matrix = inverse(known, free, kept=(0,) if wind_up else ())
-        members = [Support(points[i], matrix[6 * i : 6 * i + 6, 6 * i : 6 * i + 6], bearings[i]) for i in (0, 1)]
-        return cls(*members, coupling=matrix[:6, 6:], wind_up=wind_up)
+        pinion, gear = (Support(points[i], matrix[6 * i : 6 * i + 6, 6 * i : 6 * i + 6], bearings[i]) for i in (0, 1))
+        return cls(pinion, gear, matrix[:6, 6:], wind_up)
 
     @classmethod
     def rigid(cls) -> Supports:

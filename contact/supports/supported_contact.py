@@ -70,6 +70,11 @@ class SupportedContact:
         return np.stack([found[number] for number in range(self.torques.size)])
 
     @property
+    def mesh_wrench(self) -> Array:
+        """Force and moment of the gear on the pinion about the origin of the global frame (t, k, 6) [N, N mm]."""
+        return self.over_torque("wrench")
+
+    @property
     def transmission_error(self) -> Array:
         """Rotation of the gear (t, k) [rad] against the drive sense, in the assembly found and from its first contact.
 

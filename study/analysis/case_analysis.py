@@ -100,7 +100,8 @@ def analyze(
         Shafts, bearings and housing: ``contact`` supports, the name of shipped ones, or the path of a file of them; the
         case's own if left out, and rigid if it has none.
     rounds
-        How far the ease-off follows the assembly that the supports give under load, see ``MeshCycle.supported``.
+        How far the ease-off follows the assembly that the supports give under load, see ``MeshCycle.supported``; as the
+        case says of its supports if left out.
     progress
         Called after every solved torque and mesh position, then after every part of the friction.
     stage

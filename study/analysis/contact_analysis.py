@@ -24,7 +24,7 @@ from ...core.processes.blas_threads import one_blas_thread
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviation_source import require_line_contact
 from .joined_analysis import OVER_TORQUE, Analysis, joined_analysis, misalignment_group
-from .supported_analysis import LoadedPart, supported_parts
+from .supported_analysis import LoadedPart, case_rounds, supported_parts
 
 Array = NDArray[Any]
 
@@ -102,6 +102,8 @@ def contact_analysis(
             require_line_contact(own.cycle.lost_contact, own.deviations)
     unloaded = cycle.unloaded(separation=case.contact.separation if marking is None else marking)
     held = support_system(case) if supports is None else supports
+    if rounds is None and supports is None:
+        rounds = case_rounds(case)
     how: dict[str, Any] = {"edge_contact": edges, "solver": solver, "progress": progress, **options}
     solved: list[LoadedPart] = []
     for places, own in assemblies:

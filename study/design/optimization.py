@@ -34,6 +34,7 @@ from ...core.errors import GeometryError, InputError
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification, basis, terms
 from ..analysis.contact_analysis import case_torques, contact_analysis
+from ..analysis.supported_analysis import in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case
 
 Array = NDArray[Any]
@@ -139,7 +140,8 @@ def optimize(
     load = case_torques(checked, torques)
     others = [misalignment_of(one) for one in misalignments]
     AnalysisSize.of(checked, load.size * (1 + len(others))).require_memory()
-    own = CaseInMesh.of(checked, flank=flank, stage=stage)
+    unloaded = CaseInMesh.of(checked, flank=flank, stage=stage)
+    own = in_assembly_under_load(unloaded, load)
     if stage is not None:
         stage("convex programmes")
     assemblies = own.assemblies(load)
@@ -147,7 +149,7 @@ def optimize(
     for places, at in assemblies:
         loaded, _ = at.cycle.loaded(load[list(places)], edge_contact=False, solver=solver)
         least[list(places)] = _least_line_load(loaded, at.cycle.ratio)
-    states = [own, *(own.misaligned(other) for other in others)]
+    states = [own, *(in_assembly_under_load(unloaded.misaligned(other), load) for other in others)]
     contacts = [
         ([number * load.size + place for place in places], ModifiedContact(at.cycle, load[list(places)], names, solver))
         for number, state in enumerate(states)

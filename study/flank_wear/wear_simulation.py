@@ -36,6 +36,7 @@ from ...geometry.deviation.ease_off_update import deviated_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
 from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
+from ..analysis.supported_analysis import in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case, deflection_attributes, prepared_pair
 from ..deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
@@ -116,7 +117,8 @@ def wear(
     AnalysisSize.of(checked, len(shares)).require_memory()
     pair = prepared_pair(checked, flank, misalignment)
     start = flank_deviations(pair, deviations or {}, interpolation)
-    designed = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
+    unloaded = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
+    designed = in_assembly_under_load(unloaded, list(shares))
     if stage is not None:
         stage("wear")
     begin = time.perf_counter()

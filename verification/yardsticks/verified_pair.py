@@ -19,6 +19,7 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...study.analysis.contact_analysis import case_torques, contact_analysis
 from ...study.analysis.joined_analysis import Analysis
+from ...study.analysis.supported_analysis import in_assembly_under_load
 from ...study.case_in_mesh import CaseInMesh
 from ..flank_contact.surface_cells import FlanksInMesh, flanks_of
 
@@ -64,6 +65,9 @@ class VerifiedPair:
         """The pair of a case; arguments and raises as of ``verify``."""
         load = np.sort(case_torques(case, torques))
         given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
+        if case.supports is not None:
+            deflected = in_assembly_under_load(CaseInMesh.of(case, flank=flank, misalignment=given), load)
+            case, given = deflected.case, deflected.misalignment
         found = {misalignment_at(given, torque, flank) for torque in load.tolist()}
         if len(found) > 1:
             raise InputError(

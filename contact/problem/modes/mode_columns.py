@@ -37,24 +37,19 @@ class ModeColumns(NamedTuple):
         Segment at each place, one level after the other.
     columns
         Modes of each block, one after the other [(mm/N)^0.5], and the shared columns of its segments.
-    bending
-        Diagonal of U U' (n) [mm/N], by segments.
-    row_sum
-        Row sums of U U' (n) [mm/N], by segments.
+    sums
+        Diagonal and row sums of U U', diagonal of W W', and what that would be if no terms of W cancelled (4, n)
+        [mm/N], by segments; the last two only with shared modes.
     mixing
         Of the shared columns (q, j, s); (q, 0, 0) without shared modes.
-    shared
-        Diagonal of W W', and that of the terms it is summed of (2, n) [mm/N], by segments; (2, 0) without shared modes.
     """
 
     places: Whole
     blocks: Whole
     order: Whole
     columns: Array
-    bending: Array
-    row_sum: Array
+    sums: Array
     mixing: Array
-    shared: Array
 
 
 def mode_columns(
@@ -71,10 +66,10 @@ def mode_columns(
     shared_columns, mixing
         Of the shared modes (n, j) and (q, j, s).
     """
-    bending, row_sum = np.zeros(size), np.zeros(size)
+    sums = np.zeros((4 if mixing.shape[2] else 2, size))
     for index, modes in blocks:
-        bending[index] = np.einsum("ij,ij->i", modes, modes)
-        row_sum[index] = modes @ modes.sum(axis=0)
+        sums[0, index] = np.einsum("ij,ij->i", modes, modes)
+        sums[1, index] = modes @ modes.sum(axis=0)
     shortest = min(index.size for index, _ in blocks)
     levels = 1
     while levels < MAX_LEVELS and shortest // STRIDE**levels >= FEWEST_SEGMENTS:
@@ -97,10 +92,9 @@ def mode_columns(
                 entry += columns[-1].size
         place += first
     whole = np.concatenate(order).astype(np.int64)
-    shared = np.zeros((2, size if mixing.shape[2] else 0))
     for (index, _), own_mixing in zip(blocks, mixing, strict=True) if mixing.shape[2] else ():
         part = shared_columns[index]
         modes, terms = part @ own_mixing, np.abs(part) @ np.abs(own_mixing)
-        shared[:, index] = np.einsum("ij,ij->i", modes, modes), np.einsum("ij,ij->i", terms, terms)
-    mixed = np.ascontiguousarray(mixing)
-    return ModeColumns(places, table, whole, np.concatenate(columns), bending, row_sum, mixed, shared)
+        sums[2, index] = np.einsum("ij,ij->i", modes, modes)
+        sums[3, index] = np.einsum("ij,ij->i", terms, terms)
+    return ModeColumns(places, table, whole, np.concatenate(columns), sums, np.ascontiguousarray(mixing))

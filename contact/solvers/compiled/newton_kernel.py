@@ -296,6 +296,42 @@ def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
 
 
 @_sums
+def _mixed_gram(y: Any, z: Any, size: int, gram: Any) -> None:
+    """I + Y Z', the lower triangle; its size is a multiple of four."""
+    for a in range(0, size, 4):
+        za, zb, zc, zd = y[a], y[a + 1], y[a + 2], y[a + 3]
+        for b in range(0, a + 1, 4):
+            ze, zf, zg, zh = z[b], z[b + 1], z[b + 2], z[b + 3]
+            s00 = s01 = s02 = s03 = s10 = s11 = s12 = s13 = 0.0
+            s20 = s21 = s22 = s23 = s30 = s31 = s32 = s33 = 0.0
+            for x in range(za.size):
+                p, q, r, s = za[x], zb[x], zc[x], zd[x]
+                t, u, v, w = ze[x], zf[x], zg[x], zh[x]
+                s00 += p * t
+                s01 += p * u
+                s02 += p * v
+                s03 += p * w
+                s10 += q * t
+                s11 += q * u
+                s12 += q * v
+                s13 += q * w
+                s20 += r * t
+                s21 += r * u
+                s22 += r * v
+                s23 += r * w
+                s30 += s * t
+                s31 += s * u
+                s32 += s * v
+                s33 += s * w
+            gram[a, b], gram[a, b + 1], gram[a, b + 2], gram[a, b + 3] = s00, s01, s02, s03
+            gram[a + 1, b], gram[a + 1, b + 1], gram[a + 1, b + 2], gram[a + 1, b + 3] = s10, s11, s12, s13
+            gram[a + 2, b], gram[a + 2, b + 1], gram[a + 2, b + 2], gram[a + 2, b + 3] = s20, s21, s22, s23
+            gram[a + 3, b], gram[a + 3, b + 1], gram[a + 3, b + 2], gram[a + 3, b + 3] = s30, s31, s32, s33
+    for a in range(size):
+        gram[a, a] += 1.0
+
+
+@_sums
 def _factor(matrix: Any, size: int) -> None:
     """Cholesky factor in place, the inverse of its diagonal on the diagonal; the size is a multiple of four."""
     for i in range(0, size, 4):
@@ -630,7 +666,7 @@ def _direction(
     amplitudes, _ = at
     _, root, _, lever, _, z = state
     loads, spans, _, _ = work
-    grams, border, solved, rows, few, _ = factors
+    grams, border, solved, rows, few, _, _, _ = factors
     imbalance, pivot = balance
     width = z.shape[0]
     for q in range(blocks.shape[0]):
@@ -689,7 +725,7 @@ def _shared_direction(
     amplitudes, _ = at
     _, root, _, lever, _, z = state
     loads, spans, mixing, plain = work
-    grams, held, local, rows, few, whole = factors
+    grams, held, local, rows, few, whole, mixed, stiff = factors
     width, count, shared = z.shape[0], mixing.shape[2], mixing.shape[1]
     first, extended = blocks.shape[0] * width, shared + 1 + (-shared - 1) % 4
     padded_count = count + (-count) % 4
@@ -767,6 +803,8 @@ def _shared_direction(
         for q in range(blocks.shape[0]):
             low, high, rank = spans[q, 0], spans[q, 1], blocks[q, 3]
             if high == low:
+                if not plain:
+                    stiff[:count, q * shared : (q + 1) * shared] = 0.0
                 continue
             padded, size = rank + (-rank) % 4, high - low + (low - high) % 4
             matrix, edge = grams[q], min(size, padded)
@@ -782,19 +820,18 @@ def _shared_direction(
                 for m in range(k):
                     matrix[edge + m, edge + k] = matrix[edge + k, edge + m]
             for k in range(shared):
-                row, mixed = mixing[q, k], few[:count]
-                mixed[:] = 0.0
-                for m in range(shared):
-                    own_mixing, factor = mixing[q, m], matrix[edge + k, edge + m]
-                    for t in range(count):
-                        mixed[t] += factor * own_mixing[t]
-                moved = last[edge + k]
+                held_row, moved, row = few[:count], last[edge + k], mixing[q, k]
                 for t in range(count):
                     turning[t] += moved * row[t]
-                    factor = row[t]
-                    target = end[t]
-                    for m in range(t + 1):
-                        target[m] += factor * mixed[m]
+                held_row[:] = 0.0
+                for m in range(shared):
+                    factor, row = matrix[edge + k, edge + m], mixing[q, m]
+                    for t in range(count):
+                        held_row[t] += factor * row[t]
+                for t in range(count):
+                    stiff[t, q * shared + k] = held_row[t]
+        if not plain:
+            _mixed_gram(mixed, stiff, padded_count, end)
         _factor(end, padded_count)
         _forward(end, padded_count, turning, 0)
         whole[padded_count + 1, 0] -= _dot(turning[:padded_count], turning[:padded_count])
@@ -1056,9 +1093,7 @@ def _relative(error: float, scale: float) -> float:
 
 
 _vector, _table, _whole = readable(numba.f8, 1), readable(numba.f8, 2), readable(numba.i8, 1)
-_modes = numba.types.Tuple(
-    (_whole, readable(numba.i8, 3), _whole, _vector, _vector, _vector, readable(numba.f8, 3), _table)
-)
+_modes = numba.types.Tuple((_whole, readable(numba.i8, 3), _whole, _vector, _table, readable(numba.f8, 3)))
 _results = (numba.f8[:, ::1],) * 4
 
 
@@ -1092,7 +1127,8 @@ def solve_batch(
     numbers, counts
         For the numbers (b, 9), and steps and whether the method ended (b, 2).
     """
-    places, blocks_of, order, columns, bending, row_sum, mixing, shared_diagonal = modes
+    places, blocks_of, order, columns, sums, mixing = modes
+    bending, row_sum = sums[0], sums[1]
     linear = law.shape[0] == 0
     most, wide, blocks_most = arm.size, 4, blocks_of.shape[1]
     for q in range(blocks_most):
@@ -1120,10 +1156,18 @@ def solve_batch(
     grams, rows = np.empty((blocks_most, wide, wide)), np.empty((blocks_most, wide, wide))
     few = np.empty(max(wide, padded_count))
     whole_matrix = np.empty((padded_count + 2, max(padded_count, 1)))
+    mixed = np.zeros((2 * padded_count, 0 if plain else blocks_most * shared))
+    mixed, stiff_mixed = mixed[:padded_count], mixed[padded_count:]
+    if not plain:
+        for q in range(blocks_most):
+            for k in range(shared):
+                for t in range(count):
+                    mixed[t, q * shared + k] = mixing[q, k, t]
     size = most
     for b in range(torque.size):
         first_contact, remainder, shift_error = _first_contact(separation[b], arm, shifted)
-        factors, spare = (grams, border, solved, rows, few, whole_matrix), (change, begin, best)
+        factors = (grams, border, solved, rows, few, whole_matrix, mixed, stiff_mixed)
+        spare = (change, begin, best)
         rotation, steps, ended = 0.0, 0, False
         guess = 0.0
         if not linear:
@@ -1242,8 +1286,8 @@ def solve_batch(
             pull[i] = own_compliance * sep[x] + gap[x]
             lever[i] = own_compliance + bending[i]
             if shared:  # terms that cancel in W leave more rounding than its diagonal tells
-                terms = lever[i] + shared_diagonal[1, i]
-                lever[i] += shared_diagonal[0, i]
+                terms = lever[i] + sums[3, i]
+                lever[i] += sums[2, i]
                 spread = max(spread, terms / lever[i])
         numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + (remainder + rotation), rotation
         for i in range(size):

@@ -17,6 +17,7 @@ from .shared_options import (
     deviation_option,
     flank_option,
     misalignment,
+    outside_allowed,
     torques,
 )
 
@@ -76,6 +77,12 @@ _ANALYSIS = (
         show_default="from the case",
         help="Torques at the pinion in N m.",
     ),
+    click.option(
+        "--supports",
+        metavar="NAME|FILE",
+        show_default="from the case",
+        help="Shafts, bearings and housing that hold pinion and gear: a file, or the name of shipped ones.",
+    ),
     _DEVIATED,
 )
 
@@ -122,6 +129,18 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
         if options[name] is not None and not options["deviations"]:
             raise click.UsageError(f"--{name} = {options[name]}: must go with --deviation")
     return options | {name: value for name, value in own.items() if options[name] is None}
+
+
+def chosen_case(case: str, supports: str | None) -> Case:
+    """The case of a name or path, with the supports of ``--supports``."""
+    from ....cases import read_case
+
+    checked = read_case(case, allow_outside=outside_allowed())
+    if supports is None:
+        return checked
+    from ....cases import with_supports
+
+    return with_supports(checked, supports)
 
 
 class Progress(NamedTuple):
