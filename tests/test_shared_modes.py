@@ -168,7 +168,7 @@ def test_shared_modes_are_found_in_a_shuffled_factor(pairs: int, columns: int, m
 def test_other_factors_stay_as_they_are() -> None:
     """Full ones, those that fall apart, chains, random zeros, and blocks coupled by almost all columns."""
     rng = np.random.default_rng(3)
-    for factor in (
+    factors: list[Array] = [
         rng.standard_normal((40, 12)),
         np.kron(np.eye(3), rng.standard_normal((8, 4))),
         np.eye(50) + np.eye(50, k=1),
@@ -176,7 +176,8 @@ def test_other_factors_stay_as_they_are() -> None:
         np.hstack([np.kron(np.eye(2), rng.standard_normal((8, 1))), rng.standard_normal((16, 8))]),
         np.zeros((5, 3)),
         np.zeros((5, 0)),
-    ):
+    ]
+    for factor in factors:
         assert modal_basis(factor).shared is None
 
 
@@ -414,7 +415,8 @@ def test_backends_take_the_shared_modes(name: str) -> None:
         problem = shared_problem(seed, pairs=2 + seed, columns=6, modes=6, longest=10, torque=1e6)
         exact = solve(dense(problem))
         for form in forms:
-            found = solve(problem, name, polish=True, **({"form": form} if form == "lifted" else {}))
+            settings: dict[str, Any] = {"form": form} if form == "lifted" else {}
+            found = solve(problem, name, polish=True, **settings)
             assert_same(found, exact, 1e-9)
 
 

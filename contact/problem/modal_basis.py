@@ -117,9 +117,9 @@ class ModalBasis:
         factor = np.zeros((self.size + 1, block.size))
         factor[self.index[block], np.arange(block.size)[:, None]] = self.modes[block, :, mode]
         if self.shared_factor.shape[1]:
-            factor = np.hstack([factor, np.pad(self.shared_factor, ((0, 1), (0, 0)))])
+            factor = np.concatenate([factor[:-1], self.shared_factor], axis=1)
         factor.setflags(write=False)
-        return factor[:-1]
+        return factor[: self.size]
 
     @cached_property
     def shared_factor(self) -> Array:
@@ -127,9 +127,11 @@ class ModalBasis:
         if self.shared is None:
             return np.zeros((self.size, 0))
         columns, mixing = self.shared.columns, self.shared.mixing
-        shared = np.zeros((self.size + 1, mixing.shape[2]))
-        shared[self.index] = np.append(columns, np.zeros((1, columns.shape[1])), axis=0)[self.index] @ mixing
-        return shared[:-1, shared[:-1].any(axis=0)]
+        wide, shared = np.zeros((self.size + 1, columns.shape[1])), np.zeros((self.size + 1, mixing.shape[2]))
+        wide[:-1] = columns
+        shared[self.index] = wide[self.index] @ mixing
+        kept = shared.any(axis=0)
+        return shared[:-1] if kept.all() else np.ascontiguousarray(shared[:-1, kept])
 
     @cached_property
     def border(self) -> SharedModes:
@@ -142,7 +144,8 @@ class ModalBasis:
         if shared is None:
             return SharedModes(factor, np.zeros((blocks, 0, 0)))
         if factor.shape[1] <= shared.columns.shape[1]:
-            return SharedModes(factor, np.tile(np.eye(factor.shape[1]), (blocks, 1, 1)))
+            one = np.eye(factor.shape[1])
+            return SharedModes(factor, np.broadcast_to(one, (blocks, *one.shape)))
         mixing = shared.mixing[:, :, shared.mixing.any(axis=(0, 1))]
         every = blocks * mixing.shape[1]
         if mixing.shape[2] > every:  # M = R'Q', and M M' = R'R
@@ -160,7 +163,7 @@ class ModalBasis:
     @cached_property
     def columns(self) -> ModeColumns:
         """The modes as the compiled contact solution reads them."""
-        return mode_columns(self.size, self.blocks, self.border.columns, self.border.mixing)
+        return mode_columns(self.size, self.blocks, self.border.columns, self.border.mixing, self.shared_factor)
 
     @property
     def basis(self) -> ModalBasis:

@@ -24,6 +24,8 @@ def drawn_problem(seed: int) -> tuple[str, ContactProblem]:
     name = str(rng.choice(list(COMPLIANCES)))
     if name == "whole_numbers":
         return name, _whole_numbers(rng, size)
+    if name == "shared":
+        size = int(rng.integers(8, 25))
     compliance = COMPLIANCES[name](rng, size)
     arm, separation = _arms(rng, size), _separations(rng, size)
     if rng.random() < 0.2:  # segments that are the same

@@ -53,7 +53,11 @@ class ModeColumns(NamedTuple):
 
 
 def mode_columns(
-    size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]], shared_columns: Array, mixing: Array
+    size: int,
+    blocks: Sequence[tuple[NDArray[np.intp], Array]],
+    shared_columns: Array,
+    mixing: Array,
+    shared_factor: Array,
 ) -> ModeColumns:
     """Arrange modes.
 
@@ -65,6 +69,8 @@ def mode_columns(
         Segments (m) and modes (m, k) of every block [(mm/N)^0.5].
     shared_columns, mixing
         Of the shared modes (n, j) and (q, j, s).
+    shared_factor
+        W (n, s) [(mm/N)^0.5]; the shared columns themselves where the mixing is one of ones.
     """
     sums = np.zeros((4 if mixing.shape[2] else 2, size))
     for index, modes in blocks:
@@ -92,9 +98,10 @@ def mode_columns(
                 entry += columns[-1].size
         place += first
     whole = np.concatenate(order).astype(np.int64)
-    for (index, _), own_mixing in zip(blocks, mixing, strict=True) if mixing.shape[2] else ():
-        part = shared_columns[index]
-        modes, terms = part @ own_mixing, np.abs(part) @ np.abs(own_mixing)
-        sums[2, index] = np.einsum("ij,ij->i", modes, modes)
-        sums[3, index] = np.einsum("ij,ij->i", terms, terms)
+    if mixing.shape[2]:
+        sums[2:] = np.einsum("ij,ij->i", shared_factor, shared_factor)
+        if shared_factor is not shared_columns:
+            for (index, _), own_mixing in zip(blocks, np.abs(mixing), strict=True):
+                terms = np.abs(shared_columns[index]) @ own_mixing
+                sums[3, index] = np.einsum("ij,ij->i", terms, terms)
     return ModeColumns(places, table, whole, np.concatenate(columns), sums, np.ascontiguousarray(mixing))
