@@ -23,10 +23,11 @@ from .loaded import cycle_cases, loaded_splines, solve_all, solve_cycle
 from .loaded_cases import LoadedCase
 from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice
-from .supports.assembly_rounds import AssemblyRounds, SupportedPair
+from .supports.assembly_rounds import AssemblyRounds
 from .supports.held_members import HeldMembers
 from .supports.support import LoadedSupports
 from .supports.supported_contact import SupportedContact
+from .supports.supported_pair import SupportedPair
 from .unloaded import unloaded_contact
 
 Array = NDArray[Any]
