@@ -23,10 +23,11 @@ from .loaded import cycle_cases, loaded_splines, solve_all, solve_cycle
 from .loaded_cases import LoadedCase
 from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice
-from .supports.assembly_rounds import AssemblyRounds, SupportedPair
+from .supports.assembly_rounds import AssemblyRounds
 from .supports.held_members import HeldMembers
 from .supports.support import LoadedSupports
 from .supports.supported_contact import SupportedContact
+from .supports.supported_pair import SupportedPair
 from .unloaded import unloaded_contact
 
 Array = NDArray[Any]
@@ -249,10 +250,10 @@ class MeshCycle:
         """
 
         def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
-            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, progress, held=held)
+            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, held=held)
 
         load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-        pair = SupportedPair(self, supports, assembled or self.misaligned, solve)
+        pair = SupportedPair(self, supports, assembled or self.misaligned, solve, progress)
         return SupportedContact.of(pair, load, rounds or AssemblyRounds())
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:

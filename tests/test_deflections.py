@@ -17,6 +17,7 @@ from click.testing import CliRunner
 import easeoff
 from easeoff.cases import Case, Deflections, LoadCase, case_toml, parse_case, read_deflections
 from easeoff.contact import read_problems
+from easeoff.contact.supports.assembly_rounds import AssemblyRounds
 from easeoff.core.errors import InputError
 from easeoff.friction import Operation, friction
 from easeoff.geometry import Misalignment
@@ -258,6 +259,15 @@ def test_friction_is_that_of_every_assembly(feedback: bool, case: Case, tmp_path
     assert easeoff.read_result(tmp_path / "axle.nc").identical(whole)
     with pytest.raises(InputError, match="depends on the torque"):
         friction(whole, Operation(speed=500.0))
+
+
+def test_supports_to_first_order_have_friction_in_the_one_assembly_of_their_ease_off(case: Case) -> None:
+    """The misalignment depends on the torque there, the ease-off does not."""
+    known: dict[str, Any] = {"supports": "axle-fm-11x41", "rounds": AssemblyRounds(update="none"), "speed": 500.0}
+    tree = easeoff.analyze(case, torques=[50.0, 100.0], **known)
+    assert np.ptp(tree["misalignment"].to_dataset()["offset"].values) > 0.01
+    assert "torque" not in tree["friction"].to_dataset()["sliding_velocity"].dims
+    assert np.all(tree["friction"].to_dataset()["efficiency"].values > 0.9)
 
 
 @pytest.mark.thorough

@@ -191,6 +191,15 @@ def test_every_round_leaves_a_small_part_of_the_change_before(update: Update) ->
     assert (changes[2] < 0.03 * changes[1]).all()
 
 
+@pytest.mark.parametrize("rounds", [FIRST_ORDER, AssemblyRounds()], ids=["first order", "rounds"])
+def test_progress_counts_every_torque_and_mesh_position_once(rounds: AssemblyRounds) -> None:
+    calls: list[None] = []
+    here = cycle()
+    held = supports(here.geometry.pair.assembly)
+    here.supported(TORQUES, held, rounds=rounds, edge_contact=False, progress=lambda: calls.append(None))
+    assert len(calls) == len(TORQUES) * 3
+
+
 def test_rounds_that_do_not_end_say_so_and_keep_the_last_certified_solutions() -> None:
     result = found("fm-11x41", "drive", AssemblyRounds(most=2, limit=1e-9))
     assert result.supports["rounds_status"].values.tolist() == [RoundsStatus.ROUND_LIMIT] * 2

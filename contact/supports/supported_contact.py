@@ -10,9 +10,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..loaded_cases import LoadedCase, loaded_dataset, rotation_numbers
-from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, SupportedPair, cycle_mean
+from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound
 from .relative_motion import PARTS
 from .support_datasets import misalignment_dataset, supports_dataset
+from .supported_pair import SupportedPair, cycle_mean
 
 Array = NDArray[np.float64]
 

@@ -168,7 +168,7 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
                     "'easeoff run', and choose other torques or stiffer supports"
                 )
             rows |= {load[place]: list(row) for place, row in zip(part.places, np.transpose(means), strict=True)}
-    errors = np.transpose([rows[torque] for torque in sorted(rows)])
-    table = Deflections(sorted(rows), *(tuple(row) for row in errors))
+    offset, pinion_axial, gear_axial, shaft_angle = np.transpose([rows[torque] for torque in sorted(rows)])
+    table = Deflections(sorted(rows), offset, pinion_axial, gear_axial, shaft_angle)
     rigid = case.model_copy(update={"supports": None})
     return replace(state.misaligned(table), case=rigid)

@@ -31,8 +31,8 @@ def draw(tree: xr.DataTree) -> Figure:
         _curve(panels[0], torques, 1e3 * errors[:, :, number], label, colour, mark)
     _curve(panels[1], torques, 1e3 * errors[:, :, 3], "Σ, shaft angle", INK, "D")
     for fraction, label, colour, mark in (("lengthwise", "from toe", INK, "o"), ("profile", "from root", GREY, "s")):
-        centres = _pattern_centres(tree, fraction)
-        _curve(panels[2], centres["torque"].values, 100.0 * centres.values[:, None], label, colour, mark)
+        at, centres = _pattern_centres(tree, f"pattern_centre_{fraction}")
+        _curve(panels[2], at, centres[:, None], label, colour, mark)
     labels = ("displacement [µm]", "angle [mrad]", "pattern centre [%]")
     for axes, label in zip(panels, labels, strict=True):
         plain_axes(axes)
@@ -52,10 +52,13 @@ def draw(tree: xr.DataTree) -> Figure:
     return figure
 
 
-def _pattern_centres(tree: xr.DataTree, fraction: str) -> xr.DataArray:
-    """Centre of the loaded pattern on the gear flank, at light load and at every torque, as a fraction."""
-    groups = [tree[name].to_dataset() for name in ("light_load", "loaded")]
-    return xr.concat([group[f"pattern_centre_{fraction}"] for group in groups], "torque").sortby("torque")
+def _pattern_centres(tree: xr.DataTree, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Torques (t), and the centre of the loaded pattern on the gear flank there (t) [%]; of light load, too."""
+    groups = [tree[group].to_dataset() for group in ("light_load", "loaded") if group in tree.children]
+    known = [group for group in groups if name in group]  # older results lack the pattern
+    torques, centres = (np.concatenate([[], *(group[one].values for group in known)]) for one in ("torque", name))
+    order = np.argsort(torques)
+    return torques[order], 100.0 * centres[order]
 
 
 def _curve(axes: Axes, torques: np.ndarray, values: np.ndarray, label: str, colour: str, mark: str) -> None:
