@@ -72,7 +72,10 @@ MISTAKES = {
     "a key of earlier versions": (
         r"^\[contact\]$",
         '[compliance]\nshell_form = "thesis"\n[contact]',
-        ["compliance.shell_form = 'thesis': is not a key of [compliance]; known are: fineness, lengthwise_modes"],
+        [
+            "compliance.shell_form = 'thesis': is not a key of [compliance]; known are: fineness, gear_web, "
+            "lengthwise_modes"
+        ],
     ),
     "a key of the shell without it": (
         r"^\[contact\]$",

@@ -236,9 +236,13 @@ def _on_body(
 
     def make() -> dict[str, Array]:
         try:
-            whole = with_body(flank, *body_modes(pair, member, material, size, rim_depth, web))
+            try:
+                modes = body_modes(pair, member, material, size, rim_depth, web)
+            except GeometryError:  # smaller bricks follow what larger ones cannot
+                modes = body_modes(pair, member, material, ring_size(2.0), rim_depth, web)
         except GeometryError as error:
             raise unfilled(member, error) from error
+        whole = with_body(flank, *modes)
         assert whole.body is not None
         return {"factor": whole.factor, "shapes": whole.body.shapes, "coupling": whole.body.coupling}
 
