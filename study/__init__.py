@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
     from .report.key_numbers import key_numbers
-    from .report.plausibility import plausibility
+    from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
     from .vh.vh_check import vh_check
     from .vh.vh_picture import write_vh_picture
@@ -70,7 +70,7 @@ _MODULES = {
     "flank_deviations": ".deviation_source",
     "key_numbers": ".report.key_numbers",
     "measured_file": ".deviation_source",
-    "plausibility": ".report.plausibility",
+    "plausibility": ".report.notes.plausibility",
     "recorded_modification": ".design.fitted_settings",
     "result_summary": ".report.result_summary",
     "shipped_deviations": ".deviation_source",

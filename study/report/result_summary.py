@@ -13,12 +13,12 @@ from ...contact.solvers import Status
 from ...friction.operation import named_models
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
 from .departures import deviations, modification
-from .edge_load import edge_notes
 from .key_numbers import key_numbers
 from .model_name import model_name
-from .plausibility import plausibility
-from .pressure_jumps import jump_notes
-from .ranges import range_notes
+from .notes.edge_load import edge_notes
+from .notes.plausibility import plausibility
+from .notes.pressure_jumps import jump_notes
+from .notes.ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
