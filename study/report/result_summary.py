@@ -128,9 +128,9 @@ def _failures(status: Any) -> list[tuple[int, str]]:
     return [(bad.size, f"({', '.join(names)}); their values are NaN")] if bad.size else []
 
 
-def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
-    """Table of the pair, its misalignment and the models."""
-    attrs = tree.attrs
+def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
+    """Pair, misalignment, departures from the design and models: names and words."""
+    attrs, numbers = tree.attrs, key_numbers(tree)
     sigma = np.degrees(attrs["misalignment_shaft_angle_rad"])
     errors = [
         ("E", attrs["misalignment_offset_mm"], "mm"),
@@ -151,10 +151,10 @@ def _head(tree: xr.DataTree, numbers: xr.Dataset) -> str:
         ("model", model_name(attrs)),
         ("solver", solver),
     ]
-    return aligned([(name, words) for name, words in head if words])
+    return [(name, words) for name, words in head if words]
 
 
-def _notes(tree: xr.DataTree) -> list[str]:
+def result_notes(tree: xr.DataTree) -> list[str]:
     """Notes on the reliability of the numbers."""
     notes = [*uncertified(tree), *doubts(tree)]
     # Older results lack the attribute.
@@ -190,7 +190,7 @@ def result_summary(tree: xr.DataTree) -> str:
     """
     attrs, numbers = tree.attrs, key_numbers(tree)
     title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(len(line) for line in title), "", _head(tree, numbers), ""]
+    parts = ["\n".join(title), "=" * max(len(line) for line in title), "", aligned(head_rows(tree)), ""]
     parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
     parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
     if "friction" in tree.children:
@@ -198,5 +198,5 @@ def result_summary(tree: xr.DataTree) -> str:
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
         parts += ["", name, "", efficiencies(friction)]
-    notes = _notes(tree)
+    notes = result_notes(tree)
     return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
