@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .load_cases.load_case_analysis import analyze_load_cases
     from .load_cases.load_case_pictures import write_load_case_pictures
     from .plot import write_pictures
+    from .report.contact_report.report_file import write_report
     from .report.key_numbers import key_numbers
     from .report.notes.plausibility import plausibility
     from .report.result_summary import result_summary
@@ -53,6 +54,7 @@ __all__ = [
     "wear",
     "write_load_case_pictures",
     "write_pictures",
+    "write_report",
     "write_vh_picture",
 ]
 
@@ -78,6 +80,7 @@ _MODULES = {
     "wear": ".flank_wear.wear_simulation",
     "write_load_case_pictures": ".load_cases.load_case_pictures",
     "write_pictures": ".plot",
+    "write_report": ".report.contact_report.report_file",
     "write_vh_picture": ".vh.vh_picture",
 }
 

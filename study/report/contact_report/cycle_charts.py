@@ -16,6 +16,13 @@ from .packed_array import packed_exactly
 Array = NDArray[Any]
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"
+#: Conditions over which efficiencies are drawn.
+AXES = {
+    "torque": "torque at the pinion [N m]",
+    "speed": "speed of the pinion [1/min]",
+    "temperature": "oil temperature [°C]",
+    "roughness": "RMS roughness [µm]",
+}
 
 
 def chart(
@@ -38,6 +45,15 @@ def _cycle(values: Array) -> tuple[Array, Array]:
     return np.arange(values.size + 1) / values.size, np.append(values, values[:1])
 
 
+def _passage(share: Array, pairs: Array, number: int) -> tuple[Array, Array]:
+    """Mesh positions from 0 to 1 and the share of a tooth pair, which ends where the pair before it begins; or NaN."""
+    before = np.flatnonzero(pairs == pairs[number] - 1)
+    end = share[0, before[0]] if before.size else 0.0
+    values = np.append(share[:, number], end)
+    carries = np.nan_to_num(values) > 0.0
+    return np.arange(values.size) / share.shape[0], np.where(np.any(carries), values, np.nan)
+
+
 def _greatest(table: Array) -> Array:
     """Greatest finite value (torque, mesh_position) over the segments; NaN where there is none."""
     most = np.where(np.isfinite(table), table, -np.inf).max(axis=2, initial=-np.inf)
@@ -46,6 +62,34 @@ def _greatest(table: Array) -> Array:
 
 def _least(table: Array) -> Array:
     return -_greatest(-table)
+
+
+def over_torque(tree: xr.DataTree) -> dict[str, Any]:
+    """Courses of the main numbers over torque, by name; efficiency at the middle speed, temperature and roughness."""
+    groups = {name: tree[name].to_dataset() for name in ("loaded", "friction") if name in tree.children}
+    found = {}
+    for group, variable, title, unit, factor in (
+        ("loaded", "peak_to_peak", "Transmission error, peak to peak,", "µrad", 1.0),
+        ("loaded", "max_pressure", "Greatest pressure", "MPa", 1.0),
+        ("loaded", "contact_ratio", "Contact ratio", "", 1.0),
+        ("loaded", "mean_mesh_stiffness", "Mesh stiffness", "N m/µrad", 1.0),
+        ("friction", "efficiency", "Efficiency", "%", 100.0),
+    ):
+        if group not in groups or variable not in groups[group]:
+            continue
+        values = groups[group][variable].sortby("torque")
+        for name in values.dims:
+            if name != "torque":
+                values = values.isel({name: int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])})
+        if np.any(np.isfinite(values.values)):
+            found[variable] = {
+                "title": title,
+                "unit": unit,
+                "source": f"{group}/{variable}",
+                "x": packed_exactly(values["torque"].values),
+                "y": packed_exactly(factor * values.values),
+            }
+    return found
 
 
 def transmission_error_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
@@ -115,19 +159,21 @@ def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, An
     """Load shares, greatest pressure, mesh stiffness and share on edges over the mesh cycle."""
     loaded = tree["loaded"].to_dataset()
     names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
-    share = ordered(loaded, "load_share", *LOADED, "pair")[chosen]
+    share = 100.0 * ordered(loaded, "load_share", *LOADED, "pair")[chosen]
     pairs = loaded["pair"].values
     shares = [
-        (f"{name}, pair {pair:g}", *_cycle(100.0 * share[i, :, p]))
+        (f"{name}, pair {pair:g}", *_passage(share[i], pairs, int(p)))
         for i, name in enumerate(names)
         for p, pair in enumerate(pairs)
     ]
     charts = [
         {
-            **chart("load_share", "Load share", CYCLE, "share of the torque [%]", "loaded/load_share", shares, by="only"),
+            **chart(
+                "load_share", "Load share", CYCLE, "share of the torque [%]", "loaded/load_share", shares, by="only"
+            ),
             "per": len(pairs),
         },
-        _course("max_pressure", "Greatest pressure", "[MPa]", "loaded/pressure", names, _over(loaded, "pressure")[chosen]),
+        _course("max_pressure", "Greatest pressure", "[MPa]", "loaded/pressure", names, _pressure(loaded)[chosen]),
     ]
     for variable, title, unit, factor in (
         ("mesh_stiffness", "Mesh stiffness", "[N m/µrad]", 1.0),
@@ -140,16 +186,16 @@ def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, An
     return charts
 
 
-def _over(loaded: xr.Dataset, name: str) -> Array:
-    found = _greatest(ordered(loaded, name, *SEGMENTS))
+def _pressure(loaded: xr.Dataset) -> Array:
+    found = _greatest(ordered(loaded, "pressure", *SEGMENTS))
     return np.where(found > 0.0, found, np.nan)
 
 
-def _course(
-    name: str, title: str, y: str, source: str, names: Sequence[str], table: Array
-) -> dict[str, Any]:
+def _course(name: str, title: str, y: str, source: str, names: Sequence[str], table: Array) -> dict[str, Any]:
     """Chart over the mesh cycle with a series a torque (torque, mesh_position)."""
-    return chart(name, title, CYCLE, y, source, [(n, *_cycle(v)) for n, v in zip(names, table, strict=True)], by="torque")
+    return chart(
+        name, title, CYCLE, y, source, [(n, *_cycle(v)) for n, v in zip(names, table, strict=True)], by="torque"
+    )
 
 
 def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[dict[str, Any]]:
@@ -173,7 +219,9 @@ def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[dict[st
         history = ordered(stress, "root_stress_history", "torque", "member", "mesh_position", "pair")[chosen, number]
         title = f"Greatest root stress of the teeth in mesh, {member}"
         charts.append(
-            _course(f"root_cycle_{member}", title, "[MPa]", "root_stress/root_stress_history", torques, _greatest(history))
+            _course(
+                f"root_cycle_{member}", title, "[MPa]", "root_stress/root_stress_history", torques, _greatest(history)
+            )
         )
     return charts
 
@@ -208,43 +256,30 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         sliding = here["sliding_velocity"].transpose("mesh_position", "segment").values[None]
         source = "friction/sliding_velocity"
         table = np.where(carries, sliding, np.nan)
-        charts.append(_course("sliding", "Greatest sliding velocity under load", "[m/s]", source, names, _greatest(table)[chosen]))
+        charts.append(
+            _course("sliding", "Greatest sliding velocity under load", "[m/s]", source, names, _greatest(table)[chosen])
+        )
         table = table * ordered(loaded, "pressure", *SEGMENTS)
         source = "loaded/pressure × friction/sliding_velocity"
-        charts.append(_course("pv", "Greatest pressure × sliding velocity", "[MPa m/s]", source, names, _greatest(table)[chosen]))
+        charts.append(
+            _course("pv", "Greatest pressure × sliding velocity", "[MPa m/s]", source, names, _greatest(table)[chosen])
+        )
     if "mesh_power_loss" in here:
         table = here["mesh_power_loss"].transpose(*LOADED).values[chosen]
         charts.append(_course("power_loss", "Power loss", "[W]", "friction/mesh_power_loss", names, table))
-    order = ("torque", "speed", "temperature", "roughness")
-    efficiency = 100.0 * friction["efficiency"].transpose(*order).values
-    numbers = [at["speed"], at["temperature"], at["roughness"]]
-    torques, speeds = friction["torque"].values, friction["speed"].values
-    if torques.size > 1:
-        rank = np.argsort(torques)
-        series = [
-            (f"{speed:g} 1/min", torques[rank], efficiency[rank, i, numbers[1], numbers[2]])
-            for i, speed in enumerate(speeds)
-        ]
-        charts.append(_efficiency("efficiency_torque", "torque at the pinion [N m]", series))
-    if speeds.size > 1:
-        rank = np.argsort(speeds)
-        series = [
-            (name, speeds[rank], efficiency[i, rank, numbers[1], numbers[2]])
-            for name, i in zip(names, chosen, strict=True)
-        ]
-        charts.append(_efficiency("efficiency_speed", "speed of the pinion [1/min]", series))
-    for position, (dimension, unit) in enumerate((("temperature", "oil temperature [°C]"), ("roughness", "Rq [µm]"))):
-        values = friction[dimension].values
-        if values.size > 1:
-            rank = np.argsort(values)
-            table = efficiency[:, numbers[0]][:, :, numbers[2]] if position == 0 else efficiency[:, numbers[0], numbers[1]]
-            series = [(name, values[rank], table[i, rank]) for name, i in zip(names, chosen, strict=True)]
-            charts.append(_efficiency(f"efficiency_{dimension}", unit, series))
+    efficiency = 100.0 * friction["efficiency"]
+    for along, label in AXES.items():
+        by = "speed" if along == "torque" else "torque"
+        if friction.sizes[along] < 2:
+            continue
+        fixed = {name: number for name, number in at.items() if name not in (along, by)}
+        here = efficiency.isel(fixed).transpose(by, along).sortby(along)
+        rows = range(here.sizes[by]) if by == "speed" else chosen
+        unit = "1/min" if by == "speed" else "N m"
+        series = [(f"{here[by].values[i]:g} {unit}", here[along].values, here.values[i]) for i in rows]
+        title = f"Efficiency over {label.partition(' [')[0]}"
+        charts.append(chart(f"efficiency_{along}", title, label, "[%]", "friction/efficiency", series))
     return charts
-
-
-def _efficiency(name: str, x: str, series: Sequence[tuple[str, Array, Array]]) -> dict[str, Any]:
-    return chart(name, f"Efficiency over {x.partition(' [')[0]}", x, "[%]", "friction/efficiency", series)
 
 
 def efficiency_map(friction: xr.Dataset, at: dict[str, int]) -> dict[str, Any] | None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....contact.evaluation.carrying_error import CarryingError
 from ....contact.evaluation.marking_print import MarkingPrint
+from ....contact.lines.contact_lines import boundary_distance
 from ....core.ordered_values import ordered
 from ....friction import FrictionModel
 from ....friction.surface_velocities import action_splines, axes_of, surface_velocities
@@ -28,6 +29,7 @@ FRICTION_FIELDS = {
     "friction_coefficient": "friction coefficient",
     "flash_temperature": "flash temperature [K]",
 }
+COMMON_MARGIN = 0.03  # beyond the common flank, as a fraction, to which rasters reach; the page cuts them at its border
 UNIT_SPEED = 2.0 * math.pi / 60.0  # [rad/s] of one revolution a minute
 
 
@@ -49,13 +51,14 @@ def surface_fields(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str,
     grid = fine_grid(RASTER)
     ease_off = tree["ease_off"].to_dataset()
     distance = gear.fields("ease_off_angle", grid) * gear.fields("lever_arm", grid) * 1e3
-    fields = {"ease_off": packed(distance)}
+    beyond = boundary_distance(gear.fields, grid) < -COMMON_MARGIN
+    fields = {"ease_off": packed(np.where(beyond, np.nan, distance))}
     if "friction" in tree.children:
         frame = tree["friction"].attrs["rolling_frame"]
         found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid.reshape(2, -1))
         rolling = np.abs(FrictionModel(rolling_frame=frame).rolling(found))
         for name, values in (("sliding_velocity", found.sliding_speed), ("rolling_velocity", rolling)):
-            fields[name] = packed(UNIT_SPEED * values.reshape(RASTER))
+            fields[name] = packed(np.where(beyond, np.nan, UNIT_SPEED * values.reshape(RASTER)))
     return fields
 
 

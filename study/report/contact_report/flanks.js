@@ -40,6 +40,8 @@ class FlankPicture {
     const flank = result.flanks[member];
     this.plane = flank.plane;
     [this.x0, this.x1, this.y0, this.y1] = flank.window;
+    const margin = 0.035 * (this.x1 - this.x0); // for the names of the edges
+    [this.x0, this.x1] = [this.x0 - margin, this.x1 + margin];
     const wide = this.x1 - this.x0, high = this.y1 - this.y0;
     this.box = figure(parent, options.title, options.source);
     this.box.id = `${result.id}-${options.id}-${member}`;
@@ -48,6 +50,8 @@ class FlankPicture {
     this.canvas = element("canvas", "", this.stage);
     this.canvas.width = PIXELS;
     this.canvas.height = Math.round((PIXELS * high) / wide);
+    this.layer = document.createElement("canvas");
+    [this.layer.width, this.layer.height] = [this.canvas.width, this.canvas.height];
     this.drawing = svg("svg", { viewBox: `${this.x0} ${-this.y1} ${wide} ${high}`, role: "img", "aria-label": options.title }, this.stage);
     this.unit = wide / PIXELS;
     this.outline(flank);
@@ -94,6 +98,13 @@ class FlankPicture {
     this.field = this.options.field ? this.options.field() : null;
     const context = this.canvas.getContext("2d");
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    context.fillStyle = "#fff";
+    context.beginPath();
+    for (const [t, h] of [[0, 0], [1, 0], [1, 1], [0, 1]]) {
+      const [x, y] = project(this.plane, t, h);
+      context.lineTo((x - this.x0) / this.unit, (this.y1 - y) / this.unit);
+    }
+    context.fill();
     if (this.field) this.paint(context);
     this.group.replaceChildren();
     if (this.options.marks) this.options.marks(this.group, this);
@@ -112,7 +123,7 @@ class FlankPicture {
   paint(context) {
     const { width, height } = this.canvas, places = this.pixels(), image = context.createImageData(width, height);
     const { low, high, map, levels = 20, lines = false, flat } = this.field, band = new Int16Array(width * height);
-    const shades = Array.from({ length: levels }, (_, i) => colour(map, (i + 0.5) / levels));
+    const shades = flat ? [] : Array.from({ length: levels }, (_, i) => colour(map, (i + 0.5) / levels));
     for (let k = 0; k < band.length; k++) {
       const t = places[2 * k], h = places[2 * k + 1];
       const value = t >= 0 && t <= 1 && h >= 0 && h <= 1 ? this.value(t, h) : NaN;
@@ -132,7 +143,21 @@ class FlankPicture {
         if (next && band[k] >= 0 && (flat || (band[k + 1] >= 0 && band[k + width] >= 0))) image.data.set(flat ? [0, 114, 178, 255] : [60, 60, 60, 255], 4 * k);
       }
     }
-    context.putImageData(image, 0, 0);
+    this.layer.getContext("2d").putImageData(image, 0, 0);
+    context.save();
+    if (lines) this.common(context);
+    context.drawImage(this.layer, 0, 0);
+    context.restore();
+  }
+
+  // Nothing is drawn beyond the common flank.
+  common(context) {
+    context.beginPath();
+    for (const stored of this.result.flanks[this.member].common) {
+      const points = unpack(stored), n = points.length / 2;
+      for (let i = 0; i < n; i++) context[i ? "lineTo" : "moveTo"]((points[i] - this.x0) / this.unit, (this.y1 - points[n + i]) / this.unit);
+    }
+    context.clip();
   }
 
   bar() {

@@ -1,4 +1,4 @@
-"""Both members in mesh for the turnable picture: one tooth of each as grids, and the rotations that bring them there."""
+"""Both members in mesh for the turnable picture: one tooth of each as grids, and the rotations that place them."""
 
 from __future__ import annotations
 
@@ -52,13 +52,15 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
         origin = pair.assembly.pinion_origin if member == "pinion" else pair.assembly.gear_origin
         placed = {name: points @ frame.T + origin for name, points in own.items()}
         node = ordered(tree["flanks"].to_dataset(), "position", "member", "lengthwise", "profile", "xyz")
+        flank, outward = _from_toe(placed[loaded], node[MEMBERS.index(member), 0, 0] @ frame.T + origin)
         members[member] = {
             "axis": np.asarray(attributes[f"{member}_axis"], float).tolist(),
             "origin": np.asarray(attributes[f"{member}_origin_mm"], float).tolist(),
             "turn": turns[member],
             "rate": 1.0 if member == "pinion" else 1.0 / float(attributes["ratio"]),
             "teeth": int(tree.attrs[f"{member}_teeth"]),
-            "flank": packed(_from_toe(placed[loaded], node[MEMBERS.index(member), 0, 0] @ frame.T + origin)),
+            "flank": packed(flank),
+            "outward": outward,
             "others": [packed(points) for name, points in placed.items() if name != loaded],
         }
     middle = ordered(tree["ease_off"].to_dataset(), "action_position", "lengthwise", "profile", "space")
@@ -113,7 +115,10 @@ def _azimuth(vectors: Array, axis: Array) -> Array:
     return np.arctan2(vectors @ np.cross(axis, first), vectors @ first)
 
 
-def _from_toe(points: Array, corner: Array) -> Array:
-    """A flank's grid (m, n, 3) with its first index from the toe and its second one from the root."""
-    turned = [points[::a, ::b] for a in (1, -1) for b in (1, -1)]
-    return np.asarray(min(turned, key=lambda grid: float(np.linalg.norm(grid[0, 0] - corner))))
+def _from_toe(points: Array, corner: Array) -> tuple[Array, int]:
+    """A flank's grid (m, n, 3) with its first index from the toe and its second one from the root.
+
+    And 1 if the derivative along the first index times that along the second one points out of the tooth, else -1.
+    """
+    turned = [(points[::a, ::b], a * b) for a in (1, -1) for b in (1, -1)]
+    return min(turned, key=lambda each: float(np.linalg.norm(each[0][0, 0] - corner)))

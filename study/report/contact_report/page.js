@@ -245,7 +245,7 @@ function frictionField(result, name) {
     return { raster: raster(stored), factor, low: scale(own.low), high: scale(own.high), levels: own.levels, map, unit, lines: true };
   }
   if (!(peak > 0)) return null;
-  const mask = { raster: load, above: 0.01 * peak };
+  const mask = { raster: load, above: 0.03 * peak };
   if (name === "pv") {
     const sliding = unpack(result.fields.sliding_velocity), values = load.values.map((p, n) => p * sliding[n] * factor);
     return { raster: { shape: load.shape, values }, low: 0, high: Math.max(...values), map, unit, mask };
@@ -300,7 +300,19 @@ function caseTables() {
   }
 }
 
+// Numbers of all results over torque, side by side.
+function comparison() {
+  if (!several) return;
+  const node = section("comparison", "Comparison"), grid = element("div", "grid", node);
+  for (const name of Object.keys(results[0].over_torque)) {
+    const { title, unit, source } = results[0].over_torque[name];
+    const series = results.filter((result) => result.over_torque[name]).map((result, number) => ({ name: result.name, x: result.over_torque[name].x, y: result.over_torque[name].y, number }));
+    lineChart(grid, results[0], { id: `compare_${name}`, title: `${title} over torque`, source, x: "torque at the pinion [N m]", y: unit ? `[${unit}]` : "", series, by: "" });
+  }
+}
+
 summary();
+comparison();
 numbers();
 teeth();
 easeOff();
@@ -312,5 +324,5 @@ if (!results.some((result) => result.charts.root)) element("p", "small none", pa
 friction();
 caseTables();
 const footer = element("footer", "", document.body);
-footer.textContent = `easeoff ${data.version}. The words under a title name the variables of the result that a picture or number shows (group/variable). Values of pictures are rounded to 1/131000 of their range, those of charts to seven digits.`;
+footer.textContent = `easeoff ${data.version}. The words under a title name the variables of the result that a picture or number shows (group/variable, or group.attribute). Values of pictures are rounded to 1/131000 of their range, those of charts to seven digits.`;
 document.body.dataset.ready = "yes";

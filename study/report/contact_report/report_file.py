@@ -7,7 +7,6 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,14 +39,14 @@ def write_report(
     ----------
     results
         One or up to six results of ``analyze`` or ``read_result``; by the name that the report gives them, or in a
-        sequence, of which the report takes flank and title.
+        sequence, of which the report takes flank or title. One of load cases counts as the results of all of them.
     path
         File to write, replaced if it exists; missing folders are made.
 
     Raises
     ------
     InputError
-        If there is no result or too many, one of them is of load cases, or the file cannot be written.
+        If there is no result or too many, one is none of ``analyze``, or the file cannot be written.
 
     Examples
     --------
@@ -74,23 +73,30 @@ def _named(results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTr
         names = flanks if len(set(titles)) == 1 else titles
         several = len(set(names)) < len(names)
         results = {f"{i}: {n}" if several else n: t for i, (n, t) in enumerate(zip(names, results, strict=True), 1)}
-    named = {printable(name): tree for name, tree in results.items()}
+    named: dict[str, xr.DataTree] = {}
+    for name, tree in results.items():
+        if "load_cases" not in tree.children:
+            named[printable(name)] = tree
+        elif "results" in tree.children:
+            alone = len(results) == 1
+            cases = tree["results"].children.items()
+            named |= {printable(case if alone else f"{name}, {case}"): result for case, result in cases}
     if not 1 <= len(named) <= RESULT_COUNT_LIMIT:
-        raise InputError(f"results = {len(named)} results: must be 1 to {RESULT_COUNT_LIMIT} for one report")
+        raise InputError(
+            f"results = {len(named)} results, load cases counted: must be 1 to {RESULT_COUNT_LIMIT} for one report"
+        )
     for name, tree in named.items():
-        if "load_cases" in tree.children or "loaded" not in tree.children:
-            raise InputError(
-                f"{name}: must be a result of 'easeoff run' over torques; a report of load cases is made of each of "
-                "their results"
-            )
+        if "loaded" not in tree.children:
+            raise InputError(f"{name}: must be a result of 'easeoff run'")
     return named
 
 
 def report_page(results: Mapping[str, xr.DataTree]) -> str:
     """Text of the page with results by name."""
     from ....core.compiled.compiled_use import without_compiled_code
+    from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
 
-    with without_compiled_code():  # a page needs too little of it to load it for
+    with default_style(), without_compiled_code():  # a page needs too little of that code to load it for
         data = {"results": [_content(name, tree, len(results)) for name, tree in results.items()]}
     title = next(iter(results.values())).attrs.get("title", "")
     version = next(iter(results.values())).attrs.get("easeoff_version", "")
@@ -144,6 +150,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "error": cycle_charts.transmission_error_charts(tree, chosen),
             "contact": cycle_charts.contact_charts(tree, chosen),
         },
+        "over_torque": cycle_charts.over_torque(tree),
         "scene": None if case is None else mesh_scene(tree, case),
         "friction": None,
     }

@@ -11,7 +11,6 @@ from pydantic import BaseModel
 
 from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
-from ....core.errors import EaseoffError
 from ....core.ordered_values import ordered
 from ..contact_tables import end_name
 from ..key_numbers import key_numbers
@@ -151,10 +150,7 @@ def efficiency_rows(friction: xr.Dataset) -> dict[str, Any]:
 
 def case_tables(case: Case) -> list[dict[str, Any]]:
     """Tables of the case: pair, blanks, machine settings, cutters; a column a member or flank."""
-    try:
-        case = with_blanks(case)
-    except EaseoffError:
-        pass
+    case = with_blanks(case)
     flanks = [
         (f"{name} {side}", getattr(member, side))
         for name, member in (("pinion", case.pinion), ("gear", case.gear))

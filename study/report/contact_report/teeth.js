@@ -34,7 +34,8 @@ const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const unit = (a) => { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; };
 
 class Grid {
-  constructor(stored) {
+  constructor(stored, outward = 1) {
+    this.outward = outward;
     [this.m, this.n] = stored.shape;
     this.values = unpack(stored);
   }
@@ -51,7 +52,7 @@ class Grid {
   normal(i, j) {
     const a = this.at(Math.max(i - 1, 0), j), b = this.at(Math.min(i + 1, this.m - 1), j);
     const c = this.at(i, Math.max(j - 1, 0)), d = this.at(i, Math.min(j + 1, this.n - 1));
-    return unit(times(minus(b, a), minus(d, c)));
+    return unit(times(minus(b, a), minus(d, c)).map((v) => v * this.outward));
   }
   triangles(tint, out) {
     for (let i = 0; i + 1 < this.m; i++) {
@@ -138,7 +139,7 @@ class Teeth {
     for (const name of ["gear", "pinion"]) {
       const own = this.scene.members[name], rest = [];
       for (const stored of own.others) new Grid(stored).triangles(() => STEEL[name], rest);
-      this.members[name] = { ...own, name, flankGrid: new Grid(own.flank), rest: this.buffer(rest), flankBuffer: gl.createBuffer(), bands: gl.createBuffer() };
+      this.members[name] = { ...own, name, flankGrid: new Grid(own.flank, own.outward), rest: this.buffer(rest), flankBuffer: gl.createBuffer(), bands: gl.createBuffer() };
     }
     const face = minus(this.members.gear.flankGrid.at(0, 7), this.members.gear.flankGrid.at(40, 7));
     this.size = 0.8 * Math.hypot(...face);
@@ -152,9 +153,7 @@ class Teeth {
     const gear = this.members.gear, i = Math.floor(gear.flankGrid.m / 2), j = Math.floor(gear.flankGrid.n / 2);
     const angle = this.angle(gear, 0), turn = (v) => this.turned(v, gear.axis, angle);
     const up = unit(minus(turn(gear.flankGrid.at(i, gear.flankGrid.n - 1)), turn(gear.flankGrid.at(i, 0))));
-    let out = turn(gear.flankGrid.normal(i, j));
-    const others = new Grid(gear.others[gear.others.length - 1]);
-    if (dot3(out, minus(gear.flankGrid.at(i, j), others.at(Math.floor(others.m / 2), 0))) < 0) out = out.map((v) => -v);
+    const out = turn(gear.flankGrid.normal(i, j));
     const eye = unit(out.map((v, k) => 0.75 * v + 0.9 * up[k]));
     this.pitch = Math.asin(eye[2]);
     this.yaw = Math.atan2(eye[1], eye[0]);
@@ -193,13 +192,11 @@ class Teeth {
   bands() {
     const segments = segmentsNow(this.result), peak = pressurePeak(this.result);
     for (const member of Object.values(this.members)) {
-      const out = [], grid = member.flankGrid, inner = new Grid(member.others[member.others.length - 1]);
+      const out = [], grid = member.flankGrid;
       if (this.over.value === "now") {
         segments.forEach((segment, k) => {
-          const points = segmentEnds(this.result, member.name, segments, k).map(([t, h]) => grid.point(t, h));
-          const [t, h] = segmentEnds(this.result, member.name, segments, k)[1];
-          let normal = grid.normal(Math.round(clamp(t, 0, 1) * (grid.m - 1)), Math.round(clamp(h, 0, 1) * (grid.n - 1)));
-          if (dot3(normal, minus(points[1], inner.at(Math.round(clamp(t, 0, 1) * (inner.m - 1)), Math.floor(inner.n / 2)))) < 0) normal = normal.map((v) => -v);
+          const ends = segmentEnds(this.result, member.name, segments, k), points = ends.map(([t, h]) => grid.point(t, h)), [t, h] = ends[1];
+          const normal = grid.normal(Math.round(clamp(t, 0, 1) * (grid.m - 1)), Math.round(clamp(h, 0, 1) * (grid.n - 1)));
           const across = unit(times(normal, minus(points[2], points[0])));
           const half = Math.max(segment.half || 0, BAND_HALF);
           const tint = segment.edge ? [0.5, 0.2, 0.6] : colour("pressure", segment.pressure / peak).map((c) => c / 255);
@@ -234,16 +231,20 @@ class Teeth {
     for (const name of ["gear", "pinion"]) {
       if (!shown[name]) continue;
       const clear = name === "pinion" && see === "through", member = this.members[name];
-      gl.uniform1f(this.place("opacity"), clear ? 0.22 : 1);
-      clear ? gl.enable(gl.BLEND) : gl.disable(gl.BLEND);
-      gl.depthMask(!clear);
       const count = Math.min(2 * SHOWN[name] + 1, member.teeth), first = -Math.floor(count / 2);
-      for (let pair = first; pair < first + count; pair++) {
-        for (const buffer of [member.rest, member.flankBuffer]) this.batch(buffer, member, this.angle(member, pair));
+      gl.uniform1f(this.place("opacity"), clear ? 0.3 : 1);
+      clear ? gl.enable(gl.BLEND) : gl.disable(gl.BLEND);
+      // What is transparent first fills the depth, so that its foremost surface alone is blended.
+      for (const colours of clear ? [false, true] : [true]) {
+        gl.colorMask(colours, colours, colours, colours);
+        gl.depthFunc(colours && clear ? gl.LEQUAL : gl.LESS);
+        for (let pair = first; pair < first + count; pair++) {
+          for (const buffer of [member.rest, member.flankBuffer]) this.batch(buffer, member, this.angle(member, pair));
+        }
       }
+      gl.depthFunc(gl.LESS);
       if (!clear) this.batch(member.bands, member, 0);
     }
-    gl.depthMask(true);
   }
 
   batch(buffer, member, angle) {
