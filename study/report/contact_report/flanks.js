@@ -162,9 +162,9 @@ class FlankPicture {
 
   bar() {
     const { low, high, map, unit, levels = 20 } = this.field;
-    const drawing = svg("svg", { viewBox: "0 0 300 26", class: "bar" }, this.foot);
-    for (let i = 0; i < levels; i++) svg("rect", { x: 4 + (i * 292) / levels, y: 0, width: 292 / levels + 0.3, height: 9, fill: css(colour(map, (i + 0.5) / levels)) }, drawing);
-    for (const tick of ticks(low, high, 6)) svg("text", { x: 4 + ((tick - low) / (high - low || 1)) * 292, y: 22, "text-anchor": "middle" }, drawing, written(tick));
+    const drawing = svg("svg", { viewBox: "0 0 320 26", class: "bar" }, this.foot);
+    for (let i = 0; i < levels; i++) svg("rect", { x: 14 + (i * 292) / levels, y: 0, width: 292 / levels + 0.3, height: 9, fill: css(colour(map, (i + 0.5) / levels)) }, drawing);
+    for (const tick of ticks(low, high, 6)) svg("text", { x: 14 + ((tick - low) / (high - low || 1)) * 292, y: 22, "text-anchor": "middle" }, drawing, written(tick));
     element("span", "unit", this.foot, unit);
   }
 

@@ -133,8 +133,8 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "name": name,
         "title": printable(str(tree.attrs["title"])),
         "flank": str(tree.attrs["flank"]),
-        "head": [[left, printable(right)] for left, right in head_rows(tree)],
-        "notes": [printable(note) for note in result_notes(tree)],
+        "head": [[left, _signed(printable(right))] for left, right in head_rows(tree)],
+        "notes": [_signed(printable(note)) for note in result_notes(tree)],
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": loaded_numbers(tree),
@@ -172,6 +172,11 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "table": efficiency_rows(friction),
         }
     return content
+
+
+def _signed(text: str) -> str:
+    """A text with the signs of its units, which terminals may lack."""
+    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
 
 
 def _middle(values: NDArray[Any]) -> int:
