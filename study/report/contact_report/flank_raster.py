@@ -17,6 +17,7 @@ Array = NDArray[Any]
 
 RASTER = (121, 49)  # points along the face and the profile
 CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate
+AREA_MINIMUM = 1e-9  # of a triangle, twice, in meshes of the raster
 
 
 def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
@@ -57,6 +58,7 @@ def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape
     grid = np.full(shape[0] * shape[1], np.nan)
     corners = (points.T * (np.array(shape) - 1))[triangles]  # (m, 3, 2), in nodes
     known = np.all(np.isfinite(corners), axis=(1, 2)) & np.all(np.isfinite(values[triangles]), axis=1)
+    known &= np.abs(_cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])) > AREA_MINIMUM
     corners, at_corners = corners[known], values[triangles][known]
     low = np.clip(np.ceil(corners.min(axis=1) - 1e-9).astype(int), 0, None)
     high = np.minimum(np.floor(corners.max(axis=1) + 1e-9).astype(int), np.array(shape) - 1)
@@ -68,8 +70,7 @@ def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape
     node = low[owner] + np.stack([number // np.maximum(rows, 1), number % np.maximum(rows, 1)], axis=1)
     a, b, c = np.moveaxis(corners[owner], 1, 0)
     area = _cross(b - a, c - a)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        second, third = _cross(node - a, c - a) / area, _cross(b - a, node - a) / area
+    second, third = _cross(node - a, c - a) / area, _cross(b - a, node - a) / area
     weight = np.stack([1.0 - second - third, second, third], axis=1)
     within = np.all(weight >= -CORNER_TOLERANCE, axis=1)
     found = np.sum(weight * at_corners[owner], axis=1)[within]

@@ -61,6 +61,8 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
             "teeth": int(tree.attrs[f"{member}_teeth"]),
             "flank": packed(flank),
             "outward": outward,
+            "places": packed(_places(pair, member, flank @ frame - origin @ frame)),
+            "grid": packed(node[MEMBERS.index(member)] @ frame.T + origin),
             "others": [packed(points) for name, points in placed.items() if name != loaded],
         }
     middle = ordered(tree["ease_off"].to_dataset(), "action_position", "lengthwise", "profile", "space")
@@ -106,6 +108,12 @@ def _turns(tree: xr.DataTree, pair: GearPair) -> dict[str, float]:
         # A mean of angles that do not jump from one turn to the next; of the pinion all are alike.
         turns[member] = float(np.angle(np.mean(np.exp(1j * known))))
     return turns
+
+
+def _places(pair: GearPair, member: str, points: Array) -> Array:
+    """Lengthwise and profile fractions (2, m, n) of points (m, n, 3) in a member's frame."""
+    section = pair.pinion.section if member == "pinion" else pair.gear.section
+    return np.stack(section.fractions(points[..., 2], np.hypot(points[..., 0], points[..., 1])))
 
 
 def _azimuth(vectors: Array, axis: Array) -> Array:

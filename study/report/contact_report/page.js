@@ -60,7 +60,7 @@ function slider(key, name, values, unit) {
 const union = (lists) => [...new Set(lists.flat())].sort((a, b) => a - b);
 
 // Choices that the address gives: report.html#torque=150&position=0.25
-const given = new URLSearchParams(location.hash.slice(1));
+let given = new URLSearchParams(location.hash.slice(1));
 const speeds = union(results.map((result) => (result.friction ? result.friction.speeds : [])));
 const torques = union(results.map((result) => result.torques));
 const longest = results.reduce((a, b) => (b.positions.length > a.positions.length ? b : a)).positions;
@@ -68,6 +68,13 @@ const chosen = (key, values, own) => (given.has(key) ? values[nearest(values, Nu
 state.torque = chosen("torque", torques, torques[Math.floor((torques.length - 1) / 2)]);
 state.speed = chosen("speed", speeds, speeds[Math.floor((speeds.length - 1) / 2)] ?? NaN);
 state.position = chosen("position", longest, longest[0]);
+
+window.addEventListener("hashchange", () => {
+  given = new URLSearchParams(location.hash.slice(1));
+  for (const [key, values] of [["torque", torques], ["speed", speeds], ["position", longest]]) {
+    if (given.has(key)) state.set(key, chosen(key, values, state[key]));
+  }
+});
 
 const header = element("header", "", document.body);
 element("h1", "", header, "Contact report");

@@ -139,7 +139,7 @@ class Teeth {
     for (const name of ["gear", "pinion"]) {
       const own = this.scene.members[name], rest = [];
       for (const stored of own.others) new Grid(stored).triangles(() => STEEL[name], rest);
-      this.members[name] = { ...own, name, flankGrid: new Grid(own.flank, own.outward), rest: this.buffer(rest), flankBuffer: gl.createBuffer(), bands: gl.createBuffer() };
+      this.members[name] = { ...own, name, flankGrid: new Grid(own.flank, own.outward), grid: new Grid(own.grid, own.outward), places: unpack(own.places), rest: this.buffer(rest), flankBuffer: gl.createBuffer(), bands: gl.createBuffer() };
     }
     const face = minus(this.members.gear.flankGrid.at(0, 7), this.members.gear.flankGrid.at(40, 7));
     this.size = 0.8 * Math.hypot(...face);
@@ -179,9 +179,9 @@ class Teeth {
   colourFlanks() {
     const i = nearest(this.result.torques, state.torque), peak = pressurePeak(this.result);
     for (const member of Object.values(this.members)) {
-      const field = raster(this.result.pressure[member.name][i]), grid = member.flankGrid, out = [];
+      const field = raster(this.result.pressure[member.name][i]), grid = member.flankGrid, out = [], count = grid.m * grid.n;
       grid.triangles((a, b) => {
-        const value = this.over.value === "cycle" ? sample(field, a / (grid.m - 1), b / (grid.n - 1)) : 0;
+        const value = this.over.value === "cycle" ? sample(field, member.places[a * grid.n + b], member.places[count + a * grid.n + b]) : 0;
         return value > 0.01 * peak ? colour("pressure", value / peak).map((c) => c / 255) : STEEL[member.name];
       }, out);
       this.buffer(out, member.flankBuffer);
@@ -192,7 +192,7 @@ class Teeth {
   bands() {
     const segments = segmentsNow(this.result), peak = pressurePeak(this.result);
     for (const member of Object.values(this.members)) {
-      const out = [], grid = member.flankGrid;
+      const out = [], grid = member.grid;
       if (this.over.value === "now") {
         segments.forEach((segment, k) => {
           const ends = segmentEnds(this.result, member.name, segments, k), points = ends.map(([t, h]) => grid.point(t, h)), [t, h] = ends[1];
