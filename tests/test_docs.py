@@ -53,6 +53,7 @@ WITH_CODE = (
     "vh_check",
     "load_cases",
     "half_space",
+    "report",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 

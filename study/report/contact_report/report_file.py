@@ -51,6 +51,7 @@ def write_report(
     Examples
     --------
     >>> import easeoff
+    >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
     >>> with TemporaryDirectory() as folder:
