@@ -33,6 +33,8 @@ class Browser:
         Addresses asked for.
     """
 
+    _session: str | None = None
+
     def __init__(self, width: int = 1300, height: int = 900) -> None:
         self.errors: list[str] = []
         self.requests: list[str] = []
@@ -58,13 +60,11 @@ class Browser:
         os.close(from_browser)
         pages = [t for t in self.send("Target.getTargets")["targetInfos"] if t["type"] == "page"]
         attached = self.send("Target.attachToTarget", targetId=pages[0]["targetId"], flatten=True)
-        self._session: str | None = attached["sessionId"]
+        self._session = attached["sessionId"]
         for domain in ("Runtime", "Log", "Network", "Page"):
             self.send(f"{domain}.enable")
         self.resize(*self._size)
         return self
-
-    _session = None
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

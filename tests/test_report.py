@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import InputError, analyze, read_case, write_result
+from easeoff.cases import LoadCase
 from easeoff.cases.changes import changed_case
 from easeoff.cases.schema.case_schema import Case
 from easeoff.contact import Status
@@ -29,7 +30,7 @@ from easeoff.core.compiled.compiled_use import without_compiled_code
 from easeoff.core.ordered_values import ordered
 from easeoff.friction.surface_velocities import axes_of
 from easeoff.geometry.pair.gear_pair import MEMBERS
-from easeoff.study import key_numbers, write_report
+from easeoff.study import analyze_load_cases, key_numbers, write_report
 from easeoff.study.cli import main
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.report.contact_report import flank_raster, mesh_scene, packed_array, stored_case
@@ -197,7 +198,7 @@ def test_numbers_of_the_page_are_the_key_numbers(drive: xr.DataTree) -> None:
         assert variable in drive[group], name
     heads = result["friction"]["table"]["heads"]
     efficiency = [float(row[heads.index("efficiency [%]")]) for row in result["friction"]["table"]["rows"]]
-    assert np.allclose(efficiency, 100.0 * drive["friction/efficiency"].values.ravel(), atol=0.005)
+    assert np.allclose(efficiency, 100.0 * drive["friction"].to_dataset()["efficiency"].values.ravel(), atol=0.005)
 
 
 def test_stiffness_and_error_along_the_normal_are_those_of_a_rigid_lever(drive: xr.DataTree) -> None:
@@ -279,6 +280,14 @@ def test_the_file_is_small_whole_and_alone(drive: xr.DataTree, coast: xr.DataTre
     assert "default-src 'none'" in text
     assert re.findall(r"""(?:src|href)\s*=\s*["'](?!#)""", text) == []
     assert [entry.name for entry in path.parent.iterdir()] == ["report.html"]
+
+
+def test_a_result_of_load_cases_counts_as_those_of_all(tmp_path: Path) -> None:
+    rows = [LoadCase(name="climb", torque=300.0), LoadCase(name="overrun", torque=50.0, flank="coast")]
+    with without_compiled_code():
+        write_report(analyze_load_cases(coarse(), rows), tmp_path / "report.html")
+    found = content((tmp_path / "report.html").read_text(encoding="utf-8"))["results"]
+    assert [(result["name"], result["flank"]) for result in found] == [("climb", "drive"), ("overrun", "coast")]
 
 
 @pytest.mark.parametrize("count", [0, RESULT_COUNT_LIMIT + 1])

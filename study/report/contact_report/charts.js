@@ -15,7 +15,7 @@ function lineChart(parent, result, chart) {
   const box = figure(parent, chart.title, chart.source);
   box.id = `${result.id}-${chart.id}`;
   if (!chart.series.length) {
-    element("p", "none", box, "No finite value: " + (chart.empty || "no position has a certified solution."));
+    element("p", "none", box, "Nothing to draw: no certified mesh position has a value.");
     return;
   }
   const { width, height, left, right, top, bottom } = CHART;

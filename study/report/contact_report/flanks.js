@@ -110,7 +110,8 @@ class FlankPicture {
     if (this.options.marks) this.options.marks(this.group, this);
     this.foot.replaceChildren();
     if (this.field && !this.field.flat) this.bar();
-    element("span", "", this.foot, this.options.words ? this.options.words() : "");
+    const words = this.options.words ? this.options.words() : "";
+    element("span", "", this.foot, words + (this.options.field && !this.field ? ": no certified mesh position carries on contact lines" : ""));
   }
 
   value(t, h) {
@@ -191,7 +192,7 @@ function segmentsNow(result) {
   const found = [];
   const all = Object.fromEntries(["tooth", "edge", "pressure", "half_width", "length", "force"].map((n) => [n, unpack(s[n])]));
   for (let n = s.start[i][k]; n < s.start[i][k + 1]; n++) {
-    found.push({ n, tooth: all.tooth[n], edge: all.edge[n] > 0, pressure: all.pressure[n], half: all.half_width[n], length: all.length[n], force: all.force[n] });
+    found.push({ n, tooth: all.tooth[n], edge: all.edge[n] > 0 || !Number.isFinite(all.pressure[n]), pressure: all.pressure[n], half: all.half_width[n], length: all.length[n], force: all.force[n] });
   }
   return found;
 }

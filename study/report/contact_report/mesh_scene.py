@@ -69,7 +69,7 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
     return {
         "members": members,
         "pitch": 2.0 * math.pi / int(tree.attrs["pinion_teeth"]),
-        "rotation": packed_exactly(tree["loaded"]["pinion_rotation"].values),
+        "rotation": packed_exactly(tree["loaded"].to_dataset()["pinion_rotation"].values),
         "middle": np.nanmean(middle, axis=(0, 1)).tolist(),
     }
 
@@ -120,7 +120,7 @@ def _azimuth(vectors: Array, axis: Array) -> Array:
     """Angle (n) [rad] of vectors (n, 3) about an axis."""
     first = np.cross(axis, [0.0, 1.0, 0.0])
     first /= np.linalg.norm(first)
-    return np.arctan2(vectors @ np.cross(axis, first), vectors @ first)
+    return np.asarray(np.arctan2(vectors @ np.cross(axis, first), vectors @ first))
 
 
 def _from_toe(points: Array, corner: Array) -> tuple[Array, int]:

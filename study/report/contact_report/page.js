@@ -186,7 +186,7 @@ function pattern() {
 
 function pressureField(result, member) {
   const stored = result.pressure[member][torqueOf(result)], peak = pressurePeak(result);
-  return { raster: raster(stored), low: 0, high: peak, map: "pressure", unit: "MPa", positive: true };
+  return unpack(stored).some((v) => v > 0) ? { raster: raster(stored), low: 0, high: peak, map: "pressure", unit: "MPa", positive: true } : null;
 }
 
 function bands(group, picture) {
@@ -210,7 +210,7 @@ function pressure() {
     for (const member of ["gear", "pinion"]) {
       new FlankPicture(grid, result, member, {
         id: "pressure", title: title(`Greatest pressure over the mesh cycle, ${member}`, result), source: "loaded/pressure", field: () => pressureField(result, member),
-        words: () => (unpack(result.pressure[member][torqueOf(result)]).some((v) => v > 0) ? torqueWords(result) : `${torqueWords(result)}: no certified position carries on contact lines`),
+        words: () => torqueWords(result),
       });
     }
     for (const member of ["gear", "pinion"]) {
@@ -255,7 +255,7 @@ function frictionField(result, name) {
   const mask = { raster: load, above: 0.03 * peak };
   if (name === "pv") {
     const sliding = unpack(result.fields.sliding_velocity), values = load.values.map((p, n) => p * sliding[n] * factor);
-    return { raster: { shape: load.shape, values }, low: 0, high: Math.max(...values), map, unit, mask };
+    return { raster: { shape: load.shape, values }, low: 0, high: values.reduce((a, b) => (b > a ? b : a), 0), map, unit, mask };
   }
   const stored = result.friction.fields[name][i][k];
   if (!stored) return null;

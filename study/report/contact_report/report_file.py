@@ -65,23 +65,15 @@ def write_report(
 
 
 def _named(results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
-    """Results by name."""
-    if isinstance(results, xr.DataTree):
-        results = [results]
-    if not isinstance(results, Mapping):
-        flanks = [str(tree.attrs.get("flank", "")) for tree in results]
-        titles = [str(tree.attrs.get("title", "")) for tree in results]
-        names = flanks if len(set(titles)) == 1 else titles
-        several = len(set(names)) < len(names)
-        results = {f"{i}: {n}" if several else n: t for i, (n, t) in enumerate(zip(names, results, strict=True), 1)}
+    """Results by name, with those of load cases in the place of the result that holds them."""
+    given = _by_name([results] if isinstance(results, xr.DataTree) else results)
     named: dict[str, xr.DataTree] = {}
-    for name, tree in results.items():
+    for name, tree in given.items():
         if "load_cases" not in tree.children:
             named[printable(name)] = tree
         elif "results" in tree.children:
-            alone = len(results) == 1
-            cases = tree["results"].children.items()
-            named |= {printable(case if alone else f"{name}, {case}"): result for case, result in cases}
+            cases = tree.children["results"].children.items()
+            named |= {printable(case if len(given) == 1 else f"{name}, {case}"): result for case, result in cases}
     if not 1 <= len(named) <= RESULT_COUNT_LIMIT:
         raise InputError(
             f"results = {len(named)} results, load cases counted: must be 1 to {RESULT_COUNT_LIMIT} for one report"
@@ -92,16 +84,27 @@ def _named(results: xr.DataTree | Sequence[xr.DataTree] | Mapping[str, xr.DataTr
     return named
 
 
+def _by_name(results: Sequence[xr.DataTree] | Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
+    """Results by name: the given one, else by flank or title, with a number where these are alike."""
+    if isinstance(results, Mapping):
+        return dict(results)
+    flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
+    names = flanks if len(set(titles)) == 1 else titles
+    if len(set(names)) < len(names):
+        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
+    return dict(zip(names, results, strict=True))
+
+
 def report_page(results: Mapping[str, xr.DataTree]) -> str:
     """Text of the page with results by name."""
     from ....core.compiled.compiled_use import without_compiled_code
     from ...plot.drawing_style import default_style  # the pictures share their views of the teeth
 
     with default_style(), without_compiled_code():  # a page needs too little of that code to load it for
-        data = {"results": [_content(name, tree, len(results)) for name, tree in results.items()]}
-    title = next(iter(results.values())).attrs.get("title", "")
+        data: dict[str, Any] = {"results": [_content(name, tree, len(results)) for name, tree in results.items()]}
+    title = " · ".join(dict.fromkeys(str(tree.attrs.get("title", "")) for tree in results.values()))
     version = next(iter(results.values())).attrs.get("easeoff_version", "")
-    data |= {"title": printable(str(title)), "version": printable(str(version))}
+    data |= {"title": printable(title), "version": printable(str(version))}
     # "<" would end the element that holds the data, or open a comment.
     text = json.dumps(data, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
     folder = resources.files(__package__)
