@@ -273,10 +273,10 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         if friction.sizes[along] < 2:
             continue
         fixed = {name: number for name, number in at.items() if name not in (along, by)}
-        table = efficiency.isel(fixed).transpose(by, along).sortby(along)
-        rows = range(table.sizes[by]) if by == "speed" else chosen
+        found = efficiency.isel(fixed).transpose(by, along).sortby(along)
+        rows = range(found.sizes[by]) if by == "speed" else chosen
         unit = "1/min" if by == "speed" else "N m"
-        series = [(f"{table[by].values[i]:g} {unit}", table[along].values, table.values[i]) for i in rows]
+        series = [(f"{found[by].values[i]:g} {unit}", found[along].values, found.values[i]) for i in rows]
         title = f"Efficiency over {label.partition(' [')[0]}"
         charts.append(chart(f"efficiency_{along}", title, label, "[%]", "friction/efficiency", series))
     return charts

@@ -13,7 +13,6 @@ from ....contact.evaluation.carrying_error import CarryingError
 from ....contact.evaluation.marking_print import MarkingPrint
 from ....contact.lines.contact_lines import boundary_distance
 from ....core.ordered_values import ordered
-from ....friction import FrictionModel
 from ....friction.surface_velocities import action_splines, axes_of, surface_velocities
 from ...plot.contact_pattern import contact_pattern
 from ...plot.tooth_view import ToothView, fine_grid
@@ -46,7 +45,7 @@ def outlines(views: tuple[ToothView, ...]) -> dict[str, Any]:
 
 
 def surface_fields(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str, Any]:
-    """Rasters that no load enters: ease-off, and sliding and rolling velocity at one revolution a minute."""
+    """Rasters that no load enters: ease-off, and sliding velocity at one revolution a minute."""
     gear = views[0]
     grid = fine_grid(RASTER)
     ease_off = tree["ease_off"].to_dataset()
@@ -54,11 +53,9 @@ def surface_fields(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str,
     beyond = boundary_distance(gear.fields, grid) < -COMMON_MARGIN
     fields = {"ease_off": packed(np.where(beyond, np.nan, distance))}
     if "friction" in tree.children:
-        frame = tree["friction"].attrs["rolling_frame"]
         found = surface_velocities(axes_of(ease_off), action_splines(ease_off), grid.reshape(2, -1))
-        rolling = np.abs(FrictionModel(rolling_frame=frame).rolling(found))
-        for name, values in (("sliding_velocity", found.sliding_speed), ("rolling_velocity", rolling)):
-            fields[name] = packed(np.where(beyond, np.nan, UNIT_SPEED * values.reshape(RASTER)))
+        sliding = UNIT_SPEED * found.sliding_speed.reshape(RASTER)
+        fields["sliding_velocity"] = packed(np.where(beyond, np.nan, sliding))
     return fields
 
 
