@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from . import cases, contact, friction, geometry, study, verification
     from .cases import Case, read_case
     from .core.errors import EaseoffError, GeometryError, InputError, MissingPackageError, MissingSolverError
-    from .study.analysis import analyze
+    from .study.analysis.case_analysis import analyze
     from .study.design.optimization import optimize
     from .study.result import read_result, write_result
     from .study.sweep.parameter_sweep import sweep
@@ -58,7 +58,7 @@ _MODULES = {
     "InputError": ".core.errors",
     "MissingPackageError": ".core.errors",
     "MissingSolverError": ".core.errors",
-    "analyze": ".study.analysis",
+    "analyze": ".study.analysis.case_analysis",
     "optimize": ".study.design.optimization",
     "read_case": ".cases",
     "read_result": ".study.result",

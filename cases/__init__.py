@@ -8,6 +8,8 @@ from ..core.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from .conversion import designed_blanks, ease_off_target, elastic_model, gear_pair
+    from .deflection_table import read_deflections
+    from .deflections import Deflections
     from .load_cases import load_case_misalignment, read_load_cases
     from .reading import (
         case_text,
@@ -16,8 +18,10 @@ if TYPE_CHECKING:
         parse_design,
         read_case,
         read_design,
+        read_supports,
         shipped_cases,
         shipped_designs,
+        shipped_supports,
     )
     from .rexs.rexs_reading import read_rexs
     from .rexs.rexs_writing import write_rexs
@@ -25,15 +29,20 @@ if TYPE_CHECKING:
     from .schema.design_schema import Design
     from .schema.friction_table import FrictionTable
     from .schema.load_case_table import LoadCase
+    from .schema.supports_table import SupportsTable
     from .session.session_script import read_session_script
+    from .support_conversion import support_system
+    from .supported_case import with_supports
     from .writing import case_toml, write_case
 
 __all__ = [
     "Case",
     "ContactTable",
+    "Deflections",
     "Design",
     "FrictionTable",
     "LoadCase",
+    "SupportsTable",
     "case_text",
     "case_toml",
     "design_text",
@@ -45,18 +54,25 @@ __all__ = [
     "parse_case",
     "parse_design",
     "read_case",
+    "read_deflections",
     "read_design",
     "read_load_cases",
     "read_rexs",
     "read_session_script",
+    "read_supports",
     "shipped_cases",
     "shipped_designs",
+    "shipped_supports",
+    "support_system",
+    "with_supports",
     "write_case",
     "write_rexs",
 ]
 
 _ORIGINS = {
     ".conversion": ["designed_blanks", "ease_off_target", "elastic_model", "gear_pair"],
+    ".deflection_table": ["read_deflections"],
+    ".deflections": ["Deflections"],
     ".load_cases": ["load_case_misalignment", "read_load_cases"],
     ".reading": [
         "case_text",
@@ -65,8 +81,10 @@ _ORIGINS = {
         "parse_design",
         "read_case",
         "read_design",
+        "read_supports",
         "shipped_cases",
         "shipped_designs",
+        "shipped_supports",
     ],
     ".rexs.rexs_reading": ["read_rexs"],
     ".rexs.rexs_writing": ["write_rexs"],
@@ -74,7 +92,10 @@ _ORIGINS = {
     ".schema.design_schema": ["Design"],
     ".schema.friction_table": ["FrictionTable"],
     ".schema.load_case_table": ["LoadCase"],
+    ".schema.supports_table": ["SupportsTable"],
     ".session.session_script": ["read_session_script"],
+    ".support_conversion": ["support_system"],
+    ".supported_case": ["with_supports"],
     ".writing": ["case_toml", "write_case"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

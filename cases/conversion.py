@@ -26,9 +26,12 @@ from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
 from ..geometry.tooth.tooth_flanks import MemberName
+from ..geometry.tooth.tooth_lattice import Web
+from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
-from .schema.case_schema import Blank, Case, MemberTable, MisalignmentTable, PairTable, TargetTable
+from .schema.case_schema import Blank, Case, MemberTable, PairTable, TargetTable, WebTable
 from .schema.cutting_table import ANGULAR_MOTIONS, FlankSettings, Machine, Motions
+from .schema.misalignment_table import MisalignmentTable, deflections_of
 
 Side = Literal["concave", "convex"]
 
@@ -180,9 +183,10 @@ def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *
     )
 
 
-def misalignment(table: MisalignmentTable) -> Misalignment:
-    """Assembly errors in mm and rad."""
-    return Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+def misalignment(table: MisalignmentTable) -> Misalignment | Deflections:
+    """Assembly errors in mm and rad, over the torque if the table has deflections."""
+    own = Misalignment(table.offset, table.pinion_axial, table.gear_axial, math.radians(table.shaft_angle))
+    return deflections_of(table.deflections, own) if table.deflections else own
 
 
 def ease_off_target(table: TargetTable) -> EaseOffTarget:
@@ -230,13 +234,23 @@ def finite_elements(
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
     what = "finite elements" if table.model == "fe" else "solid shell"
 
-    def tooth(member: MemberName, material: Material, rim_depth: float | None) -> FiniteElementTooth:
+    def tooth(
+        member: MemberName, material: Material, rim_depth: float | None, web: WebTable | None
+    ) -> FiniteElementTooth:
         if stage is not None:
             stage(f"{what} of the {member}")
-        return make(pair, member, material, fineness=table.fineness, rim_depth=rim_depth)
+        return make(
+            pair,
+            member,
+            material,
+            fineness=table.fineness,
+            rim_depth=rim_depth,
+            neighbours=table.neighbours,
+            web=None if web is None else Web(web.bore_diameter, web.thickness),
+        )
 
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
-    return tooth("pinion", pinion, of_pinion), tooth("gear", gear, of_gear)
+    return tooth("pinion", pinion, of_pinion, table.pinion_web), tooth("gear", gear, of_gear, table.gear_web)
 
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:
@@ -296,7 +310,7 @@ def gear_pair(case: Case, flank: FlankName = "drive") -> GearPair:
         pinion_hand=case.pinion.hand_of_spiral,
         shaft_angle=math.radians(case.pair.shaft_angle),
         hypoid_offset=case.pair.hypoid_offset,
-        misalignment=misalignment(case.misalignment),
+        misalignment=misalignment_at(misalignment(case.misalignment), 0.0, flank),
     )
     pinion_section, gear_section = sections(case)
     return GearPair(

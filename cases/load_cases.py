@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
@@ -15,10 +16,13 @@ from ..core.reading.regular_file import named
 from ..core.reading.text_file import TOML_SIZE_LIMIT
 from ..core.suggestion import suggestion
 from ..geometry.pair.assembly import Misalignment
-from .load_case_rows import read_load_case_rows
+from ..geometry.pair.gear_pair import FlankName
+from .conversion import misalignment as case_misalignment
+from .deflections import ERRORS, SYMBOLS, Deflections, misalignment_at
 from .mistakes import mistakes
 from .schema.case_schema import Case
 from .schema.load_case_table import LOAD_CASE_COUNT_LIMIT, LoadCase, named_load_cases
+from .table_rows import read_table_rows
 
 COLUMNS = tuple(LoadCase.model_fields)
 TEXT_COLUMNS = ("name", "flank")
@@ -51,7 +55,7 @@ def read_load_cases(path: str | os.PathLike[str]) -> tuple[LoadCase, ...]:
     >>> cruise.E, climb.E
     (None, 0.05)
     """
-    found = read_load_case_rows(
+    found = read_table_rows(
         path, _is_text, _load_case, size_limit=TOML_SIZE_LIMIT, count_limit=LOAD_CASE_COUNT_LIMIT, needed="torque"
     )
     try:
@@ -77,8 +81,19 @@ def _load_case(row: Mapping[str, Any]) -> LoadCase:
         raise ValueError(mistakes(LoadCase, error)) from error
 
 
-def load_case_misalignment(load_case: LoadCase, case: Case) -> Misalignment:
-    """Misalignment of a load case [mm, rad]: its own values, and those of the case where it has none.
+def load_case_misalignment(
+    load_case: LoadCase, case: Case, misalignment: Misalignment | Deflections | None = None, flank: FlankName = "drive"
+) -> Misalignment:
+    """Misalignment of a load case [mm, rad] at its torque: its own values, and where it has none others.
+
+    Parameters
+    ----------
+    load_case, case
+        The load case, and the case it is one of.
+    misalignment
+        Of load cases without values of their own; that of the case if left out.
+    flank
+        Flanks in mesh of load cases that name none.
 
     Examples
     --------
@@ -86,14 +101,20 @@ def load_case_misalignment(load_case: LoadCase, case: Case) -> Misalignment:
     >>> load_case_misalignment(LoadCase(torque=100.0, E=0.1), read_case("nasa-12x36")).offset
     0.1
     """
-    own, given = case.misalignment, load_case
-    offset, pinion_axial, gear_axial, shaft_angle = (
-        value if value is not None else other
-        for value, other in (
-            (given.E, own.offset),
-            (given.P, own.pinion_axial),
-            (given.G, own.gear_axial),
-            (given.Sigma, own.shaft_angle),
-        )
-    )
-    return Misalignment(offset, pinion_axial, gear_axial, math.radians(shaft_angle))
+    given = case_misalignment(case.misalignment) if misalignment is None else misalignment
+    found = misalignment_at(given, load_case.torque, load_case.flank or flank)
+    own = {error: getattr(load_case, symbol) for error, symbol in zip(ERRORS, SYMBOLS, strict=True)}
+    if own["shaft_angle"] is not None:
+        own["shaft_angle"] = math.radians(own["shaft_angle"])
+    return replace(found, **{error: value for error, value in own.items() if value is not None})
+
+
+def has_own_misalignment(load_case: LoadCase) -> bool:
+    """Whether a load case has values of its own for some assembly error.
+
+    Examples
+    --------
+    >>> has_own_misalignment(LoadCase(torque=100.0)), has_own_misalignment(LoadCase(torque=100.0, P=0.0))
+    (False, True)
+    """
+    return any(getattr(load_case, symbol) is not None for symbol in SYMBOLS)

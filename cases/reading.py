@@ -21,8 +21,9 @@ from ..core.toml_text import toml_tables
 from .mistakes import count, mistakes
 from .schema.case_schema import Case
 from .schema.design_schema import Design
+from .schema.supports_table import SupportFile, SupportsTable
 
-Model = TypeVar("Model", Case, Design)
+Model = TypeVar("Model", Case, Design, SupportFile)
 
 
 #: Files that are no cases, and what to do with them.
@@ -53,14 +54,14 @@ class FileKind(Generic[Model]):
         Schema.
     folder
         Folder of the shipped files.
-    other
-        Advice for a file of the other kind; ``{0}`` stands for its name.
+    others
+        Advice for a file of another kind, by the name of the kind; ``{0}`` stands for that of the file.
     """
 
     name: str
     model: type[Model]
     folder: Traversable
-    other: str
+    others: Mapping[str, str]
 
     def shipped(self) -> dict[str, str]:
         """Names and titles of the shipped files."""
@@ -81,9 +82,9 @@ class FileKind(Generic[Model]):
                 raise InputError(f"{kind} {name!r} is a folder: give the name of a file")
             if os.path.exists(path):
                 raise InputError(f"{kind} {name!r} is a device or a pipe, not a file: give the name of a file")
-            for other in (CASE, DESIGN):
+            for other in KINDS:
                 if name in other.names():
-                    raise InputError(f"{name} is {self.other.format(name)}")
+                    raise InputError(f"{name} is {self.others[other.name].format(name)}")
             near = suggestion(name, [*self.names(), *_beside(path)])
             known = ", ".join(self.names())
             raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}{near}")
@@ -110,9 +111,9 @@ class FileKind(Generic[Model]):
         if not text.strip():
             raise InputError(f"{origin} is empty")
         data = toml_tables(text, origin)
-        versions = [f"easeoff_{kind.name}" for kind in (CASE, DESIGN) if f"easeoff_{kind.name}" in data]
-        if versions and f"easeoff_{self.name}" not in versions:
-            raise InputError(f"{origin} is {self.other.format(origin)}")
+        kinds = [kind.name for kind in KINDS if f"easeoff_{kind.name}" in data]
+        if kinds and self.name not in kinds:
+            raise InputError(f"{origin} is {self.others[kinds[0]].format(origin)}")
         found = self.check(data, origin, folder, allow_outside=allow_outside)
         found._text = text
         return found
@@ -120,28 +121,48 @@ class FileKind(Generic[Model]):
     def check(
         self, data: Mapping[str, Any], origin: str, folder: Path | None = None, *, allow_outside: bool = False
     ) -> Model:
-        """Check the tables of a file, also whether its basic data make blanks."""
+        """Check the tables of a file, also whether its basic data make blanks and its supports hold."""
         try:
             found = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
             raise InputError(f"{origin} has {count(error)}:\n{mistakes(self.model, error)}") from error
-        if found.blank_design is not None:
-            from .conversion import designed_blanks
-
-            try:
-                designed_blanks(
-                    found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair
-                )
-            except EaseoffError as error:
-                raise type(error)(f"{origin}: {error}") from error
+        try:
+            _require_possible(found)
+        except EaseoffError as error:
+            raise type(error)(f"{origin}: {error}") from error
         return found
 
 
+def _require_possible(found: Case | Design | SupportFile) -> None:
+    """Refuse basic data that make no blanks, and supports that do not hold."""
+    if isinstance(found, SupportFile):
+        return  # to be checked with the case whose axes they hold
+    if found.blank_design is not None:
+        from .conversion import designed_blanks
+
+        designed_blanks(found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair)
+    if isinstance(found, Case) and found.supports is not None:
+        from .support_conversion import support_system
+
+        support_system(found)
+
+
 SHIPPED = resources.files(__package__)
-CASE = FileKind("case", Case, SHIPPED, "a design: make a case of it with 'easeoff design {0} -o CASE'")
-DESIGN = FileKind(
-    "design", Design, SHIPPED.joinpath("designs"), "a case already: analyse it with 'easeoff run {0} -o RESULT'"
+OF_SUPPORTS = "a file of supports: give it beside a case with --supports {0}"
+OF_CASE = "a case already: analyse it with 'easeoff run {0} -o RESULT'"
+OF_DESIGN = "a design: make a case of it with 'easeoff design {0} -o CASE'"
+CASE = FileKind("case", Case, SHIPPED, {"design": OF_DESIGN, "support": OF_SUPPORTS})
+DESIGN = FileKind("design", Design, SHIPPED.joinpath("designs"), {"case": OF_CASE, "support": OF_SUPPORTS})
+SUPPORT = FileKind(
+    "support",
+    SupportFile,
+    SHIPPED.joinpath("supports"),
+    {
+        "case": "a case: give a file of supports, or the tables in the case",
+        "design": "a design: give a file of supports",
+    },
 )
+KINDS: tuple[FileKind[Any], ...] = (CASE, DESIGN, SUPPORT)
 
 
 def shipped_cases() -> dict[str, str]:
@@ -164,6 +185,17 @@ def shipped_designs() -> dict[str, str]:
     True
     """
     return DESIGN.shipped()
+
+
+def shipped_supports() -> dict[str, str]:
+    """Names and titles of the supports that come with the package.
+
+    Examples
+    --------
+    >>> list(shipped_supports())
+    ['axle-fm-11x41', 'gearbox-nasa-12x36']
+    """
+    return SUPPORT.shipped()
 
 
 def case_text(name_or_path: str | Path) -> str:
@@ -225,6 +257,27 @@ def read_design(name_or_path: str | Path, *, allow_outside: bool = False) -> Des
     41
     """
     return DESIGN.read(name_or_path, allow_outside=allow_outside)
+
+
+def read_supports(name_or_path: str | Path) -> SupportsTable:
+    """Read and check a file of supports, for ``with_supports``.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of shipped supports, or path of a file in TOML.
+
+    Raises
+    ------
+    InputError
+        Naming every wrong key, its value and what is allowed.
+
+    Examples
+    --------
+    >>> read_supports("axle-fm-11x41").gear.shaft.seat
+    63.0
+    """
+    return SUPPORT.read(name_or_path).supports
 
 
 def parse_case(text: str, origin: str = "case", folder: Path | None = None, *, allow_outside: bool = False) -> Case:

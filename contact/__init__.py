@@ -35,9 +35,10 @@ if TYPE_CHECKING:
     from .problem.forms.complementarity_form import LCP, lcp
     from .problem.forms.dual_form import DualQP, dual_qp
     from .problem.forms.lifted_form import LiftedQP, lifted_qp
-    from .problem.modal_basis import ModalBasis
+    from .problem.modal_basis import ModalBasis, SharedModes
     from .problem.operator_compliance import OperatorCompliance
     from .problem.proof.conditioning import Conditioning
+    from .problem.shared_modes import with_shared_modes
     from .solvers import (
         SOLVERS,
         ContactSolution,
@@ -53,6 +54,10 @@ if TYPE_CHECKING:
     from .solvers.parametric.solution_change import Differentiability, SolutionChange
     from .solvers.parametric.solution_sensitivity import sensitivity
     from .solvers.parametric.torque_path import TorquePath, torque_path
+    from .supports.assembly_rounds import AssemblyRounds
+    from .supports.support import BearingReaction, MemberAxis, Support, Supports, member_axes
+    from .supports.support_identification import IdentifiedSupport, identified_support
+    from .supports.supported_contact import SupportedContact
     from .unloaded import unloaded_contact
 
 __all__ = [
@@ -60,6 +65,8 @@ __all__ = [
     "LCP",
     "SOLVERS",
     "STEEL",
+    "AssemblyRounds",
+    "BearingReaction",
     "Certificate",
     "Conditioning",
     "ContactProblem",
@@ -70,9 +77,11 @@ __all__ = [
     "ElasticFoundation",
     "ElasticModel",
     "HalfSpaceCompliance",
+    "IdentifiedSupport",
     "LiftedQP",
     "LineContactPath",
     "Material",
+    "MemberAxis",
     "MeshCycle",
     "MeshLines",
     "ModalBasis",
@@ -81,10 +90,14 @@ __all__ = [
     "ProblemGradient",
     "ProblemSet",
     "Sensitivity",
+    "SharedModes",
     "Shell",
     "SolutionChange",
     "Solver",
     "Status",
+    "Support",
+    "SupportedContact",
+    "Supports",
     "ToothDimensions",
     "TorquePath",
     "WeberLineContact",
@@ -93,6 +106,7 @@ __all__ = [
     "dual_qp",
     "export_problems",
     "harmonics",
+    "identified_support",
     "import_problems",
     "lcp",
     "lifted_qp",
@@ -101,6 +115,7 @@ __all__ = [
     "lines_in_mesh",
     "loaded_contact",
     "loaded_splines",
+    "member_axes",
     "peak_to_peak",
     "problem_checksum",
     "read_fclib",
@@ -119,6 +134,7 @@ __all__ = [
     "solve_many",
     "torque_path",
     "unloaded_contact",
+    "with_shared_modes",
     "write_fclib",
     "write_mat",
     "write_npz",
@@ -147,11 +163,12 @@ _ORIGINS = {
     ".problem.forms.complementarity_form": ["LCP", "lcp"],
     ".problem.compliance_matrix": ["ModalCompliance"],
     ".problem.contact_problem": ["ContactProblem"],
-    ".problem.modal_basis": ["ModalBasis"],
+    ".problem.modal_basis": ["ModalBasis", "SharedModes"],
     ".problem.operator_compliance": ["OperatorCompliance"],
     ".problem.forms.dual_form": ["DualQP", "dual_qp"],
     ".problem.forms.lifted_form": ["LiftedQP", "lifted_qp"],
     ".problem.proof.conditioning": ["Conditioning"],
+    ".problem.shared_modes": ["with_shared_modes"],
     ".problem.exchange.problem_file": ["read_labels", "read_problems", "write_problems"],
     ".problem.exchange.fclib_file": ["read_fclib", "write_fclib"],
     ".problem.exchange.matlab_file": ["read_mat", "write_mat"],
@@ -177,6 +194,10 @@ _ORIGINS = {
         "solve",
         "solve_many",
     ],
+    ".supports.assembly_rounds": ["AssemblyRounds"],
+    ".supports.support": ["BearingReaction", "MemberAxis", "Support", "Supports", "member_axes"],
+    ".supports.support_identification": ["IdentifiedSupport", "identified_support"],
+    ".supports.supported_contact": ["SupportedContact"],
     ".unloaded": ["unloaded_contact"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

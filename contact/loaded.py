@@ -21,6 +21,7 @@ from .lines.opposite_points import PASSING_FIELDS
 from .loaded_cases import LoadedCase, loaded_dataset
 from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice, Status
+from .supports.held_members import HeldMembers
 
 Array = NDArray[Any]
 EDGE_SEARCH_ROTATION_MINIMUM = 1e-5  # [rad]; start of a search without a known rotation
@@ -136,30 +137,68 @@ def solve_cycle(
     [[0, 0]]
     """
     torques = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
-    rotations = cycle.on_lines.lines.rotations
+    segments, cases = cycle_cases(cycle, torques, ratio, edge_contact, solver, options, progress, greater)
+    return loaded_dataset(segments, cases, torques, cycle.on_lines.lines.rotations), cases
+
+
+def cycle_cases(
+    cycle: CycleSegments,
+    torques: Array,
+    ratio: float,
+    edge_contact: bool,
+    solver: SolverChoice,
+    options: Mapping[str, Any],
+    progress: Callable[[], None] | None = None,
+    greater: Sequence[LoadedCase] = (),
+    held: HeldMembers | None = None,
+) -> tuple[list[Segments | None], list[LoadedCase]]:
+    """The segments that may touch at every mesh position, and the cases of ``solve_cycle``.
+
+    Parameters
+    ----------
+    cycle, torques, ratio, edge_contact, solver, options, progress, greater
+        As of ``solve_cycle``.
+    held
+        Supports of the members; ``None`` for rigid ones. The segments must then know their wrenches.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.contact import MeshCycle
+    >>> from easeoff.geometry import pair_geometry
+    >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=5)
+    >>> len(cycle_cases(cycle.segments, np.array([100.0]), cycle.ratio, False, "auto", {})[1])
+    2
+    """
+
+    def solved(
+        segments: list[Segments | None], torques: Array, solver: SolverChoice, *own: Any
+    ) -> tuple[list[Segments | None], list[LoadedCase]]:
+        segments = segments if held is None else held.holding(segments)
+        return segments, solve_all(segments, torques, ratio, solver, *own)
+
+    count = cycle.on_lines.lines.rotations.size
     segments: list[Segments | None]
     if greater:
-        segments = [None] * rotations.size
+        segments = [None] * count
         for case in greater:
             segments[case.mesh_position] = case.segments
-    elif not edge_contact:
-        segments = cycle.by_position
-    if greater or not edge_contact:
-        cases = solve_all(segments, torques, ratio, solver, options, progress)
-        return loaded_dataset(segments, cases, torques, rotations), cases
+        return segments, solve_all(segments, torques, ratio, solver, options, progress)
+    if not edge_contact:
+        return solved(cycle.by_position, torques, solver, options, progress)
     # Edges can only hold the pair back: with contact on lines alone it turns farther.
-    some = cycle.to_edges.at_every(max(rotations.size // EDGE_SEARCH_POSITIONS, 1))
-    turned = _turned(solve_all(some, np.array([torques.max()]), ratio, "auto", {}), rotations.size)
+    some = cycle.to_edges.at_every(max(count // EDGE_SEARCH_POSITIONS, 1))
+    turned = _turned(solved(some, np.array([torques.max()]), "auto", {})[1], count, held)
     farthest = EDGE_SEARCH_ROTATION_FACTOR * max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM)
-    widest = np.full(rotations.size, farthest)
+    widest = np.full(count, farthest)
     while True:
-        segments = cycle.with_edges(widest)
-        cases = solve_all(segments, torques, ratio, solver, options, progress)
-        turned = _turned(cases, rotations.size)
+        segments, cases = solved(cycle.with_edges(widest), torques, solver, options, progress)
+        turned = _turned(cases, count, held)
         # Where there is no line the pair turns until edges hold it, and may meet further ones.
         turned[[here is None for here in segments]] = 2.0 * widest.max()
         if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
-            return loaded_dataset(segments, cases, torques, rotations), cases
+            return segments, cases
         widest, progress = np.maximum(widest, EDGE_SEARCH_ROTATION_FACTOR * turned), None
 
 
@@ -213,10 +252,11 @@ def solve_all(
     return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))
 
 
-def _turned(cases: list[LoadedCase], positions: int) -> Array:
-    """Greatest rotation at every mesh position [rad]; zero where nothing was solved."""
+def _turned(cases: list[LoadedCase], positions: int, held: HeldMembers | None = None) -> Array:
+    """Greatest gap that closes at every mesh position, as a gear rotation [rad]; zero where nothing was solved."""
     turned = np.zeros(positions)
     for case in cases:
         if case.solution.certified:
-            turned[case.mesh_position] = max(turned[case.mesh_position], case.solution.rotation)
+            closing = 0.0 if held is None else held.closing(case.segments, case.solution.force)
+            turned[case.mesh_position] = max(turned[case.mesh_position], case.solution.rotation + closing)
     return turned

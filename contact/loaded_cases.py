@@ -128,16 +128,12 @@ def loaded_dataset(
     share = np.stack(of_pair, axis=2) / whole[:, :, None]
     scalars["edge_share"] = on_edges / whole
     error = scalars["transmission_error"]
-    amplitudes = np.array([harmonics(row, HARMONIC_ORDER_COUNT) for row in error])
     data: dict[str, Any] = {name: (("torque", "mesh_position"), value) for name, value in scalars.items()}
     data |= {name: (("torque", "mesh_position", "segment"), value) for name, value in per_segment.items()}
     data["status"] = (("torque", "mesh_position"), status, Status.flag_attributes())
     data["load_share"] = (("torque", "mesh_position", "pair"), share)
     data["pinion_rotation"] = ("mesh_position", rotations)
-    data["peak_to_peak"] = ("torque", [peak_to_peak(row) for row in error])
-    data["mean_level"] = ("torque", error.mean(axis=1))
-    data["rms"] = ("torque", [rms(row[:3]) for row in amplitudes])
-    data["harmonic"] = (("torque", "order"), amplitudes)
+    data |= rotation_numbers(error)
     pressure = per_segment["pressure"].reshape(torques.size, -1)
     # Where sharp edges carry all of the load, there is no pressure to compare: what carries nothing does not count.
     greatest = np.where(pressure > 0.0, pressure, -np.inf).max(axis=1)
@@ -154,6 +150,24 @@ def loaded_dataset(
         "searched_segments": sum(int(np.count_nonzero(s.searched)) for s in segments if s is not None),
     }
     return labelled(xr.Dataset(data, coords=coords, attrs=attributes))
+
+
+def rotation_numbers(error: Array) -> dict[str, tuple[tuple[str, ...], Array]]:
+    """The transmission error (t, k) [urad], and its numbers over the mesh cycle, with their dimensions.
+
+    Examples
+    --------
+    >>> rotation_numbers(np.array([[1.0, 3.0]]))["peak_to_peak"]
+    (('torque',), array([2.]))
+    """
+    amplitudes = np.array([harmonics(row, HARMONIC_ORDER_COUNT) for row in error])
+    return {
+        "transmission_error": (("torque", "mesh_position"), error),
+        "peak_to_peak": (("torque",), np.array([peak_to_peak(row) for row in error])),
+        "mean_level": (("torque",), error.mean(axis=1)),
+        "rms": (("torque",), np.array([rms(row[:3]) for row in amplitudes])),
+        "harmonic": (("torque", "order"), amplitudes),
+    }
 
 
 def _of_segments(cases: list[LoadedCase]) -> dict[str, Array]:

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..core.checks import array
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import PairGeometry
 from .compliance.elastic_model import ElasticModel, ElasticTeeth, ElasticTooth
@@ -18,13 +19,18 @@ from .lines.closest_approach import SEPARATION_FIELDS
 from .lines.flank_splines import FlankSplines
 from .lines.mesh_lines import MeshLines, lines_at, lost_contact, mesh_rotations, roll_limits
 from .lines.opposite_points import PASSING_FIELDS
-from .loaded import loaded_splines, solve_all, solve_cycle
+from .loaded import cycle_cases, loaded_splines, solve_all, solve_cycle
 from .loaded_cases import LoadedCase
-from .segments import CycleSegments, LineSegments
+from .segments import CycleSegments, LineSegments, Segments
 from .solvers import SolverChoice
+from .supports.assembly_rounds import AssemblyRounds, SupportedPair
+from .supports.held_members import HeldMembers
+from .supports.support import LoadedSupports
+from .supports.supported_contact import SupportedContact
 from .unloaded import unloaded_contact
 
 Array = NDArray[Any]
+_Cases = tuple[list[Segments | None], list[LoadedCase]]
 #: Splines on which neither contact lines nor compliance depend.
 GAP_FIELDS = {"ease_off_angle", "lever_arm", *SEPARATION_FIELDS, *PASSING_FIELDS}
 
@@ -152,6 +158,7 @@ class MeshCycle:
         solver: SolverChoice = "auto",
         progress: Callable[[], None] | None = None,
         greater: Sequence[LoadedCase] = (),
+        supports: LoadedSupports | None = None,
         **options: Any,
     ) -> tuple[xr.Dataset, list[LoadedCase]]:
         """Loaded contact.
@@ -168,6 +175,8 @@ class MeshCycle:
             Called for every torque and mesh position where a tooth pair can touch.
         greater
             Cases of this cycle at greater torques. Their segments are taken: under less no further edge touches.
+        supports
+            Shafts, bearings and housing; rigid if left out. ``supported`` gives what they do, too.
         **options
             Passed to the solver.
 
@@ -184,7 +193,67 @@ class MeshCycle:
             If a tooth cannot be made a solid shell.
         """
         load = np.asarray(torques)
+        if supports is not None:
+            common = {"edge_contact": edge_contact, "solver": solver, "progress": progress, **options}
+            found = self.supported(load, supports, **common)
+            return found.loaded, found.cases
         return solve_cycle(self.segments, load, self.ratio, edge_contact, solver, options, progress, greater)
+
+    def supported(
+        self,
+        torques: Sequence[float] | Array,
+        supports: LoadedSupports,
+        *,
+        rounds: AssemblyRounds | None = None,
+        assembled: Callable[[Misalignment], MeshCycle] | None = None,
+        edge_contact: bool = True,
+        solver: SolverChoice = "auto",
+        progress: Callable[[], None] | None = None,
+        **options: Any,
+    ) -> SupportedContact:
+        """Loaded contact on shafts, bearings and housing, with the motion of the members under load.
+
+        Parameters
+        ----------
+        torques, edge_contact, solver, progress, **options
+            As of ``loaded``.
+        supports
+            The supports, about whose motion the assembly of this cycle is that without load.
+        rounds
+            How far the ease-off follows the assembly found under load; by default at every torque with the mean over
+            the mesh cycle, until it changes gaps by less than 10 nm.
+        assembled
+            The pair in another assembly, with its deviations and modification; ``misaligned`` if left out.
+
+        Returns
+        -------
+        SupportedContact
+            Its ``loaded`` and ``cases`` are as of ``loaded``.
+
+        Raises
+        ------
+        InputError, GeometryError
+            As ``loaded``.
+
+        Examples
+        --------
+        >>> from easeoff.cases import gear_pair, read_case
+        >>> from easeoff.contact.supports.support import Support, Supports
+        >>> from easeoff.geometry import pair_geometry
+        >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
+        >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
+        >>> spring = Support((0.0, 0.0, 0.0), np.diag([5e-6, 5e-6, 5e-6, 1e-10, 1e-10, 1e-10]))
+        >>> found = cycle.supported([100.0], Supports(spring, spring))
+        >>> found.supports["rounds_status"].values.tolist()
+        [0]
+        """
+
+        def solve(segments: CycleSegments, load: Array, held: HeldMembers) -> _Cases:
+            return cycle_cases(segments, load, self.ratio, edge_contact, solver, options, progress, held=held)
+
+        load = array("torques", torques, "N m", ndim=1, fewest=1, above=0.0)
+        pair = SupportedPair(self, supports, assembled or self.misaligned, solve)
+        return SupportedContact.of(pair, load, rounds or AssemblyRounds())
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
         """The cases of ``loaded`` alone, with contact on lines."""
@@ -220,6 +289,10 @@ class MeshCycle:
     def at(self, mesh_position: int) -> MeshCycle:
         """The same pair at one of its mesh positions alone."""
         return self._divided(lines=self.lines.at(mesh_position))
+
+    def at_rotations(self, rotations: Array) -> MeshCycle:
+        """The same pair at other pinion rotations (k) [rad] than those of its mesh positions."""
+        return self._divided(lines=lines_at(self.fields, self.pinion_pitch, rotations))
 
     def with_segments(self, segments_per_line: int) -> MeshCycle:
         """The same pair with another number of segments of a contact line."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance import WeberLineContact
-from .compliance.elastic_model import ElasticTeeth, whitened_loads
+from .compliance.elastic_model import ElasticTeeth, body_coupling, unit_loads
 from .compliance.spread_deflection import SpreadDeflection
-from .compliance.unit_loads import UnitLoads
+from .compliance.unit_loads import Loads, UnitLoads
 from .lines.closest_approach import ClosestApproach, closest_approach
 from .lines.flank_splines import FlankSplines
 from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
@@ -21,6 +21,8 @@ from .lines.mesh_edges import FlankEdge, MeshEdges, edges_in_mesh, flank_edges
 from .lines.mesh_lines import MeshLines, gauss_points
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
+from .supports.mesh_wrench import MeshWrenches
+from .supports.support_modes import SupportModes
 
 Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
@@ -48,6 +50,11 @@ class Segments:
         Local compliance.
     searched
         Where flanks bend over so short a way that their closest approach was searched for, see ``closest_approach``.
+    wrench
+        Wrench of a unit normal force on the pinion about the origin of the global frame (n, 6), see ``MeshWrenches``;
+        ``None`` unless asked for.
+    held
+        Supports of the members; ``None`` for rigid ones.
 
     Examples
     --------
@@ -67,6 +74,8 @@ class Segments:
     bending: ModalBasis
     line_contact: WeberLineContact
     searched: NDArray[np.bool_]
+    wrench: Array | None = None
+    held: SupportModes | None = None
 
     @property
     def separation(self) -> Array:
@@ -89,11 +98,25 @@ class Segments:
         overhang = self.line_contact.overhang
         return np.where(overhang >= 0.0, overhang, np.nan)
 
+    def mesh_wrench(self, force: Array) -> Array:
+        """Wrench (6) of the gear on the pinion about the origin of the global frame under normal forces (n) [N]."""
+        if self.wrench is None:
+            raise ValueError("the segments are made without wrenches")
+        return np.asarray(force @ self.wrench)
+
+    def moved(self, force: Array) -> Array:
+        """Twist (6) of the pinion relative to the gear beyond what is in the separations, under forces (n) [N]."""
+        if self.held is None:
+            return np.zeros(6)
+        return self.held.twist(self.mesh_wrench(force)) - self.held.absorbed
+
     @cached_property
     def bending_problem(self) -> ContactProblem:
         """The contact problem without local compliance and without torque."""
-        nothing = np.zeros(self.pair.size)
-        return ContactProblem.of_modes(self.separation, self.lever_arm, 0.0, nothing, self.bending)
+        nothing, separation, basis = np.zeros(self.pair.size), self.separation, self.bending
+        if self.held is not None and self.wrench is not None:
+            separation, basis = self.held.separation(separation, self.wrench), self.held.basis(basis, self.wrench)
+        return ContactProblem.of_modes(separation, self.lever_arm, 0.0, nothing, basis)
 
 
 @dataclass(frozen=True)
@@ -178,13 +201,14 @@ class LineSegments:
     def loads(self, points: Array) -> UnitLoads:
         """Unit loads on the segments where they are loaded at points (2, m, count * g)."""
         weights = self.quadrature[1]
-        return UnitLoads(self.loads_on(np.reshape(points, (2, -1, weights.size)), weights))
+        on_lines = self.loads_on(np.reshape(points, (2, -1, weights.size)), weights)
+        return UnitLoads(on_lines, coupling=body_coupling(self.teeth.both))
 
-    def loads_on(self, points: Array, weights: Array) -> Array:
-        """Both teeth's unit loads (n, k) on segments with quadrature points (2, n, g), see ``whitened_loads``."""
-        bending = whitened_loads(self.teeth.both, self.fields, points, weights)
-        spread = (one.loads(self.fields, points, weights) for one in self.spread)
-        return np.concatenate([loads.T for loads in (*bending, *spread)], axis=1)
+    def loads_on(self, points: Array, weights: Array) -> Loads:
+        """Both teeth's unit loads on segments (n) with quadrature points (2, n, g), see ``unit_loads``."""
+        bending, on_bodies = unit_loads(self.teeth.both, self.fields, points, weights)
+        spread = [one.loads(self.fields, points, weights).T for one in self.spread]
+        return Loads(np.concatenate([*bending, *spread], axis=1), on_bodies)
 
     @cached_property
     def bending(self) -> list[ModalBasis]:
@@ -205,6 +229,8 @@ class CycleSegments:
         Segments of the contact lines.
     cut
         Whether the lines are those of ``to_edges``, next to which an edge can cut the pressed strip.
+    wrenches
+        Wrenches of the normal forces, where the segments need them.
 
     Examples
     --------
@@ -220,6 +246,7 @@ class CycleSegments:
     fields: FlankSplines
     on_lines: LineSegments
     cut: bool = False
+    wrenches: MeshWrenches | None = None
 
     @cached_property
     def to_edges(self) -> CycleSegments:
@@ -259,14 +286,23 @@ class CycleSegments:
         """The table of pieces of edges."""
         found, count = edges.elements, edges.pair.size
         names = ("separation_angle", "lever_arm", "curvature", "length", "overhang")
-        return {name: getattr(found, name) for name in names} | {
-            **self.fields.evaluate(DEPTHS, found.points),
-            "position": edges.position,
-            "pair": edges.pair,
-            "point": found.points,
-            "searched": np.zeros(count, dtype=bool),
-            "row": self.to_edges._on_lines["row"].size + np.arange(count),
-        }
+        wrench = {}
+        if self.wrenches is not None:
+            mesh = self.on_lines.lines
+            rotation = mesh.rotations[edges.position] - edges.pair * mesh.pinion_pitch
+            wrench["wrench"] = self.wrenches.beside_lines(found.points, rotation)
+        return (
+            {name: getattr(found, name) for name in names}
+            | wrench
+            | {
+                **self.fields.evaluate(DEPTHS, found.points),
+                "position": edges.position,
+                "pair": edges.pair,
+                "point": found.points,
+                "searched": np.zeros(count, dtype=bool),
+                "row": self.to_edges._on_lines["row"].size + np.arange(count),
+            }
+        )
 
     @cached_property
     def _on_lines(self) -> dict[str, Array]:
@@ -275,6 +311,8 @@ class CycleSegments:
         points, weights = on_lines.quadrature
         names = ("separation_angle", "lever_arm", "curvature")
         gap = {name: on_lines.mean(getattr(closest, name)) for name in names}
+        if self.wrenches is not None:
+            gap["wrench"] = on_lines.mean(self.wrenches.on_lines(points))
         expanded = np.reshape(closest.expanded, (-1, weights.size))
         gap["searched"] = np.any(~expanded, axis=-1)
         if not self.cut:
@@ -316,7 +354,8 @@ class CycleSegments:
             here = {name: values[..., own] for name, values in table.items()}
             basis = bending[i] if bending is not None else loads.bending(here["pair"], here["row"])
             gap = here["separation_angle"], here["lever_arm"]
-            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), here["searched"])
+            wrench = here["wrench"].T if "wrench" in here else None
+            result[k] = Segments(here["pair"], here["point"], *gap, basis, contact.part(own), here["searched"], wrench)
         return result
 
 

@@ -42,10 +42,13 @@ def reference(name: str) -> xr.Dataset:
 
 @cache
 def analysed(name: str, model: str, fineness: float = 1.0, edge_contact: bool | None = None) -> xr.DataTree:
-    """The same by line contact, with the model ``fe``, ``solid_shell`` or ``shell``; edges as in the case."""
+    """The same by line contact, with the model ``fe``, ``solid_shell`` or ``shell``; edges as in the case.
+
+    Each tooth has a body of its own, as in the contact without the split.
+    """
     case, torques, misalignment = setting(name)
     read = easeoff.read_case(case)
-    compliance = read.compliance.model_copy(update={"model": model, "fineness": fineness})
+    compliance = read.compliance.model_copy(update={"model": model, "fineness": fineness, "neighbours": False})
     changed = read.model_copy(update={"compliance": compliance})
     return easeoff.analyze(changed, torques=torques, misalignment=misalignment, edge_contact=edge_contact)
 

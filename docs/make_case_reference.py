@@ -21,6 +21,18 @@ from easeoff.cases.schema import case_schema as model
 from easeoff.cases.schema import cutting_table
 from easeoff.cases.schema import design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.misalignment_table import DeflectionRow, MisalignmentTable
+from easeoff.cases.schema.supports_table import (
+    CURVE_LENGTH_LIMIT,
+    STIFFNESS_LIMIT,
+    TILTING_STIFFNESS_LIMIT,
+    BearingTable,
+    HousingTable,
+    MemberSupportTable,
+    ShaftSectionTable,
+    ShaftTable,
+    SupportsTable,
+)
 from easeoff.friction import COEFFICIENTS, FILM_FACTORS, FILMS, THERMAL_FACTORS, available_lubricants
 
 PAGE = Path(__file__).with_name("case_file.md")
@@ -70,17 +82,37 @@ MEANINGS = {
     "name": ("of the load case in results and pictures; its number, from 1, if left out", ""),
     "flank": ("flanks in mesh; those of the analysis if left out", ""),
     "feedback": ("whether friction takes its part of the torque from the normal forces", ""),
+    "wind_up": (
+        "whether the pinion turns about its axis by the compliance of its support; else this rotation is held, as that "
+        "of the gear always is",
+        "",
+    ),
+    "rounds": (
+        "for which assembly under load the ease-off is computed anew: the mean one over the mesh cycle, that of every "
+        "mesh position, or none, so that all counts to first order",
+        "",
+    ),
     "root": ("constants of the root springs; `clamped` for a rigid root", ""),
 }
 
+PAIRS = f"2 to {CURVE_LENGTH_LIMIT} pairs of positive numbers, loads and displacements increasing"
 # Values that a model elsewhere checks: what it allows.
 ELSEWHERE = {
     "name": "text of up to 60 letters, digits, blanks and `. _ + = -`",
     "free_settings": "names of settings",
     "rim_depth": "one or two numbers, each > 0 and < 1000",
+    **dict.fromkeys(("reference", "pinion_reference", "gear_reference"), "three numbers, each > -5000 and < 5000"),
+    **dict.fromkeys(("stiffness", "compliance"), "symmetric, positive definite, see [supports](supports.md)"),
+    **dict.fromkeys(("radial_stiffness", "axial_stiffness"), f"a number ≥ 0 and ≤ {STIFFNESS_LIMIT:g}, or {PAIRS}"),
+    "tilting_stiffness": f"a number ≥ 0 and ≤ {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}",
+    **{f"{key}_displacement": PAIRS for key in ("radial", "axial", "tilting")},
     "speed": "a number or a list, each ≥ 1e-6 and ≤ 1e6",
     "temperature": "a number or a list, within the oil's data; clamped to them, ≤ 400",
     "roughness": "a number or a list, each ≥ 0 and ≤ 100",
+    "bulk_temperature": "a number > -273.15 and ≤ 1000",
+    "tooth_conductivity": "a number or a list of two, each ≥ 0.01 and ≤ 1e4",
+    "tooth_density": "a number or a list of two, each ≥ 10 and ≤ 1e5",
+    "tooth_heat_capacity": "a number or a list of two, each ≥ 1 and ≤ 1e5",
     "oil": f"{', '.join(f'`{name}`' for name in available_lubricants())}, a path",
     "coefficient": f"{', '.join(f'`{name}`' for name in COEFFICIENTS)}, a number ≥ 0 and ≤ 1",
     "film": ", ".join(f"`{name}`" for name in FILMS),
@@ -128,9 +160,17 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[pinion.concave.machine.motions]`, and so on for every generated flank", cutting_table.Motions
     yield "### `[pinion.concave.cutter]`, and so on for every flank", cutting_table.Cutter
     yield "### `[pinion.material]` and `[gear.material]`", model.Steel
-    yield "### `[misalignment]`", model.MisalignmentTable
+    yield "### `[misalignment]`", MisalignmentTable
+    yield "### `[[misalignment.deflections]]`", DeflectionRow
+    yield "### `[supports]`", SupportsTable
+    yield "### `[supports.pinion]` and `[supports.gear]`", MemberSupportTable
+    yield "### `[supports.pinion.shaft]` and `[supports.gear.shaft]`", ShaftTable
+    yield "### `sections` of a shaft, a list of tables", ShaftSectionTable
+    yield "### `[[supports.pinion.bearings]]` and `[[supports.gear.bearings]]`", BearingTable
+    yield "### `[supports.housing]`", HousingTable
     yield "### `[contact]`", model.ContactTable
     yield "### `[compliance]`", model.ComplianceTable
+    yield "### `[compliance.pinion_web]` and `[compliance.gear_web]`", model.WebTable
     yield "### `[friction]`", FrictionTable
     yield "### `[target.drive]` and `[target.coast]`", model.TargetTable
     yield "### `[[load_cases]]`", LoadCase

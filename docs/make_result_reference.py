@@ -35,7 +35,8 @@ def coarse_analysis() -> xr.DataTree:
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     plain = case.model_copy(update={"compliance": ComplianceTable()})
     best = easeoff.optimize(plain, order=2, programmes=1)
-    return tree.assign({name: best[name] for name in ("modification", "optimization")})
+    further = {name: best[name] for name in ("modification", "optimization")}
+    return tree.assign(further | {"supports": easeoff.analyze(plain, supports="axle-fm-11x41")["supports"]})
 
 
 def result_tables(tree: xr.DataTree) -> str:

@@ -10,15 +10,18 @@ from .rolling_traction import rolling_traction
 if TYPE_CHECKING:
     from .coefficient import COEFFICIENTS, coefficient_model, contact_conditions, friction_coefficient
     from .conditions import ContactConditions
+    from .contact_temperature.flash_temperature import blok_flash_temperature, flash_temperature
+    from .contact_temperature.matched_partition import MatchedBand, matched_band
+    from .contact_temperature.thermal_material import ThermalMaterial
     from .efficiency import friction
     from .feedback import friction_feedback
-    from .film_thickness import FILMS
     from .formula_range import FLAGS
     from .kolivand_formula import formula_flags
     from .lubricants.data_sheet import data_sheet_lubricant, lubricant_toml, write_lubricant
     from .lubricants.lubricant import Lubricant, OilState, available_lubricants, lubricant
+    from .oil_film.film_thickness import FILMS
+    from .oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
     from .operation import FrictionModel, Operation
-    from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 
 __all__ = [
     "COEFFICIENTS",
@@ -29,18 +32,23 @@ __all__ = [
     "ContactConditions",
     "FrictionModel",
     "Lubricant",
+    "MatchedBand",
     "OilState",
     "Operation",
+    "ThermalMaterial",
     "available_lubricants",
+    "blok_flash_temperature",
     "coefficient_model",
     "contact_conditions",
     "data_sheet_lubricant",
+    "flash_temperature",
     "formula_flags",
     "friction",
     "friction_coefficient",
     "friction_feedback",
     "lubricant",
     "lubricant_toml",
+    "matched_band",
     "rolling_traction",
     "write_lubricant",
 ]
@@ -48,14 +56,17 @@ __all__ = [
 _ORIGINS = {
     ".coefficient": ["COEFFICIENTS", "coefficient_model", "contact_conditions", "friction_coefficient"],
     ".conditions": ["ContactConditions"],
+    ".contact_temperature.flash_temperature": ["blok_flash_temperature", "flash_temperature"],
+    ".contact_temperature.matched_partition": ["MatchedBand", "matched_band"],
+    ".contact_temperature.thermal_material": ["ThermalMaterial"],
     ".efficiency": ["friction"],
     ".feedback": ["friction_feedback"],
-    ".film_thickness": ["FILMS"],
+    ".oil_film.film_thickness": ["FILMS"],
     ".formula_range": ["FLAGS"],
     ".kolivand_formula": ["formula_flags"],
     ".lubricants.data_sheet": ["data_sheet_lubricant", "lubricant_toml", "write_lubricant"],
     ".lubricants.lubricant": ["Lubricant", "OilState", "available_lubricants", "lubricant"],
     ".operation": ["FrictionModel", "Operation"],
-    ".thermal_factors": ["FILM_FACTORS", "THERMAL_FACTORS"],
+    ".oil_film.thermal_factors": ["FILM_FACTORS", "THERMAL_FACTORS"],
 }
 __getattr__, __dir__ = lazy_names(__name__, _ORIGINS)

@@ -22,7 +22,7 @@ from .conditions import STEEL_MODULUS, ContactConditions
 from .formula_range import Flags, combined_flags
 from .kolivand_formula import formula_coefficient, formula_flags
 from .lubricants.lubricant import Lubricant, OutOfRange, lubricant
-from .thermal_factors import FILM_FACTORS
+from .oil_film.thermal_factors import FILM_FACTORS
 
 Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]

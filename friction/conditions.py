@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .film_thickness import film_formula
 from .lubricants.lubricant import THERMAL_CONDUCTIVITY
-from .thermal_factors import THERMAL_FACTORS
+from .oil_film.film_thickness import film_formula
+from .oil_film.thermal_factors import THERMAL_FACTORS
 
 Array = NDArray[Any]
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel

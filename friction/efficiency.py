@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
+from .contact_temperature.hottest_contacts import HottestContacts
 from .formula_range import FLAGS, LossShares
-from .least_film import with_least_film
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
 from .losses import losses
 from .lubricants.lubricant import lubricant
+from .oil_film.least_film import with_least_film
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
@@ -23,6 +24,8 @@ KEPT_VALUES_LIMIT = 3_000_000  # of a field over segments that is kept without b
 FORMULA_OIL = "75w90"  # of the dissertation's formula
 OIL_TOLERANCE = 0.02  # of viscosity and pressure-viscosity coefficient, within which an oil is the formula's
 OPERATION = ("speed", "temperature", "roughness")
+THERMAL_PROPERTIES = ("conductivity", "density", "heat_capacity")  # of pinion and gear, in SI
+FIELDS = ("friction_coefficient", "lambda_ratio", "power_loss", "flash_temperature")  # over all conditions
 
 
 def friction(
@@ -76,11 +79,12 @@ def friction(
     model = checked_model(operation, model)
     potential = potential_segments(tree)
     contacts = loaded_contacts(tree, potential)
-    loaded = tree["loaded"].to_dataset()
+    loaded = tree["loaded"].to_dataset().transpose("torque", "mesh_position", "segment", ...)
     segments = loaded.sizes["segment"]
     size = contacts.solved.size * segments * int(np.prod(operation.shape))
     keep = size <= KEPT_VALUES_LIMIT if segment_fields is None else segment_fields
-    result = losses_dataset(contacts, operation, model, segments if keep else 0, progress)
+    result, hottest = losses_dataset(contacts, operation, model, segments if keep else 0, progress)
+    result = result.assign(hottest.variables(loaded, contacts.index, operation.bulk_temperatures))
     coords = {name: loaded[name] for name in ("torque", "mesh_position")}
     result = result.assign_coords(coords).merge(velocities_dataset(potential, operation, model))
     return with_least_film(labelled(result.assign_attrs(_provenance(operation, model))), loaded)
@@ -92,8 +96,10 @@ def losses_dataset(
     model: FrictionModel,
     segments: int = 0,
     progress: Callable[[], None] | None = None,
-) -> xr.Dataset:
+) -> tuple[xr.Dataset, HottestContacts]:
     """Losses and efficiency over (torque, mesh_position, speed, temperature, roughness), and fields over the segments.
+
+    And where the flash temperature is greatest.
 
     Parameters
     ----------
@@ -108,11 +114,12 @@ def losses_dataset(
     group = contacts.group
     sums = {name: np.zeros((*shape, contacts.solved.size)) for name in ("sliding", "rolling", "weighted")}
     fields: dict[str, Array] = {}
-    shares = LossShares((cycle[0], *shape))
+    shares, hottest = LossShares((cycle[0], *shape)), HottestContacts((cycle[0], *shape))
     if segments:
         whole = (*cycle, segments, *shape)
-        fields = {name: np.full(whole, np.nan) for name in ("friction_coefficient", "lambda_ratio", "power_loss")}
+        fields = {name: np.full(whole, np.nan) for name in FIELDS}
         fields["film_thickness"] = np.full((*whole[:-1],), np.nan)
+        fields["pressure_velocity"] = np.full((*whole[:-2],), np.nan)
         if model.has_range:
             fields["formula_flags"] = np.zeros(whole, dtype=np.uint16)
     for block in losses(contacts, operation, model):
@@ -127,6 +134,7 @@ def losses_dataset(
             sums[name][..., here[starts]] += np.add.reduceat(values, starts, axis=-1)
         loss, torque = block.sliding_loss + block.rolling_loss, contacts.index[0, block.contacts]
         shares.add(torque, loss, block.flags, block.between_regimes, block.film_thinning)
+        hottest.add(torque, block)
         if segments:
             at = tuple(contacts.index[:, block.contacts])
             found = {
@@ -134,6 +142,8 @@ def losses_dataset(
                 "lambda_ratio": block.conditions.lambda_ratio,
                 "film_thickness": 1e6 * block.conditions.film_thickness[..., 0, :],
                 "power_loss": loss,
+                "flash_temperature": block.flash_temperature,
+                "pressure_velocity": 1e-6 * block.pressure_velocity[:, 0, 0],
             }
             if block.flags is not None:
                 found["formula_flags"] = block.flags
@@ -168,7 +178,7 @@ def losses_dataset(
             *data["formula_flags"],
             {"flag_masks": np.array(list(FLAGS), dtype=np.uint16), "flag_meanings": " ".join(FLAGS.values())},
         )
-    return xr.Dataset(data, coords=_coordinates(operation, model))
+    return xr.Dataset(data, coords=_coordinates(operation, model)), hottest
 
 
 def velocities_dataset(potential: PotentialSegments, operation: Operation, model: FrictionModel) -> xr.Dataset:
@@ -201,6 +211,7 @@ def _coordinates(operation: Operation, model: FrictionModel) -> dict[str, Any]:
         "viscosity": ("temperature", 1e3 * oil.viscosity),
         "pressure_viscosity": ("temperature", 1e9 * oil.pressure_viscosity),
         "temperature_clamped": ("temperature", oil.clamped.astype(np.int8)),
+        "bulk_temperature": ("temperature", operation.bulk_temperatures),
     }
 
 
@@ -216,6 +227,7 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, Any]:
         "film_heating": model.film_heating,
         "thermal_factor": model.thermal_factor,
         "rolling_frame": model.rolling_frame,
+        **{f"tooth_{name}": [getattr(m, name) for m in model.materials] for name in THERMAL_PROPERTIES},
         "sliding_of_ratio": "across",
         "radius_direction": "across",
         **({"formula_oil": FORMULA_OIL} if _made_for_another_oil(operation, model) else {}),

@@ -26,9 +26,9 @@ from ..contact.solvers import SolverChoice, Status
 from ..core.attributes import labelled
 from .coefficient import CoefficientModel
 from .efficiency import OPERATION, friction
-from .least_film import with_least_film
 from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .losses import losses
+from .oil_film.least_film import with_least_film
 from .operation import FrictionModel, Operation, checked_model
 
 Array = NDArray[Any]
@@ -126,6 +126,7 @@ def _one_operation(
     result = friction(current, operation, model, segment_fields=True)
     # The forces go with the roughness here, and the film with the forces.
     result["film_thickness"] = result["film_thickness"].expand_dims("roughness", axis=-1)
+    result["pressure_velocity"] = result["pressure_velocity"].expand_dims(["temperature", "roughness"], axis=[4, 5])
     result = with_least_film(result, loaded)
     result["force"] = loaded["force"].expand_dims(dict.fromkeys(OPERATION, 1), axis=[3, 4, 5])
     mesh = ("torque", "mesh_position", *OPERATION)

@@ -36,6 +36,8 @@ class LoadedContacts:
         Whether torque and mesh position (t, k) have a certified solution.
     contact_modulus
         [Pa].
+    on_line
+        Which are on contact lines (n), not on tooth edges beside them.
     """
 
     index: NDArray[np.int64]
@@ -47,6 +49,12 @@ class LoadedContacts:
     velocities: SurfaceVelocities
     solved: NDArray[np.bool_]
     contact_modulus: float
+    on_line: NDArray[np.bool_]
+
+    @property
+    def half_width(self) -> Array:
+        """Of the band of contact (n) [m], by Hertz."""
+        return 2.0 * self.force / (np.pi * self.length * self.hertz_pressure)
 
     @property
     def group(self) -> NDArray[np.int64]:
@@ -117,13 +125,28 @@ def potential_segments(tree: xr.DataTree) -> PotentialSegments:
     Raises
     ------
     InputError
-        If the result is of an older version without points of action, or lacks a dimension.
+        If the result is of an older version without points of action, or lacks a dimension, or its misalignment depends
+        on the torque.
     """
+    _require_one_assembly(tree)
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
     points = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
     exists = np.isfinite(points[0])
     velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), points[:, exists])
     return PotentialSegments(exists, velocities)
+
+
+def _require_one_assembly(tree: xr.DataTree) -> None:
+    """Refuse a result whose torques are not in the assembly that its ease-off is of."""
+    if "misalignment" not in tree.children:  # older results
+        return
+    for name, units in (("offset", "mm"), ("pinion_axial", "mm"), ("gear_axial", "mm"), ("shaft_angle", "rad")):
+        of_ease_off = tree.attrs.get(f"misalignment_{name}_{units}")
+        if of_ease_off is not None and np.any(tree["misalignment"][name].values != of_ease_off):
+            raise InputError(
+                "the misalignment of this result depends on the torque, and its ease-off is that without torque: for "
+                "friction give the speed to the analysis itself, which knows every assembly"
+            )
 
 
 def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None) -> LoadedContacts:
@@ -163,4 +186,5 @@ def loaded_contacts(tree: xr.DataTree, segments: PotentialSegments | None = None
         velocities=segments.velocities.chosen(chosen),
         solved=loaded["status"].values == 0,
         contact_modulus=modulus,
+        on_line=np.isnan(loaded["overhang"].values[touching]) if "overhang" in loaded else np.ones(length.size, bool),
     )

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from .coefficient import RANGE_FLAGS, checked_coefficient
 from .conditions import ContactConditions
+from .contact_temperature.flash_temperature import flash_temperature
 from .formula_range import Flags
 from .kolivand_formula import between_regimes
 from .loaded_contacts import LoadedContacts
+from .oil_film.thermal_factors import THERMAL_FACTORS
 from .operation import FrictionModel, Operation
 from .rolling_traction import rolling_traction
-from .thermal_factors import THERMAL_FACTORS
 
 Array = NDArray[Any]
 TOLD_FACTOR = "gupta_cheng"  # by which the film's thinning is told where the model leaves it out
@@ -47,6 +48,10 @@ class Losses:
         Whether the coefficient is where two expressions of its formula meet.
     film_thinning
         Part by which heat of the inlet thins the film by the model's factor, or would by that of Gupta and others.
+    flash_temperature
+        [K] (speed, temperature, roughness, c); NaN on tooth edges, where there is no band of contact.
+    pressure_velocity
+        Hertz pressure times sliding velocity [W/m^2] (speed, 1, 1, c); NaN on tooth edges.
     """
 
     contacts: slice
@@ -57,6 +62,8 @@ class Losses:
     flags: Flags | None
     between_regimes: Array
     film_thinning: Array
+    flash_temperature: Array
+    pressure_velocity: Array
 
 
 def conditions_of(
@@ -93,6 +100,7 @@ def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel)
     The sliding loss is the friction force times the whole sliding velocity, the rolling loss the rolling traction times
     length and rolling velocity.
     """
+    materials = model.materials
     heating = TOLD_FACTOR if model.film_heating == "none" else model.film_heating
     per_contact = int(np.prod(operation.shape))
     step = max(1, BLOCK_SIZE // per_contact)
@@ -103,6 +111,10 @@ def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel)
         friction = np.broadcast_to(coefficient, (*operation.shape, block.stop - start))
         sliding = (contacts.force[block] * conditions.sliding_velocity) * friction
         traction = rolling_traction(conditions, model.thermal_factor) * contacts.length[block]
+        velocities = contacts.velocities.chosen(block)
+        over_line = [each * operation.angular_velocity[:, None, None, None] for each in velocities.over_line]
+        # What rolling costs is sheared in the inlet and carried away by the oil.
+        heat = sliding / np.where(contacts.on_line[block], contacts.length[block], np.nan)
         yield Losses(
             block,
             conditions,
@@ -112,4 +124,6 @@ def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel)
             RANGE_FLAGS[model.name](conditions, friction) if model.has_range else None,
             between_regimes(conditions) if model.has_regimes else np.zeros((), dtype=bool),
             1.0 - THERMAL_FACTORS[heating](conditions),
+            flash_temperature(heat, contacts.half_width[block], (over_line[0], over_line[1]), materials),
+            np.where(contacts.on_line[block], conditions.hertz_pressure * conditions.sliding_velocity, np.nan),
         )

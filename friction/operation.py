@@ -9,22 +9,34 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.checks import array, distinct, instance, one_of
+from ..core.checks import array, distinct, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
-from .film_thickness import film_formula
+from .contact_temperature.thermal_material import (
+    CONDUCTIVITY,
+    CONDUCTIVITY_RANGE,
+    DENSITY,
+    DENSITY_RANGE,
+    HEAT_CAPACITY,
+    HEAT_CAPACITY_RANGE,
+    ThermalMaterial,
+    by_member,
+)
 from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
+from .oil_film.film_thickness import film_formula
+from .oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 from .surface_velocities import SurfaceVelocities
-from .thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 
 Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
 Roughness = float | tuple[float, float]
+ByMember = float | tuple[float, float]
 FrameOfRolling = Literal["fixed", "contact_line"]
 SPEED_MINIMUM, SPEED_LIMIT = 1e-6, 1e6  # [1/min]; a turn in two years is at rest
 ROUGHNESS_LIMIT = 100.0  # [um]
 ABSOLUTE_ZERO = -273.15  # [degC]
 TEMPERATURE_LIMIT = 400.0  # [degC]; of the tables of lubricants, too
+BULK_TEMPERATURE_LIMIT = 1000.0  # [degC]
 
 
 def _mean_roughness(pairs: Array) -> Array:
@@ -46,6 +58,8 @@ class Operation:
         RMS height Rq [um]: a number for both flanks, a tuple (pinion, gear), or a list of such.
     oil
         Name of a lubricant, path of its file, or a ``Lubricant``.
+    bulk_temperature
+        Of the teeth [degC], on top of which the flash temperature comes; that of the oil if left out.
 
     Raises
     ------
@@ -62,6 +76,7 @@ class Operation:
     temperature: Numbers = 90.0
     roughness: Roughness | list[Roughness] | Array = 0.8
     oil: str | Lubricant = "75w90"
+    bulk_temperature: float | None = None
     speeds: Array = field(init=False, repr=False)
     temperatures: Array = field(init=False, repr=False)
     roughnesses: Array = field(init=False, repr=False)
@@ -83,6 +98,8 @@ class Operation:
             raise InputError(f"roughness = {given!r}: must be a number, a tuple (pinion, gear), or a list of such [um]")
         if np.unique(_mean_roughness(flat)).size != len(flat):
             raise InputError(f"roughness = {given!r}: must be values that differ; of a pair the quadratic mean counts")
+        if self.bulk_temperature is not None:
+            number("bulk_temperature", self.bulk_temperature, "degC", above=ABSOLUTE_ZERO, most=BULK_TEMPERATURE_LIMIT)
         for name, value in (
             ("speeds", speeds),
             ("temperatures", temperatures),
@@ -97,6 +114,13 @@ class Operation:
         return np.asarray(self.speeds * (2.0 * np.pi / 60.0))
 
     @property
+    def bulk_temperatures(self) -> Array:
+        """Of the teeth [degC] at each temperature of the oil (temperatures)."""
+        if self.bulk_temperature is None:
+            return self.temperatures
+        return np.full(self.temperatures.shape, float(self.bulk_temperature))
+
+    @property
     def mean_roughnesses(self) -> Array:
         """The quadratic mean of both flanks' roughnesses [um] (roughnesses)."""
         return _mean_roughness(self.roughnesses)
@@ -109,7 +133,7 @@ class Operation:
 
 @dataclass(frozen=True)
 class FrictionModel:
-    """Models of friction coefficient, film thickness and rolling traction.
+    """Models of friction coefficient, film thickness and rolling traction, and what conducts the heat of friction.
 
     Parameters
     ----------
@@ -127,11 +151,14 @@ class FrictionModel:
     film_heating
         Factor by which heat of the inlet thins the film, a name in ``FILM_FACTORS``. The dissertation's formula was
         made with the film without.
+    tooth_conductivity, tooth_density, tooth_heat_capacity
+        Of the teeth [W/(m K)], [kg/m^3], [J/(kg K)], for the flash temperature: a number, or a tuple (pinion, gear);
+        steel if left out.
 
     Raises
     ------
     InputError
-        If a name is unknown.
+        If a name is unknown, or a number is not possible.
 
     Examples
     --------
@@ -145,6 +172,10 @@ class FrictionModel:
     rolling_frame: FrameOfRolling = "fixed"
     out_of_range: OutOfRange = "error"
     film_heating: str = "none"
+    tooth_conductivity: ByMember = CONDUCTIVITY
+    tooth_density: ByMember = DENSITY
+    tooth_heat_capacity: ByMember = HEAT_CAPACITY
+    materials: tuple[ThermalMaterial, ThermalMaterial] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         coefficient_model(self.coefficient)
@@ -153,6 +184,11 @@ class FrictionModel:
         one_of("thermal_factor", self.thermal_factor, THERMAL_FACTORS)
         one_of("rolling_frame", self.rolling_frame, get_args(FrameOfRolling))
         one_of("out_of_range", self.out_of_range, get_args(OutOfRange))
+        conductivity = by_member("tooth_conductivity", self.tooth_conductivity, "W/(m K)", CONDUCTIVITY_RANGE)
+        density = by_member("tooth_density", self.tooth_density, "kg/m^3", DENSITY_RANGE)
+        capacity = by_member("tooth_heat_capacity", self.tooth_heat_capacity, "J/(kg K)", HEAT_CAPACITY_RANGE)
+        pinion, gear = (ThermalMaterial(*each) for each in zip(conductivity, density, capacity, strict=True))
+        object.__setattr__(self, "materials", (pinion, gear))
 
     def rolling(self, velocities: SurfaceVelocities) -> Array:
         """Rolling velocity (...), signed as ``SurfaceVelocities.across``, in the chosen frame."""

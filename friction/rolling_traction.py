@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..core.checks import one_of
 from .conditions import ContactConditions
-from .thermal_factors import THERMAL_FACTORS
+from .oil_film.thermal_factors import THERMAL_FACTORS
 
 Array = NDArray[Any]
 

@@ -108,6 +108,11 @@ class SurfaceVelocities:
         return 0.5 * (dot(self.pinion, self.across) + dot(self.gear, self.across))
 
     @property
+    def over_line(self) -> tuple[Array, Array]:
+        """Velocities of pinion and gear relative to the contact line, across it."""
+        return np.asarray(self.sliding_across - self.line_over_gear), -self.line_over_gear
+
+    @property
     def rolling_over_line(self) -> Array:
         """Rolling relative to the contact line, which itself moves across the flank's normal: what draws the oil in."""
         return np.asarray(0.5 * self.sliding_across - self.line_over_gear)

@@ -25,6 +25,7 @@ COMMANDS = {
     "samples.nc": "sweep nasa.toml -o samples.nc --over E~normal(0,0.03) --over G~uniform(-0.02,0.02) --samples 6 "
     "--torque 50 --speed 500,1500 --workers 1",
     "rows.nc": "sweep nasa.toml -o rows.nc --load-cases duty.csv --temperature 60 --workers 1",
+    "axle.nc": "run nasa.toml -o axle.nc --misalignment axle.csv --torque 50,100 --speed 500",
     "duty.nc": "run nasa.toml -o duty.nc --load-cases duty.csv --temperature 60",
     "vh.nc": "vh nasa.toml -o vh.nc --grid 2x2",
     "fm.rexs": "convert fm-11x41 -o fm.rexs",
@@ -38,10 +39,17 @@ cruise,100,0.01,0,0,1500,0.7
 climb,300,0.05,-0.02,0.01,500,0.2
 stand still,50,0,0,0,100,0.1
 """
+AXLE = """# deflections of an axle
+torque,E,P,G,Sigma,flank
+0,0,0,0,0,drive
+40,0.01,-0.005,0.004,0.002,drive
+90,0.02,-0.015,0.009,0.004,drive
+60,-0.01,0.02,0.004,-0.002,coast
+"""
 #: Files by what they are.
 KINDS: dict[str, tuple[str, ...]] = {
     "case": tuple(CASES),
-    "result": ("nasa.nc", "fm.nc", "best.nc"),
+    "result": ("nasa.nc", "fm.nc", "best.nc", "axle.nc"),
     "problems": ("problems.nc",),
     "wear": ("wear.nc",),
     "grid": ("grid.csv", "grid.nc", "grid.dmi", "matrix.csv"),
@@ -55,6 +63,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "duty": ("duty.nc",),
     "vh": ("vh.nc",),
     "load_cases": ("duty.csv",),
+    "deflections": ("axle.csv",),
 }
 
 
@@ -120,6 +129,7 @@ class Bases:
         head = "# rows: root to tip\n# columns: toe to heel\n# flank: concave\n# deviation_unit: um\n"
         self._put("matrix.csv", head + rows + "\n")
         self._put("duty.csv", DUTY)
+        self._put("axle.csv", AXLE)
         with resources.as_file(resources.files("easeoff.cases").joinpath("deviations/fm-11x41-worn-gear.csv")) as file:
             grid = read_measured_grid(file)
         for suffix in (".csv", ".nc", ".dmi"):

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import compare, library, plot, sweep
-    from .analysis import Analysis, contact_analysis
+    from .analysis.contact_analysis import contact_analysis
+    from .analysis.joined_analysis import Analysis
     from .case_in_mesh import CaseInMesh
     from .design.case_design import DesignReport, design_case
     from .design.fitted_settings import fit_modification, recorded_modification
@@ -59,12 +60,12 @@ __all__ = [
 ]
 
 _MODULES = {
-    "Analysis": ".analysis",
+    "Analysis": ".analysis.joined_analysis",
     "CaseInMesh": ".case_in_mesh",
     "DesignReport": ".design.case_design",
     "WearLaw": ".flank_wear.wear_law",
     "analyze_load_cases": ".load_cases.load_case_analysis",
-    "contact_analysis": ".analysis",
+    "contact_analysis": ".analysis.contact_analysis",
     "design_case": ".design.case_design",
     "duty_means": ".load_cases.duty_means",
     "equivalent_torque": ".load_cases.duty_means",

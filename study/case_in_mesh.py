@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import datetime
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import NDArray
+
 from ..cases.analysis_size import AnalysisSize
 from ..cases.conversion import elastic_model, finite_elements, gear_pair
+from ..cases.conversion import misalignment as case_misalignment
+from ..cases.deflection_table import MisalignmentSource, misalignment_of
+from ..cases.deflections import Deflections, misalignment_at
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
+from ..cases.schema.misalignment_table import MisalignmentTable
 from ..contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ..contact.mesh_cycle import MeshCycle
 from ..geometry.deviation.deviation import Deviation, Method
@@ -56,8 +62,8 @@ def case_attributes(case: Case, what: str) -> dict[str, Any]:
     }
 
 
-def prepared_pair(case: Case, flank: FlankName, misalignment: Misalignment | None) -> GearPair:
-    """The gear pair of a case, with its own misalignment or another.
+def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource | None) -> GearPair:
+    """The gear pair of a case without torque, with its own misalignment or another.
 
     Examples
     --------
@@ -65,8 +71,30 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: Misalignment | Non
     >>> prepared_pair(read_case("nasa-12x36"), "coast", Misalignment(offset=0.1)).assembly.misalignment.offset
     0.1
     """
-    pair = gear_pair(case, flank)
-    return pair if misalignment is None else pair.misaligned(misalignment)
+    if misalignment is None:
+        return gear_pair(case, flank)
+    own = misalignment_at(misalignment_of(misalignment), 0.0, flank)
+    # The case's own deflections may have no rows of the flank.
+    return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(own)
+
+
+def deflection_attributes(
+    misalignment: Misalignment | Deflections, flank: FlankName, torques: Sequence[float] | NDArray[Any]
+) -> dict[str, Any]:
+    """Attributes of a file: first and last torque of the table of deflections, and which torques [N m] are beyond.
+
+    Examples
+    --------
+    >>> axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
+    >>> deflection_attributes(axle, "drive", [200.0, 400.0])["deflections"]
+    'table from 100 to 300 N m, extrapolated to 400 N m'
+    """
+    if isinstance(misalignment, Misalignment):
+        return {}
+    first, last = misalignment.torque_range(flank)
+    beyond = f", extrapolated to {max(torques):g} N m" if len(torques) and max(torques) > last else ""
+    told = f"table from {first:g} to {last:g} N m{beyond}"
+    return {"deflection_torques_N_m": [first, last], "deflections": told}
 
 
 @dataclass(frozen=True)
@@ -91,6 +119,8 @@ class CaseInMesh:
         Added to the ease-off; ``None`` for none.
     unmodified
         The pair in mesh without the modification.
+    deflections
+        Misalignment over the torque, of which ``pair`` has that without torque; ``None`` if it is constant.
 
     Examples
     --------
@@ -110,6 +140,7 @@ class CaseInMesh:
     deviated: Deviated
     modification: Modification | None
     unmodified: MeshCycle
+    deflections: Deflections | None = None
 
     @classmethod
     def of(
@@ -117,7 +148,7 @@ class CaseInMesh:
         case: Case,
         *,
         flank: FlankName = "drive",
-        misalignment: Misalignment | None = None,
+        misalignment: MisalignmentSource | None = None,
         deviations: Mapping[MemberName, Source] | None = None,
         deviated: Deviated = "ease_off",
         interpolation: Method = "spline",
@@ -126,7 +157,8 @@ class CaseInMesh:
     ) -> CaseInMesh:
         """Compute geometry, elastic teeth and contact lines of a case; arguments and raises as of ``analyze``."""
         AnalysisSize.of(case, 1).require_memory()
-        pair, settings = prepared_pair(case, flank, misalignment), case.contact
+        given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
+        pair, settings = prepared_pair(case, flank, given), case.contact
         departures = flank_deviations(pair, deviations or {}, interpolation)
         teeth = finite_elements(case, pair, stage)
         geometry = deviated_geometry(pair, (settings.lengthwise_nodes, settings.profile_nodes), departures, deviated)
@@ -136,7 +168,8 @@ class CaseInMesh:
             mesh_positions=settings.mesh_positions,
             segments_per_line=settings.segments_per_line,
         )
-        return cls(case, flank, pair, teeth, departures, deviated, modification, cycle)
+        deflections = given if isinstance(given, Deflections) else None
+        return cls(case, flank, pair, teeth, departures, deviated, modification, cycle, deflections)
 
     @cached_property
     def cycle(self) -> MeshCycle:
@@ -149,11 +182,40 @@ class CaseInMesh:
         """The same with this modification in place of its own."""
         return replace(self, modification=modification)
 
-    def misaligned(self, misalignment: Misalignment) -> CaseInMesh:
+    @property
+    def misalignment(self) -> Misalignment | Deflections:
+        """Misalignment, over the torque if it depends on it."""
+        return self.pair.assembly.misalignment if self.deflections is None else self.deflections
+
+    def misaligned(self, misalignment: Misalignment | Deflections) -> CaseInMesh:
         """The same in another assembly: with its deviations and its modification."""
-        geometry = self.unmodified.geometry.misaligned(misalignment)
+        own = misalignment_at(misalignment, 0.0, self.flank)
+        geometry = self.unmodified.geometry.misaligned(own)
         cycle = self.unmodified.with_geometry(updated_geometry(geometry, self.deviations, self.deviated))
-        return replace(self, pair=self.pair.misaligned(misalignment), unmodified=cycle)
+        deflections = misalignment if isinstance(misalignment, Deflections) else None
+        return replace(self, pair=self.pair.misaligned(own), unmodified=cycle, deflections=deflections)
+
+    def assemblies(self, torques: Sequence[float] | NDArray[Any]) -> list[tuple[tuple[int, ...], CaseInMesh]]:
+        """The distinct assemblies at torques [N m]: numbers of the torques, and the pair in that assembly.
+
+        Examples
+        --------
+        >>> from easeoff.cases import Deflections, read_case
+        >>> axle = Deflections([100.0, 300.0], offset=[0.02, 0.05])
+        >>> state = CaseInMesh.of(read_case("nasa-12x36"), misalignment=axle)
+        >>> [(places, at.pair.assembly.misalignment.offset) for places, at in state.assemblies([300.0, 50.0, 100.0])]
+        [((0,), 0.05), ((1, 2), 0.02)]
+        """
+        if self.deflections is None:
+            return [(tuple(range(len(torques))), self)]
+        found: dict[Misalignment, list[int]] = {}
+        for number, torque in enumerate(torques):
+            found.setdefault(self.deflections.at(float(torque), self.flank), []).append(number)
+        constant = replace(self, deflections=None)
+        return [
+            (tuple(places), constant if own == self.pair.assembly.misalignment else self.misaligned(own))
+            for own, places in found.items()
+        ]
 
     @property
     def attributes(self) -> dict[str, Any]:

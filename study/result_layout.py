@@ -11,6 +11,7 @@ import xarray as xr
 
 from ..contact.evaluation.pressure_place import LineEnd
 from ..contact.solvers import Status
+from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.reading.json_text import parsed_json
 from ..core.stored_status import StoredStatus
 
@@ -53,6 +54,18 @@ VARIABLES: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
 }
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
 OF_EACH_GROUP = {"pair"}
+#: Those of the group ``misalignment``, which older results lack.
+MISALIGNMENT: dict[tuple[str, ...], tuple[str, ...]] = {LOADED: ("offset", "pinion_axial", "gear_axial", "shaft_angle")}
+#: Those of the group ``supports`` of a pair on supports.
+SUPPORTS: dict[tuple[str, ...], tuple[str, ...]] = {
+    LOADED: (
+        *("transmission_error", "whole_rotation", "pinion_support_rotation", "gear_support_rotation"),
+        *("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation"),
+    ),
+    ("member", *LOADED, "space"): ("mesh_force", "mesh_moment"),
+    ("member", "space"): ("reference",),
+    ("torque",): ("whole_peak_to_peak", "rounds", "last_change", "rounds_status"),
+}
 #: Further ones of the group ``friction``, if there is one.
 FRICTION: dict[tuple[str, ...], tuple[str, ...]] = {
     (*SEGMENTS, *CONDITIONS[1:]): ("friction_coefficient",),
@@ -82,9 +95,10 @@ ATTRIBUTES: dict[str, dict[str, str | int]] = {
 }
 OPTIONAL_ATTRIBUTES: dict[str, dict[str, str | int]] = {
     "": {
-        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out"), "text"),
+        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out", "deflections"), "text"),
         **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
         "modification_um": "table of numbers",
+        "deflection_torques_N_m": 2,
     },
     "loaded": {"searched_segments": "number"},
     "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
@@ -108,6 +122,12 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {GRID: ("least_gap",)},
     ),
     "loaded": (EVALUATION, {SEGMENTS: ("overhang",), LOADED: ("edge_share",)}, {("torque",): ("rms",)}),
+    "supports": (
+        {
+            ("bearing", *LOADED, "space"): ("bearing_force", "bearing_moment"),
+            ("bearing", "space"): ("bearing_position",),
+        },
+    ),
     "friction": (
         {
             CONDITIONS: ("extrapolated_share",),
@@ -117,6 +137,13 @@ OPTIONAL_VARIABLES: dict[str, tuple[dict[tuple[str, ...], tuple[str, ...]], ...]
         {CONDITIONS: ("film_thinning", "thinned_share")},
         {CONDITIONS: ("transition_share",)},
         {CONDITIONS: ("min_film_thickness", "min_film_lengthwise", "min_film_profile")},
+        {
+            CONDITIONS: (
+                *("max_flash_temperature", "max_flash_lengthwise", "max_flash_profile"),
+                *("max_contact_temperature", "max_pressure_velocity"),
+            ),
+        },
+        {(*SEGMENTS, *CONDITIONS[1:]): ("flash_temperature",)},
         {("mesh_position", "segment", "speed"): ("sliding_velocity", "rolling_velocity")},
         {(*SEGMENTS, *CONDITIONS[1:]): ("lambda_ratio",)},
         {("torque", "mesh_position", *CONDITIONS[1:]): ("mesh_power_loss",)},
@@ -136,7 +163,11 @@ DUTY: dict[tuple[str, ...], tuple[str, ...]] = {
     ("damage_exponent",): ("damage_exponent",),
 }
 #: Variables whose values have meanings, in the groups of solves and elsewhere.
-FLAGS: dict[str, type[StoredStatus]] = {"status": Status, "max_pressure_line_end": LineEnd}
+FLAGS: dict[str, type[StoredStatus]] = {
+    "status": Status,
+    "max_pressure_line_end": LineEnd,
+    "rounds_status": RoundsStatus,
+}
 #: Groups whose status is that of other things.
 OTHER_STATUS = ("flanks", "ease_off")
 #: The contact at light load has its own torque and segments.
@@ -157,6 +188,10 @@ def faults(tree: xr.DataTree) -> list[str]:
     ["loaded: no numbers 'force' over torque, mesh_position, segment"]
     """
     layout = dict(VARIABLES)
+    if "misalignment" in tree.children:
+        layout["misalignment"] = MISALIGNMENT
+    if "supports" in tree.children:
+        layout["supports"] = SUPPORTS
     if "friction" in tree.children:
         layout["friction"] = FRICTION
     if "light_load" in tree.children:
@@ -296,12 +331,18 @@ def _variable_faults(group: xr.Dataset, variables: dict[tuple[str, ...], tuple[s
         for name in names:
             if (
                 name not in group.variables
-                or set(group[name].dims) != set(dimensions)
+                or set(group[name].dims) not in _allowed(dimensions)
                 or group[name].dtype.kind not in "fiu"
             ):
                 yield f"no numbers {name!r} over {', '.join(dimensions)}"
             elif np.any(np.isfinite(values := group[name].values) & (np.abs(values) > MAGNITUDE_LIMIT)):
                 yield f"{name!r} holds numbers beyond {MAGNITUDE_LIMIT:g}"
+
+
+def _allowed(dimensions: tuple[str, ...]) -> list[set[str]]:
+    """Dimensions that a variable may have: segments that every torque has for itself may go with it."""
+    over_torque = [{*dimensions, "torque"}] if "segment" in dimensions else []
+    return [set(dimensions), *over_torque]
 
 
 def _is(kind: str | int, value: Any) -> bool:

@@ -140,7 +140,7 @@ def test_a_long_analysis_says_before_it_begins_what_it_takes(tmp_path: Path, mon
     def stop(*arguments: Any, **options: Any) -> Any:
         raise InputError("begun")
 
-    monkeypatch.setattr("easeoff.study.analysis.analyze", stop)
+    monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", stop)
     torques = ",".join(str(i) for i in range(1, 3001))
     said = CliRunner().invoke(main, ["run", "nasa-12x36", "--torque", torques, "-o", str(tmp_path / "out.nc")])
     assert said.output.splitlines()[-2:] == ["96000 contact problems: about 3 min", "Error: begun"]
@@ -152,7 +152,7 @@ def test_fine_teeth_say_what_they_take(tmp_path: Path, monkeypatch: pytest.Monke
     def stop(*arguments: Any, **options: Any) -> Any:
         raise InputError("begun")
 
-    monkeypatch.setattr("easeoff.study.analysis.analyze", stop)
+    monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", stop)
     case = tmp_path / "case.toml"
     case.write_text(easeoff.cases.case_text("nasa-12x36") + "\n[compliance]\nfineness = 2.0\n")
     said = CliRunner().invoke(main, ["run", str(case), "-o", str(tmp_path / "out.nc")])
@@ -207,7 +207,7 @@ def test_memory_that_runs_out_all_the_same_is_one_message(
     def fail(*arguments: Any, **options: Any) -> Any:
         raise MemoryError(reason)
 
-    monkeypatch.setattr("easeoff.study.analysis.analyze", fail)
+    monkeypatch.setattr("easeoff.study.analysis.case_analysis.analyze", fail)
     failed = CliRunner().invoke(main, ["run", "nasa-12x36", "-o", str(tmp_path / "out.nc")])
     assert failed.exit_code == 2
     assert f"Error: there is not enough memory {said} the numbers" in failed.output

@@ -122,7 +122,7 @@ def test_names_imported_on_first_use_are_those_that_types_know(name: str) -> Non
             ["xarray", "pandas", "scipy", "netCDF4", "easeoff.contact.loaded"],
         ),
         (
-            "import easeoff.study.analysis",
+            "import easeoff.study.analysis.case_analysis",
             ["scipy.optimize", "scipy.interpolate", "scipy.spatial", "numba", "matplotlib"],
         ),
         ("import easeoff.study.result", ["scipy", "numba", "matplotlib"]),

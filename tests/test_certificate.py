@@ -355,12 +355,14 @@ def test_judge_finds_false_claims(fault: str, name: str, value: Any, monkeypatch
 
 def test_drawn_problems_are_of_every_kind() -> None:
     drawn = [drawn_problem(seed) for seed in range(400)]
-    assert len({name for name, _ in drawn}) == 7
+    assert len({name for name, _ in drawn}) == 8
     rotations = np.array([abs(problem.first_contact_rotation) for _, problem in drawn])
     assert rotations.max() > 1e7
     assert np.count_nonzero([problem.lever_arm.min() < 0.0 for _, problem in drawn]) > 20
     assert np.count_nonzero([problem.torque == 0.0 for _, problem in drawn]) > 5
     assert np.count_nonzero([problem.is_structured for _, problem in drawn]) > 100
+    bases = [problem.modal_basis for _, problem in drawn]
+    assert np.count_nonzero([basis is not None and basis.shared is not None for basis in bases]) > 10
 
 
 @pytest.mark.parametrize("dense", [True, False])

@@ -52,8 +52,10 @@ WITH_CODE = (
     "sweeps",
     "vh_check",
     "load_cases",
+    "deflections",
     "half_space",
     "report",
+    "supports",
 )
 QUICK = ("index", "results", "contact_problems", "python")  # the others take seconds each
 
@@ -75,13 +77,17 @@ def rows(page: str, heading: str) -> list[list[str]]:
 
 
 def run(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Run the commands and the code of a page in order, in one folder and one namespace."""
+    """Write the tables of a page, named by their first lines, and run its commands and code, in order in one folder."""
     import matplotlib
 
     matplotlib.use("Agg")
     monkeypatch.chdir(folder)
     namespace: dict[str, Any] = {}
-    for language, code in blocks(page, "sh", "python"):
+    for language, code in blocks(page, "sh", "python", "csv"):
+        if language == "csv":
+            name, _, _ = code.removeprefix("# ").partition(":")
+            (folder / name).write_text(code, encoding="utf-8")
+            continue
         if language == "python":
             exec(compile(code, "documentation", "exec"), namespace)
             continue

@@ -28,7 +28,7 @@ from easeoff.friction.surface_velocities import action_splines, axes_of, surface
 from easeoff.geometry import Misalignment
 from easeoff.geometry.vectors import dot
 from easeoff.study import Analysis, CaseInMesh, contact_analysis, result_summary
-from easeoff.study.analysis import operation_of
+from easeoff.study.analysis.friction_analysis import operation_of
 from easeoff.study.cli import main
 from easeoff.study.report.result_summary import uncertified
 

@@ -37,7 +37,7 @@ from easeoff.friction.ehl.study import parameter_study as study_module
 from easeoff.friction.ehl.study import study_case as cases_module
 from easeoff.friction.ehl.study.study_case import NUMBERS, Row
 from easeoff.friction.ehl.study.study_design import REFINED, oil_75w90
-from easeoff.friction.film_thickness import pan_hamrock
+from easeoff.friction.oil_film.film_thickness import pan_hamrock
 
 
 def test_design_has_the_combinations_of_the_dissertation() -> None:

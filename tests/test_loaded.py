@@ -11,7 +11,7 @@ import xarray as xr
 
 from easeoff import InputError, analyze
 from easeoff.cases import Case, gear_pair, read_case
-from easeoff.contact import ElasticModel, MeshCycle, available_solvers
+from easeoff.contact import ElasticModel, MeshCycle, available_solvers, solid_shells
 from easeoff.contact.compliance.elastic_model import shells, tooth_dimensions
 from easeoff.geometry import pair_geometry
 from easeoff.study import CaseInMesh, contact_analysis
@@ -133,13 +133,15 @@ def test_softer_pieces_make_a_softer_pair() -> None:
     assert level(default) < level(soft)
 
 
-def test_segments_on_one_tooth_pair_are_coupled_and_others_are_not() -> None:
+@pytest.mark.parametrize("neighbours", [False, True])
+def test_segments_on_one_tooth_pair_are_coupled_and_others_by_the_body_alone(neighbours: bool) -> None:
     geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (17, 13))
-    for here in MeshCycle.of(geometry, mesh_positions=3, segments_per_line=9).segments.by_position:
+    model = solid_shells(geometry.pair, neighbours=neighbours)
+    for here in MeshCycle.of(geometry, model, mesh_positions=3, segments_per_line=9).segments.by_position:
         assert here is not None
         other = here.pair[:, None] != here.pair[None, :]
         bending = here.bending_problem.dense_compliance
-        assert np.all(bending[other] == 0.0)
+        assert np.all((bending[other] != 0.0) == neighbours)
         assert np.all(bending[~other] != 0.0)
 
 

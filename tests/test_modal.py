@@ -32,7 +32,7 @@ from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
 from easeoff.contact.solvers import modal_newton as method_of_newton
 from easeoff.contact.solvers import problem_batch, registry
 from easeoff.contact.solvers.compiled.compiled_answer import compiled_code
-from easeoff.contact.solvers.modal_batch import ModalBatch
+from easeoff.contact.solvers.modal_batch import Amplitudes, ModalBatch
 from easeoff.contact.solvers.modal_newton import LinearLaw, has_modal_form, modal_newton, newton_batch
 from easeoff.contact.solvers.native import METHODS
 from easeoff.study import CaseInMesh, contact_analysis
@@ -412,7 +412,7 @@ def batch_of(given: list[ContactProblem]) -> ModalBatch:
     )
 
 
-def even_start(batch: ModalBatch) -> tuple[Array, Array]:
+def even_start(batch: ModalBatch) -> tuple[Amplitudes, Array]:
     arm = np.maximum(batch.rows[..., -1], 0.0)
     force = arm * (batch.torque / np.sum(arm**2, axis=(1, 2)))[:, None, None]
     return batch.start(force, force)

@@ -13,7 +13,7 @@ from easeoff import analyze, read_case
 from easeoff.cases import gear_pair
 from easeoff.contact import ElasticModel, Material, MeshCycle
 from easeoff.contact.compliance import WeberLineContact
-from easeoff.contact.compliance.unit_loads import UnitLoads
+from easeoff.contact.compliance.unit_loads import Loads, UnitLoads
 from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.marking_print import least_gap
 from easeoff.contact.evaluation.mesh_stiffness import mesh_stiffness, mesh_stiffnesses
@@ -44,7 +44,8 @@ def test_the_edges_of_a_light_load_are_the_same_after_a_heavy_one() -> None:
 def test_blocks_of_unit_loads_are_their_compliance_with_edges_and_without() -> None:
     rng = np.random.default_rng(3)
     on_lines, on_edges = rng.normal(size=(12, 40)), rng.normal(size=(5, 40))
-    loads = UnitLoads(on_lines).with_edges(on_edges)
+    none = np.empty((12, 0)), np.empty((5, 0))
+    loads = UnitLoads(Loads(on_lines, none[0])).with_edges(Loads(on_edges, none[1]))
     both = np.concatenate([on_lines, on_edges])
     for rows in (np.arange(9), np.array([0, 1, 2, 5, 13, 16]), np.arange(9)):
         pairs = np.where(np.arange(rows.size) % 3 == 0, -1, 2)

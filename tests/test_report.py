@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from easeoff import InputError, analyze, read_case, write_result
-from easeoff.cases import LoadCase
+from easeoff.cases import Deflections, LoadCase
 from easeoff.cases.changes import changed_case
 from easeoff.cases.schema.case_schema import Case
 from easeoff.contact import Status
@@ -214,6 +214,15 @@ def test_stiffness_and_error_along_the_normal_are_those_of_a_rigid_lever(drive: 
     width = 34.5  # mm, of the case, along the pitch cone
     newton_per_um = loaded["mean_mesh_stiffness"].values * 1e6 / arm * 1e3 / (arm * 1e3)
     assert np.allclose(stiffness, newton_per_um / width, rtol=0.02)
+
+
+def test_a_misalignment_over_the_torque_is_told() -> None:
+    axle = Deflections([0.0, 200.0], offset=[0.0, 0.05])
+    with without_compiled_code():
+        tree = analyze(coarse(), torques=[100.0], misalignment=axle)
+    rows = content(report_page({"axle": tree}))["results"][0]["misalignment"]
+    assert [row[0] for row in rows] == ["0", "100"]
+    assert [float(row[1]) for row in rows] == pytest.approx([0.0, 0.025])
 
 
 def test_shares_of_a_pair_end_where_the_pair_before_it_begins(drive: xr.DataTree) -> None:

@@ -16,6 +16,7 @@ root stress                       ``shell_root_stress``: section forces in the s
 measured deviations               ``distance_along_normals``
 solvers of the contact problem    ``problems`` of the ``PROBLEM_CLASSES``
 shell                             ``thesis_kinematics``, ``monomials``: the dissertation's own
+teeth on one body                 ``toothed_sector``: all teeth and their body as one lattice, solved whole
 finite elements                   ``serendipity_functions``: the element of other programs
 ================================  =================================================================================
 """
@@ -25,6 +26,8 @@ from .conventional_analysis import BothMethods, both_methods, line_differences, 
 from .cutter_motion import cutter_position
 from .directional_curvature import DirectionalCurvatures, ShapeOperator, directional_curvatures
 from .envelope_condition import EnvelopeCondition, envelope_condition
+from .finite_element_bodies.serendipity_brick import serendipity_functions
+from .finite_element_bodies.toothed_sector import ToothedSector, toothed_sector
 from .flank_contact.flank_contact import FlankContact, contact_of_flanks
 from .flank_contact.flank_response import FlankResponse, flank_response
 from .flank_contact.line_stations import LineStations, line_stations, response_size
@@ -36,7 +39,6 @@ from .measured_distance import distance_along_normals
 from .point_contact import PointContact, path_of_contact, point_contact
 from .problem_classes import PROBLEM_CLASSES, problems
 from .relative_curvature import RelativeCurvature, relative_curvature
-from .serendipity_brick import serendipity_functions
 from .shell_root_stress import shell_root_stress
 from .smallest_gap import SmallestGap, smallest_envelope, smallest_gap
 from .thesis_shell import monomials, thesis_kinematics
@@ -59,6 +61,7 @@ __all__ = [
     "ShapeOperator",
     "SmallestGap",
     "SurfaceCells",
+    "ToothedSector",
     "Verification",
     "VerificationRow",
     "both_methods",
@@ -89,5 +92,6 @@ __all__ = [
     "smallest_envelope",
     "smallest_gap",
     "thesis_kinematics",
+    "toothed_sector",
     "verify",
 ]

@@ -12,10 +12,10 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
+from ..cases.deflection_table import MisalignmentSource
 from ..cases.schema.case_schema import Case
 from ..core.attributes import labelled
 from ..core.errors import EaseoffError
-from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
 from ..study.case_in_mesh import checked_case
 from .flank_contact.flank_contact import FlankContact
@@ -117,7 +117,7 @@ def verify(
     case: Case | str | Path,
     *,
     flank: FlankName = "drive",
-    misalignment: Misalignment | None = None,
+    misalignment: MisalignmentSource | None = None,
     torques: float | Sequence[float] | None = None,
     without_split: bool = False,
     progress: Progress | None = None,
@@ -129,7 +129,8 @@ def verify(
     case
         A checked case, or what ``read_case`` takes.
     flank, misalignment, torques
-        As of ``analyze``.
+        As of ``analyze``. Where the misalignment depends on the torque, one torque at a time: the pair is verified in
+        its assembly there.
     without_split
         Whether to solve the contact without the split into bending and indentation at some mesh positions, too; it
         takes minutes.

@@ -93,6 +93,10 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     for name in ("description", "contact", "compliance", "friction", "target", "load_cases"):
         if getattr(case, name) != plain[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
+    if case.misalignment.deflections:
+        notes.append("misalignment.deflections: left out, REXS cannot hold it")
+    if case.supports is not None:
+        notes.append("supports: left out, the file holds the bevel stage alone")
     if case.pinion.number_of_teeth > case.gear.number_of_teeth:
         notes.append("number_of_teeth: a reader may take the member with fewer teeth for the pinion")
     with whole_file(path) as temporary:

@@ -15,7 +15,9 @@ from .blank_design_table import BlankDesignTable
 from .cutting_table import FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
+from .misalignment_table import MisalignmentTable
 from .schema_table import InputFile, Integer, Number, Table, number
+from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
 
 
@@ -105,15 +107,6 @@ class PairTable(Table):
     hypoid_offset: Number = number("offset; zero for a spiral bevel pair", "mm", default=0.0, gt=-500, lt=500)
 
 
-class MisalignmentTable(Table):
-    """Assembly errors."""
-
-    offset: Number = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
-    pinion_axial: Number = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    gear_axial: Number = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    shaft_angle: Number = number("increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
-
-
 class ContactTable(Table):
     """Torques and resolution of the analysis. Without torques the case takes those of ``usual_torques``.
 
@@ -149,8 +142,21 @@ Depth = Annotated[Number, Field(gt=0, lt=1000)]
 Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field(strict=False)]
 
 
+class WebTable(Table):
+    """Web that carries a member's rim from its toe end inwards along the root cone, held at its bore."""
+
+    bore_diameter: Number = number("where the web ends and is held", "mm", gt=0, lt=5000)
+    thickness: Number | None = number(
+        "at right angles to the root cone, flush with the bottom of the rim; that of the rim if left out",
+        "mm",
+        default=None,
+        gt=0,
+        lt=1000,
+    )
+
+
 SHELL_KEYS = frozenset({"plate", "profile_modes", "lengthwise_modes", "shear_factor", "root", "root_factor"})
-BRICK_KEYS = frozenset({"rim_depth", "fineness"})
+BRICK_KEYS = frozenset({"rim_depth", "fineness", "neighbours", "pinion_web", "gear_web"})
 
 
 class ComplianceTable(Table):
@@ -177,6 +183,14 @@ class ComplianceTable(Table):
         le=4,
     )
 
+    neighbours: bool = Field(
+        default=True,
+        description="with `fe` and `solid_shell`: the teeth of a member share its body, which couples them; otherwise "
+        "each has a sector of its own",
+    )
+    pinion_web: WebTable | None = None
+    gear_web: WebTable | None = None
+
     @model_validator(mode="after")
     def _of_one_model(self) -> Self:
         foreign, wanted = (BRICK_KEYS, '"solid_shell" or "fe"') if self.model == "shell" else (SHELL_KEYS, '"shell"')
@@ -187,6 +201,9 @@ class ComplianceTable(Table):
             if not chosen or value != type(self).model_fields[key].default:
                 here = f'it is "{self.model}"' + ("" if chosen else ", the default")
                 raise ValueError(f"{key} = {written(value)}: must go with model = {wanted}; {here}")
+        for key in ("pinion_web", "gear_web"):
+            if getattr(self, key) is not None and not self.neighbours:
+                raise ValueError(f"{key}: must go with neighbours = true: the web carries the body that teeth share")
         return self
 
 
@@ -239,6 +256,7 @@ class Case(InputFile):
     pinion: PinionTable
     gear: MemberTable
     misalignment: MisalignmentTable = MisalignmentTable()
+    supports: SupportsTable | None = None
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None

@@ -42,6 +42,14 @@ def _roughnesses(value: Any) -> Any:
     return entries
 
 
+def _pair(value: Any) -> Any:
+    """A number, or a pair for pinion and gear, refused in one message."""
+    pair = tuple(value) if isinstance(value, list | tuple) else (value, value)
+    if len(pair) != 2 or not all(_is_finite(each) for each in pair):
+        raise ValueError(f"{written(value)}: must be a number, or a list of two for pinion and gear")
+    return pair if isinstance(value, list | tuple) else value
+
+
 def _coefficient(value: Any) -> Any:
     """A name or a number, refused in one message: of a union, pydantic reports each of its kinds."""
     if isinstance(value, str) or _is_finite(value):
@@ -54,6 +62,10 @@ def _coefficient(value: Any) -> Any:
 
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]
 Roughness = Number | Annotated[tuple[Number, Number], Field(strict=False)]
+ByMember = Annotated[
+    Number | Annotated[tuple[Number, Number], Field(strict=False)],
+    BeforeValidator(_pair),
+]
 Roughnesses = Annotated[
     tuple[Roughness, ...], BeforeValidator(_roughnesses), Field(strict=False, min_length=1, max_length=1000)
 ]
@@ -86,6 +98,14 @@ class FrictionTable(Table):
     thermal_factor: str = "goksem_hargreaves"
     rolling_frame: Literal["fixed", "contact_line"] = "fixed"
     out_of_range: Literal["error", "clamp"] = "error"
+    bulk_temperature: Number | None = number(
+        "of the teeth, on top of which the flash temperature comes; that of the oil if left out", "degC", default=None
+    )
+    tooth_conductivity: ByMember = number(
+        "thermal conductivity of the teeth; in a list that of pinion and gear", "W/(m K)", default=46.0
+    )
+    tooth_density: ByMember = number("density of the teeth, likewise", "kg/m3", default=7850.0)
+    tooth_heat_capacity: ByMember = number("specific heat capacity of the teeth, likewise", "J/(kg K)", default=460.0)
     feedback: bool = False
     _folder: Path | None = PrivateAttr(default=None)
     _allow_outside: bool | None = PrivateAttr(default=None)
@@ -119,6 +139,7 @@ class FrictionTable(Table):
             "speed": self.speed,
             "temperature": self.temperature,
             "roughness": list(self.roughness),
+            "bulk_temperature": self.bulk_temperature,
         }
         if "oil" not in changed:
             self._require_inside()

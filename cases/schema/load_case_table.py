@@ -25,6 +25,9 @@ def _name(value: str) -> str:
     return value
 
 
+Name = Annotated[str, AfterValidator(_name)]
+
+
 def _rows(value: Any) -> Any:
     if isinstance(value, dict):
         raise ValueError("a load case is a table [[load_cases]], with two brackets")
@@ -40,7 +43,7 @@ class LoadCase(Table):
     True
     """
 
-    name: Annotated[str, AfterValidator(_name)] | None = None
+    name: Name | None = None
     torque: Number = number("torque at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
     E: Number | None = number(
         "increase of the offset; that of `[misalignment]` if left out", "mm", default=None, gt=-10, lt=10

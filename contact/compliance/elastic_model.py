@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...core.ordered_values import ordered
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
+from .body_coupling import BodyCoupling
 from .elastic_foundation import ElasticFoundation
 from .finite_elements.finite_element_tooth import solid_shell_tooth
 from .finite_elements.flank_compliance import FlankCompliance
@@ -25,6 +26,9 @@ PlateName = Literal["even", "fitted"]
 ElasticTooth = Shell | FlankCompliance
 STEEL = Material(206000.0, 0.3)
 DEFAULT_FOUNDATION = ElasticFoundation()
+#: Pitches, from the loaded side through the tooth, from the tooth of one pair to that of the next, which is one pitch
+#: behind it: the gear is pushed from its loaded side into its tooth, the pinion moves the other way.
+PITCHES_PER_PAIR = (1, -1)
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,9 @@ class ElasticModel:
     foot_correction: float = 0.0
 
 
-def solid_shells(pair: GearPair, pinion: Material = STEEL, gear: Material = STEEL) -> ElasticModel:
+def solid_shells(
+    pair: GearPair, pinion: Material = STEEL, gear: Material = STEEL, *, neighbours: bool = True
+) -> ElasticModel:
     """Elastic model of the teeth of a pair as solid shells, made once and kept on disk.
 
     Deviations of the flanks are left out: they are no part of how a tooth bends.
@@ -76,6 +82,8 @@ def solid_shells(pair: GearPair, pinion: Material = STEEL, gear: Material = STEE
         The gear pair; its misalignment has no part in it.
     pinion, gear
         Materials.
+    neighbours
+        Whether the teeth of a member share their body, or each has one of its own.
 
     Raises
     ------
@@ -91,8 +99,9 @@ def solid_shells(pair: GearPair, pinion: Material = STEEL, gear: Material = STEE
     """
     of_pinion, of_gear = (replace(member, loaded=member.loaded.designed) for member in (pair.pinion, pair.gear))
     designed = replace(pair, pinion=of_pinion, gear=of_gear)
-    teeth = solid_shell_tooth(designed, "pinion", pinion).flank, solid_shell_tooth(designed, "gear", gear).flank
-    return ElasticModel(pinion, gear, condensed=teeth)
+    of_pinion_tooth = solid_shell_tooth(designed, "pinion", pinion, neighbours=neighbours)
+    of_gear_tooth = solid_shell_tooth(designed, "gear", gear, neighbours=neighbours)
+    return ElasticModel(pinion, gear, condensed=(of_pinion_tooth.flank, of_gear_tooth.flank))
 
 
 def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") -> ToothDimensions:
@@ -177,7 +186,7 @@ class ElasticTeeth:
 
 
 def tooth_fields(teeth: xr.Dataset) -> dict[str, Array]:
-    """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``whitened_loads`` needs, by name."""
+    """Fields (lengthwise, profile, ...) of the geometry's ``teeth`` that ``unit_loads`` needs, by name."""
     fields = {}
     for member in MEMBERS:
         one = int(np.flatnonzero(ordered(teeth, "member", "member") == member)[0])
@@ -195,13 +204,13 @@ def member_points(splines: FlankSplines, member: str, points: Array) -> Array:
     return np.stack(list(splines.evaluate(["pinion_lengthwise", "pinion_profile"], points).values()))
 
 
-def whitened_loads(
+def unit_loads(
     elastic: tuple[ElasticTooth, ElasticTooth],
     splines: FlankSplines,
     points: Array,
     weights: Array,
-) -> list[Array]:
-    """Whitened unit loads of each member on segments; their inner products are bending compliances.
+) -> tuple[list[Array], Array]:
+    """Unit loads of each member on segments, whitened: their inner products are bending compliances.
 
     Parameters
     ----------
@@ -216,19 +225,30 @@ def whitened_loads(
 
     Returns
     -------
-    list
-        Y (k, n) of pinion and gear, such that the compliance of segments on one tooth pair is the sum of Y^T Y [mm/N]
-        (Kolivand 2009, Eq. 3.11).
+    tuple
+        Y (n, k) of pinion and gear, such that the compliance of segments on one tooth pair is the sum of Y Y^T [mm/N]
+        (Kolivand 2009, Eq. 3.11), but for that of the bodies which teeth share; and the loads (n, q) in the modes of
+        the bodies of both members, the pinion's first, see ``body_coupling``.
     """
-    stacked = []
+    own, on_bodies = [], []
     for member, tooth in zip(MEMBERS, elastic, strict=True):
         if isinstance(tooth, FlankCompliance):
-            stacked.append(tooth.whitened(member_points(splines, member, points), weights))
+            whitened, on_body = tooth.unit_loads(member_points(splines, member, points), weights)
+            own.append(whitened)
+            on_bodies.append(on_body)
             continue
         names = [f"{name}_{member}" for name in ("shell_height", "shell_arc", "shell_direction")]
         height, arc, direction = splines.evaluate(names, points).values()
         # The foot of a normal near the end of the tooth can lie beyond it, where the trial functions mean nothing.
         arc = np.clip(arc, 0.0, tooth.dimensions.trace_length)
         vectors = tooth.load_vectors(height, arc, np.moveaxis(direction, 0, -1), weights)
-        stacked.append(tooth.whiten(vectors)[tooth.idle_size :])
-    return stacked
+        own.append(tooth.whiten(vectors)[tooth.idle_size :].T)
+    return own, np.concatenate([np.empty((points.shape[1], 0)), *on_bodies], axis=1)
+
+
+def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | None:
+    """Coupling of tooth pairs through the bodies of both members; ``None`` if every tooth has a body of its own."""
+    bodies = [tooth.body if isinstance(tooth, FlankCompliance) else None for tooth in elastic]
+    ways = zip(bodies, PITCHES_PER_PAIR, strict=True)
+    known = [(body.coupling, pitches) for body, pitches in ways if body is not None]
+    return BodyCoupling(tuple(known)) if known else None

@@ -1,42 +1,62 @@
 """Unit loads on the segments of a mesh cycle, and the bending compliance at a mesh position by modes of tooth pairs.
 
-Segments on different tooth pairs are coupled through the blanks alone, which are taken as rigid.
+Segments on different tooth pairs are coupled through the bodies of the members alone.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..problem.modal_basis import ModalBasis, basis_of_blocks, compressed_block
+from .body_coupling import BodyCoupling
 
 Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
+class Loads:
+    """Unit loads on segments (n).
+
+    Parameters
+    ----------
+    own
+        Whitened (n, k): the inner products of rows are bending compliances of segments on one tooth pair.
+    on_bodies
+        In the modes of the bodies of both members (n, q).
+    """
+
+    own: Array
+    on_bodies: Array
+
+
+@dataclass(frozen=True)
 class UnitLoads:
-    """Whitened unit loads of both teeth: the inner products of rows are bending compliances.
+    """Unit loads on both teeth, and the bodies through which tooth pairs are coupled.
 
     Parameters
     ----------
     on_lines
-        Of the segments of contact lines (n, k).
+        Of the segments of contact lines (n).
     on_edges
-        Of pieces of edges (m, k), whose numbers follow those of the segments of lines; ``None`` for none.
+        Of pieces of edges (m), whose numbers follow those of the segments of lines; ``None`` for none.
+    coupling
+        Of tooth pairs through the bodies; ``None`` if each tooth has a body of its own.
     known
         Compressed blocks of segments of lines, by the numbers of these: kept for the next mesh with other edges.
     """
 
-    on_lines: Array
-    on_edges: Array | None = None
+    on_lines: Loads
+    on_edges: Loads | None = None
+    coupling: BodyCoupling | None = None
     known: dict[bytes, Array] = field(default_factory=dict, repr=False, compare=False)
 
-    def with_edges(self, on_edges: Array) -> UnitLoads:
+    def with_edges(self, on_edges: Loads) -> UnitLoads:
         """The same contact lines with pieces of edges."""
-        return UnitLoads(self.on_lines, on_edges, self.known)
+        return replace(self, on_edges=on_edges)
 
     def bending(self, pairs: NDArray[np.int64], rows: NDArray[np.int64]) -> ModalBasis:
         """Bending compliance of the segments (s) of a mesh position.
@@ -48,17 +68,30 @@ class UnitLoads:
         rows
             Their numbers (s), those on lines before those on edges.
         """
-        blocks = [np.flatnonzero(pairs == pair) for pair in np.unique(pairs)]
-        return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks])
+        numbers = np.unique(pairs)
+        blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
+        basis = basis_of_blocks(pairs.size, blocks, [self._compressed(rows[own]) for own in blocks])
+        if self.coupling is None:
+            return basis
+        return self.coupling.coupled(basis, numbers, self._rows(rows, "on_bodies"))
 
     def _compressed(self, rows: NDArray[np.int64]) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""
-        first = len(self.on_lines)
-        count = int(np.searchsorted(rows >= first, True))
-        if count < rows.size:
-            assert self.on_edges is not None
-            return compressed_block(np.concatenate([self.on_lines[rows[:count]], self.on_edges[rows[count:] - first]]))
+        if np.any(rows >= len(self.on_lines.own)):
+            return compressed_block(self._rows(rows, "own"))
         key = rows.tobytes()
         if key not in self.known:
-            self.known[key] = compressed_block(self.on_lines[rows])
+            self.known[key] = compressed_block(self.on_lines.own[rows])
         return self.known[key]
+
+    def _rows(self, rows: NDArray[np.int64], name: Literal["own", "on_bodies"]) -> Array:
+        """Loads of the segments of given numbers (s), in any order of lines and edges."""
+        lines: Array = getattr(self.on_lines, name)
+        on_edges = rows >= len(lines)
+        if not np.any(on_edges):
+            return lines[rows]
+        assert self.on_edges is not None
+        edges: Array = getattr(self.on_edges, name)
+        result = np.empty((rows.size, lines.shape[1]))
+        result[~on_edges], result[on_edges] = lines[rows[~on_edges]], edges[rows[on_edges] - len(lines)]
+        return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -90,15 +91,15 @@ class ModifiedContact:
         """The modification with these coefficients (p) [um]."""
         return Modification(dict(zip(self.names, map(float, coefficients), strict=True)))
 
-    def loads(self, coefficients: Array, first: int = 0) -> LoadResponse | None:
+    def loads(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse | None:
         """Solve the loaded contact afresh, certified, and find how it changes with the coefficients.
 
         Parameters
         ----------
         coefficients
             Of the modification (p) [um].
-        first
-            Number of the first torque's mesh cycle.
+        cycles
+            Numbers (t) of the torques' mesh cycles; from 0 on if left out.
 
         Returns
         -------
@@ -115,10 +116,11 @@ class ModifiedContact:
             here, solution = case.segments, case.solution
             outcome = solution.force, solution.gap, solution.rotation
             local, slope = here.line_contact.tangent(solution.force), slopes[case.mesh_position]
-            parts.append(self._linear(here, ModalCompliance(local, here.bending), outcome, slope, first + case.torque))
+            number = case.torque if cycles is None else cycles[case.torque]
+            parts.append(self._linear(here, ModalCompliance(local, here.bending), outcome, slope, number))
         return stacked(parts)
 
-    def held(self, coefficients: Array, first: int = 0) -> LoadResponse:
+    def held(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse:
         """As ``loads``, all segments held in contact, with the local compliance of even load."""
         modified, slopes = self._modified(coefficients)
         parts = []
@@ -130,7 +132,8 @@ class ModifiedContact:
                 compliance = ModalCompliance(here.line_contact.secant(even), here.bending)
                 force, rotation = held_in_contact(compliance, here.separation, here.lever_arm, torque)
                 outcome = force, np.zeros(force.size), rotation
-                parts.append(self._linear(here, compliance, outcome, slope, first + index, held=True))
+                number = index if cycles is None else cycles[index]
+                parts.append(self._linear(here, compliance, outcome, slope, number, held=True))
         return stacked(parts)
 
     def _modified(self, coefficients: Array) -> tuple[MeshCycle, list[Array]]:

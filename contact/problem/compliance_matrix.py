@@ -20,6 +20,8 @@ from .operator_compliance import OperatorCompliance
 
 Array = NDArray[np.float64]
 
+#: Local compliance over the whole below which the shared modes are looked at.
+SMALL_LOCAL_FRACTION = 1e-3
 #: Smallest eigenvalue of C, relative to the largest, that is still taken for a rounded zero.
 NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 #: Largest difference between C and its transpose, relative to the largest entry, that is taken for rounding.
@@ -123,9 +125,18 @@ class ModalCompliance:
 
     @cached_property
     def local_fraction(self) -> float:
-        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii."""
+        """Least part that a segment's own compliance d has in the whole, min d_i / C_ii.
+
+        Where that is small, the shared modes are left out of the whole: they move many segments alike, as the rotation
+        does, and cost the modal method no steps.
+        """
         whole = self.diagonal
-        return float((self.local / whole).min()) if whole.min() > 0.0 else 0.0
+        least = float((self.local / whole).min()) if whole.min() > 0.0 else 0.0
+        if not 0.0 < least < SMALL_LOCAL_FRACTION:
+            return least
+        shared = self.modes.shared_factor
+        without = np.maximum(whole - np.einsum("ij,ij->i", shared, shared), self.local)
+        return float((self.local / without).min())
 
     def deflection(self, force: Array) -> Array:
         """Return C F [mm], (n), in O(n k)."""

@@ -3,29 +3,62 @@
 Segments on different tooth pairs share no bending mode, so V has a zero pattern: groups of columns with disjoint rows.
 Along a contact line the modes are smooth, so the rows of a group span a space of small numerical rank: a dozen of
 eighty modes make up V V^T to all digits. The blocks U with U U^T = V V^T are what the modal solver works on.
+
+Shafts, bearings, housing and the body between the teeth couple the tooth pairs by a few modes W beside those blocks,
+C = diag(d) + U U^T + W W^T. Within a block, W has no more directions than a rigid motion, six.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import InputError
-from .mode_columns import ModeColumns, mode_columns
+from .modes.mode_columns import ModeColumns, mode_columns
+from .modes.shared_columns import few_directions, shared_columns
 
 Array = NDArray[np.float64]
 
 #: Largest contribution of a dropped mode to a block of V V^T, relative to its greatest entry (or eigenvalue).
 DROP_TOLERANCE = 1e-15
+#: Directions of a rigid motion: more shared columns than these are tried for fewer directions.
+RIGID_DIRECTIONS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class SharedModes:
+    """Modes W that all blocks share: a segment i of block b has the row W_i = columns_i mixing_b.
+
+    Attributes
+    ----------
+    columns
+        What a unit force at each segment does to what all share, such as its wrench (n, q).
+    mixing
+        Of every block (p, q, s); in units that make W [(mm/N)^0.5].
+
+    Examples
+    --------
+    Two tooth pairs of two segments each on one spring of 1e-6 mm/N:
+
+    >>> import numpy as np
+    >>> from easeoff.contact import ModalBasis, SharedModes
+    >>> spring = SharedModes(np.ones((4, 1)), np.full((2, 1, 1), 1e-3))
+    >>> basis = ModalBasis(4, np.array([[0, 1], [2, 3]]), np.zeros((2, 2, 0)), spring)
+    >>> (basis.factor @ basis.factor.T).round(9)[0].tolist()
+    [1e-06, 1e-06, 1e-06, 1e-06]
+    """
+
+    columns: Array
+    mixing: Array
 
 
 @dataclass(frozen=True, eq=False)
 class ModalBasis:
-    """Blocks of a compressed factor, padded to the size of the largest.
+    """Blocks of a compressed factor, padded to the size of the largest, and modes that all blocks share.
 
     Attributes
     ----------
@@ -35,6 +68,8 @@ class ModalBasis:
         Segments of each block (p, m); n where padded. Every segment is in one block.
     modes
         U of each block (p, m, k) [(mm/N)^0.5], zero where padded.
+    shared
+        Modes W beside those of the blocks, or None: C = diag(d) + U U^T + W W^T.
 
     Raises
     ------
@@ -57,6 +92,7 @@ class ModalBasis:
     size: int
     index: NDArray[np.intp]
     modes: Array
+    shared: SharedModes | None = None
 
     def __post_init__(self) -> None:
         """Check that the arrays fit: compiled code reads them without asking."""
@@ -71,18 +107,55 @@ class ModalBasis:
         if not np.isfinite(modes).all() or modes[index == size].any():
             raise InputError("modes: must be finite, and zero where index is padded")
 
+        if self.shared is not None:
+            _check_shared(self.shared, size, index.shape[0])
+
     @cached_property
     def factor(self) -> Array:
-        """U as one array (n, r), read-only; every block has columns of its own."""
+        """[U, W] as one array (n, r), read-only; every block has columns of its own, before the shared ones."""
         block, mode = np.nonzero(self.modes.any(axis=1))
         factor = np.zeros((self.size + 1, block.size))
         factor[self.index[block], np.arange(block.size)[:, None]] = self.modes[block, :, mode]
+        if self.shared_factor.shape[1]:
+            factor = np.concatenate([factor[:-1], self.shared_factor], axis=1)
         factor.setflags(write=False)
-        return factor[:-1]
+        return factor[: self.size]
+
+    @cached_property
+    def shared_factor(self) -> Array:
+        """W (n, s) [(mm/N)^0.5], without columns of zeros."""
+        if self.shared is None:
+            return np.zeros((self.size, 0))
+        columns, mixing = self.shared.columns, self.shared.mixing
+        wide, shared = np.zeros((self.size + 1, columns.shape[1])), np.zeros((self.size + 1, mixing.shape[2]))
+        wide[:-1] = columns
+        shared[self.index] = wide[self.index] @ mixing
+        kept = shared.any(axis=0)
+        return shared[:-1] if kept.all() else np.ascontiguousarray(shared[:-1, kept])
+
+    @cached_property
+    def border(self) -> SharedModes:
+        """The shared modes as solvers take them: with no more than the directions of all blocks together.
+
+        Where there are at most q modes, the columns are W itself, and the mixing is one of ones.
+        """
+        factor, blocks = self.shared_factor, self.index.shape[0]
+        shared = self.shared
+        if shared is None:
+            return SharedModes(factor, np.zeros((blocks, 0, 0)))
+        if factor.shape[1] <= shared.columns.shape[1]:
+            one = np.eye(factor.shape[1])
+            return SharedModes(factor, np.broadcast_to(one, (blocks, *one.shape)))
+        mixing = shared.mixing[:, :, shared.mixing.any(axis=(0, 1))]
+        every = blocks * mixing.shape[1]
+        if mixing.shape[2] > every:  # M = R'Q', and M M' = R'R
+            triangle: Array = np.asarray(np.linalg.qr(mixing.reshape(every, -1).T, mode="r"))
+            mixing = triangle.T.reshape(*mixing.shape[:2], every)
+        return SharedModes(shared.columns, np.ascontiguousarray(mixing))
 
     @cached_property
     def blocks(self) -> list[tuple[NDArray[np.intp], Array]]:
-        """Segments (m) and modes (m, k) of each block, without the padding."""
+        """Segments (m) and own modes (m, k) of each block, without the padding."""
         rows = [index < self.size for index in self.index]
         blocks = zip(self.index, self.modes, rows, strict=True)
         return [(index[own], modes[own][:, modes.any(axis=0)]) for index, modes, own in blocks]
@@ -90,7 +163,7 @@ class ModalBasis:
     @cached_property
     def columns(self) -> ModeColumns:
         """The modes as the compiled contact solution reads them."""
-        return mode_columns(self.size, self.blocks)
+        return mode_columns(self.size, self.blocks, self.border.columns, self.border.mixing, self.shared_factor)
 
     @property
     def basis(self) -> ModalBasis:
@@ -111,23 +184,82 @@ class BendingFactor:
     factor: Array
 
     @cached_property
+    def shared_factor(self) -> Array:
+        """The columns that couple blocks (n, s) [(mm/N)^0.5]."""
+        return self.factor[:, shared_columns(self.factor, factor_blocks(self.factor))]
+
+    @cached_property
     def basis(self) -> ModalBasis:
         """The factor compressed by blocks."""
         return modal_basis(self.factor)
 
 
+def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
+    """Check shared modes of a number of segments and blocks."""
+    columns, mixing = shared.columns, shared.mixing
+    for name, values, shape in (("columns", columns, f"({size}, q)"), ("mixing", mixing, f"({blocks}, q, s)")):
+        wanted = 2 if name == "columns" else 3
+        if not (np.asarray(values) is values and values.dtype == np.float64 and values.ndim == wanted):
+            raise InputError(f"shared {name}: must be an array of floats of shape {shape}")
+        if not np.isfinite(values).all():
+            raise InputError(f"shared {name}: must be finite")
+    if columns.shape[0] != size:
+        raise InputError(f"shared columns = array of shape {columns.shape}: must have {size} rows")
+    if mixing.shape[:2] != (blocks, columns.shape[1]):
+        raise InputError(
+            f"shared mixing = array of shape {mixing.shape}: must have the shape ({blocks}, {columns.shape[1]}, s), "
+            f"there being {blocks} blocks and {columns.shape[1]} shared columns"
+        )
+
+
 def modal_basis(factor: Array) -> ModalBasis:
-    """Find the blocks of a factor and compress them.
+    """Find the blocks of a factor and compress them; columns that couple blocks become shared modes.
 
     Parameters
     ----------
     factor
         V (n, k) [(mm/N)^0.5].
     """
+    if factor.shape[1] > 0 and (factor != 0.0).all():
+        return _own_basis(factor, [(np.arange(factor.shape[0]), np.arange(factor.shape[1]))])
     blocks = factor_blocks(factor)
+    shared = shared_columns(factor, blocks)
+    if not shared.any():
+        return _own_basis(factor, blocks)
+    own = factor[:, ~shared]
+    basis = _own_basis(own, factor_blocks(own))
+    return replace(basis, shared=_shared_modes(factor[:, shared], [rows for rows, _ in basis.blocks]))
+
+
+def _own_basis(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> ModalBasis:
+    """The basis of a factor without shared modes, from its rows and columns of each block."""
     whole = len(blocks) == 1 and blocks[0][1].size == factor.shape[1]
     compressed = [compressed_block(factor if whole else factor[np.ix_(*both)]) for both in blocks]
     return basis_of_blocks(factor.shape[0], [rows for rows, _ in blocks], compressed)
+
+
+def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedModes:
+    """Shared modes W (n, s) in as few columns as they have directions, in all and within a block.
+
+    Parameters
+    ----------
+    factor
+        W (n, s) [(mm/N)^0.5].
+    rows
+        Segments of each block (m).
+    """
+    if factor.shape[1] > RIGID_DIRECTIONS:
+        factor = compressed_block(factor)
+    size, count = factor.shape
+    parts = [few_directions(factor[own]) for own in rows] if count > RIGID_DIRECTIONS else []
+    most = max((mixing.shape[0] for _, mixing in parts), default=count)
+    if most >= count:
+        return SharedModes(factor, np.tile(np.eye(count), (len(rows), 1, 1)))
+    columns, mixing = np.zeros((size, most)), np.zeros((len(rows), most, count))
+    for number, (own, (directions, mixed)) in enumerate(zip(rows, parts, strict=True)):
+        columns[own, : mixed.shape[0]] = directions
+        mixing[number, : mixed.shape[0]] = mixed
+    return SharedModes(columns, mixing)
 
 
 def basis_of_blocks(size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array]) -> ModalBasis:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compliance_matrix import ModalCompliance
-from .modal_basis import ModalBasis
+from .modal_basis import ModalBasis, SharedModes
 from .operator_compliance import OperatorCompliance
 
 if TYPE_CHECKING:
@@ -77,8 +77,9 @@ class ScaledModes:
     @property
     def basis(self) -> ModalBasis:
         """V compressed by blocks, scaled: with weight one."""
-        given = self.compliance.modes.basis
-        return ModalBasis(given.size, given.index, given.modes * (1.0 / math.sqrt(self.unit)))
+        given, scale = self.compliance.modes.basis, 1.0 / math.sqrt(self.unit)
+        shared = given.shared and SharedModes(given.shared.columns, given.shared.mixing * scale)
+        return ModalBasis(given.size, given.index, given.modes * scale, shared)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,13 @@ local law F = f(indentation) may be any that is convex; with its energy Psi, Psi
 
 convex and once differentiable, with the gradient (c - U'F, r'F - T) and, K being the tangent stiffness of the law, the
 Hessian [I + U'K U, -U'K r; -r'K U, r'K r]: one small block a tooth pair, with theta as a border. An iteration costs
-O(n m^2) for m modes a pair, and C is never formed. A step that passes the minimum along its line is halved until phi
-surely falls. With a linear law the iteration ends after finitely many steps, with a smooth one its convergence is
-quadratic. Signs and complementarity of the forces are exact by construction; what is left is rounding in c and theta.
+O(n m^2) for m modes a pair, and C is never formed. Modes that all pairs share, W_i = G_i M_b in block b, add their
+amplitudes a = W'F to the border. In a block these have no more directions than G has columns: the block leaves the
+Schur complement of its modes on [G r], and M_b takes that to a and theta.
+
+A step that passes the minimum along its line is halved until phi surely falls. With a linear law the iteration ends
+after finitely many steps, with a smooth one its convergence is quadratic. Signs and complementarity of the forces are
+exact by construction; what is left is rounding in c, a and theta.
 
 Problems stand side by side in arrays with a leading axis, so that they share the cost of calling numpy. None feels the
 company of the others.
@@ -18,7 +22,7 @@ company of the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,7 +30,7 @@ from numpy.typing import NDArray
 
 from ..problem.scaled_problem import ScaledModes, ScaledProblem
 from .active_set.active_set_system import first_contact_index
-from .modal_batch import ModalBatch
+from .modal_batch import Amplitudes, Loads, ModalBatch
 from .scaled_answer import ScaledAnswer
 from .solver_limits import StepBudget
 
@@ -82,7 +86,7 @@ class BatchAnswer:
     Attributes
     ----------
     amplitudes
-        Of the modes (b, p, k).
+        Of the modes.
     rotation
         Beyond first contact (b).
     force
@@ -93,7 +97,7 @@ class BatchAnswer:
         False where the method gave up (b); the rest means little there.
     """
 
-    amplitudes: Array
+    amplitudes: Amplitudes
     rotation: Array
     force: Array
     iterations: NDArray[np.intp]
@@ -161,17 +165,18 @@ def _touching(problem: ScaledProblem, active: NDArray[np.bool_]) -> Array:
     return touching.astype(np.float64)
 
 
-def _minimum_on(batch: ModalBatch, stiffness: Array) -> tuple[Array, Array]:
+def _minimum_on(batch: ModalBatch, stiffness: Array) -> tuple[Amplitudes, Array]:
     """Return amplitudes and rotation that minimise phi if the segments with a stiffness (b, p, m) stuck together."""
     count, blocks = stiffness.shape[:2]
-    amplitudes, rotation = np.zeros((count, blocks, batch.rows.shape[-1] - 1)), np.zeros(count)
+    rotation = np.zeros(count)
+    amplitudes = Amplitudes(np.zeros((count, blocks, batch.rank)), np.zeros((count, batch.mixing.shape[3])))
     force = -stiffness * batch.separation
     here = _Point(amplitudes, rotation, batch.separation, force, stiffness, batch.loads(force))
     return _newton_direction(batch, here)
 
 
 def newton_batch(
-    batch: ModalBatch, law: LocalLaw, amplitudes: Array, rotation: Array, budget: StepBudget | None = None
+    batch: ModalBatch, law: LocalLaw, amplitudes: Amplitudes, rotation: Array, budget: StepBudget | None = None
 ) -> BatchAnswer:
     """Solve all problems of a batch.
 
@@ -182,14 +187,14 @@ def newton_batch(
     law
         Local compliance.
     amplitudes, rotation
-        Where to begin, (b, p, k) and (b).
+        Where to begin; rotations (b).
     budget
         Limits of the whole solve.
     """
     count = rotation.size
     best = np.full(count, np.inf)
     answer = BatchAnswer(
-        np.array(amplitudes),
+        Amplitudes(np.array(amplitudes.own), np.array(amplitudes.shared)),
         np.array(rotation),
         np.zeros(batch.segment.shape),
         np.zeros(count, dtype=np.intp),
@@ -204,8 +209,8 @@ def newton_batch(
             better = residual < before
             kept = chosen[better]
             best[kept], answer.iterations[kept] = residual[better], iteration
-            answer.amplitudes[kept], answer.rotation[kept] = point.amplitudes[better], point.rotation[better]
-            answer.force[kept] = point.force[better]
+            answer.amplitudes.put(kept, point.amplitudes.part(better))
+            answer.rotation[kept], answer.force[kept] = point.rotation[better], point.force[better]
             done = (residual <= ROUNDING_RESIDUAL) | (~(residual < 0.5 * before) & (before < STALLED_RESIDUAL))
             answer.ended[chosen[done]] = True
             going = ~done & np.isfinite(residual)
@@ -221,20 +226,33 @@ def newton_batch(
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A point of the iteration: amplitudes (b, p, k), rotation (b), gap, force, stiffness (b, p, m), loads."""
+    """A point of the iteration: amplitudes, rotation (b), gap, force, stiffness (b, p, m), loads."""
 
-    amplitudes: Array
+    amplitudes: Amplitudes
     rotation: Array
     gap: Array
     force: Array
     stiffness: Array
-    loads: Array
+    loads: Loads
 
     def part(self, chosen: NDArray[Any]) -> _Point:
-        return _Point(*(getattr(self, field.name)[chosen] for field in fields(self)))
+        loads = Loads(self.loads.amplitudes.part(chosen), self.loads.moment[chosen])
+        gap, force, stiffness = self.gap[chosen], self.force[chosen], self.stiffness[chosen]
+        return _Point(self.amplitudes.part(chosen), self.rotation[chosen], gap, force, stiffness, loads)
+
+    def put(self, chosen: NDArray[Any], other: _Point, others: NDArray[Any]) -> None:
+        """Replace some of the problems by some of other points."""
+        self.amplitudes.put(chosen, other.amplitudes.part(others))
+        self.loads.amplitudes.put(chosen, other.loads.amplitudes.part(others))
+        self.loads.moment[chosen], self.rotation[chosen] = other.loads.moment[others], other.rotation[others]
+        self.gap[chosen], self.force[chosen], self.stiffness[chosen] = (
+            other.gap[others], other.force[others], other.stiffness[others],
+        )  # fmt: skip
 
 
-def _point(batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], amplitudes: Array, rotation: Array) -> _Point:
+def _point(
+    batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], amplitudes: Amplitudes, rotation: Array
+) -> _Point:
     gap = batch.closing(amplitudes, rotation) + batch.separation
     force, stiffness = law.response(np.maximum(-gap, 0.0), chosen)
     return _Point(amplitudes, rotation, gap, force, stiffness, batch.loads(force))
@@ -245,22 +263,46 @@ def _residual(batch: ModalBatch, point: _Point) -> Array:
     level = batch.torque
     if not level.all():  # without a torque, segments press against each other
         level = np.where(level > 0.0, level, np.sum(point.force * np.abs(batch.rows[..., -1]), axis=(1, 2)))
-    imbalance = np.abs(batch.torque - point.loads[..., -1].sum(axis=1)) / level
-    amplitude = np.abs(point.amplitudes).max(axis=(1, 2), initial=0.0)
-    left = np.abs(point.loads[..., :-1] - point.amplitudes).max(axis=(1, 2), initial=0.0)
-    return np.asarray(np.maximum(imbalance, left / np.where(amplitude > 0.0, amplitude, 1.0)))
+    imbalance = np.abs(batch.torque - point.loads.moment.sum(axis=1)) / level
+    (own, shared), (own_load, shared_load) = point.amplitudes, point.loads.amplitudes
+    amplitude = np.abs(own).max(axis=(1, 2), initial=0.0)
+    left = np.abs(own_load - own).max(axis=(1, 2), initial=0.0)
+    residual = np.asarray(np.maximum(imbalance, left / np.where(amplitude > 0.0, amplitude, 1.0)))
+    if shared.shape[1]:
+        amplitude = np.maximum(amplitude, np.abs(shared).max(axis=1))
+        left = np.abs(shared_load - shared).max(axis=1)
+        residual = np.maximum(residual, left / np.where(amplitude > 0.0, amplitude, 1.0))
+    return residual
 
 
-def _newton_direction(batch: ModalBatch, point: _Point) -> tuple[Array, Array]:
+def _newton_direction(batch: ModalBatch, point: _Point) -> tuple[Amplitudes, Array]:
     """Change of amplitudes and rotation at which the gradient of phi would vanish if it were linear."""
+    rank, mixing = batch.rank, batch.mixing
     gram = (batch.rows * point.stiffness[..., None]).swapaxes(2, 3) @ batch.rows
-    hessian = gram[..., :-1, :-1] + np.eye(gram.shape[-1] - 1)
-    border = gram[..., :-1, -1]
-    solved = np.linalg.solve(hessian, np.stack([border, point.loads[..., :-1] - point.amplitudes], axis=-1))
+    hessian = gram[..., :rank, :rank] + np.eye(rank)
+    border, left = gram[..., :rank, -1], point.loads.amplitudes.own - point.amplitudes.own
+    sides = np.concatenate([border[..., None], left[..., None], gram[..., :rank, rank:-1]], axis=-1)
+    solved = np.linalg.solve(hessian, sides)
     pivot = gram[..., -1, -1].sum(axis=1) - np.sum(border * solved[..., 0], axis=(1, 2))
-    imbalance = batch.torque - point.loads[..., -1].sum(axis=1)
-    turn = (imbalance + np.sum(border * solved[..., 1], axis=(1, 2))) / pivot
-    return solved[..., 1] + turn[:, None, None] * solved[..., 0], turn
+    imbalance = batch.torque - point.loads.moment.sum(axis=1)
+    imbalance = imbalance + np.sum(border * solved[..., 1], axis=(1, 2))
+    if not mixing.shape[3]:
+        turn = imbalance / pivot
+        return Amplitudes(solved[..., 1] + turn[:, None, None] * solved[..., 0], point.amplitudes.shared), turn
+    # What a block leaves on its shared columns and the lever arm, mixed to the shared amplitudes and the rotation.
+    local = gram[..., rank:-1, rank:] - gram[..., :rank, rank:-1].swapaxes(2, 3) @ np.concatenate(
+        [solved[..., 2:], solved[..., :1]], axis=-1
+    )
+    stiff = np.eye(mixing.shape[3]) + (mixing.swapaxes(2, 3) @ (local[..., :-1] @ mixing)).sum(axis=1)
+    turned = batch.mixed(local[..., -1])
+    pulled = batch.mixed((gram[..., :rank, rank:-1].swapaxes(2, 3) @ solved[..., 1, None])[..., 0])
+    rest = point.loads.amplitudes.shared - point.amplitudes.shared - pulled
+    ends = np.linalg.solve(stiff, np.stack([turned, rest], axis=-1))
+    turn = (imbalance + np.sum(turned * ends[..., 1], axis=1)) / (pivot - np.sum(turned * ends[..., 0], axis=1))
+    shared = ends[..., 1] + turn[:, None] * ends[..., 0]
+    own = solved[..., 1] + turn[:, None, None] * solved[..., 0]
+    own -= (solved[..., 2:] @ (mixing @ shared[:, None, :, None]))[..., 0]
+    return Amplitudes(own, shared), turn
 
 
 def _step(batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], point: _Point) -> _Point:
@@ -269,7 +311,7 @@ def _step(batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], point: _Po
     The slope of a convex function never decreases, so over a step a its change is at most a/2 (slope(a/2) + slope(a)).
     """
     change, turn = _newton_direction(batch, point)
-    end = _point(batch, law, chosen, point.amplitudes + change, point.rotation + turn)
+    end = _point(batch, law, chosen, point.amplitudes.moved(change), point.rotation + turn)
     slope, rounding = _slope(batch, end, change, turn)
     long = np.flatnonzero(slope > rounding)
     length = 1.0
@@ -277,20 +319,21 @@ def _step(batch: ModalBatch, law: LocalLaw, chosen: NDArray[np.intp], point: _Po
         if not long.size:
             break
         length *= 0.5
-        part, begin, away, rotated = batch.part(long), point.part(long), change[long], turn[long]
-        middle = _point(part, law, chosen[long], begin.amplitudes + length * away, begin.rotation + length * rotated)
+        part, begin, away, rotated = batch.part(long), point.part(long), change.part(long), turn[long]
+        middle = _point(
+            part, law, chosen[long], begin.amplitudes.moved(away, length), begin.rotation + length * rotated
+        )
         half_slope, _ = _slope(part, middle, away, rotated)
         shorten = half_slope + slope[long] > 0.0
-        for field in fields(end):
-            getattr(end, field.name)[long[shorten]] = getattr(middle, field.name)[shorten]
+        end.put(long[shorten], middle, shorten)
         slope[long] = half_slope
         long = long[shorten & (half_slope > rounding[long])]
     return end
 
 
-def _slope(batch: ModalBatch, here: _Point, change: Array, turn: Array) -> tuple[Array, Array]:
+def _slope(batch: ModalBatch, here: _Point, change: Amplitudes, turn: Array) -> tuple[Array, Array]:
     """Slope of phi at a point along a line, and what of it is rounding, (b)."""
     closing = batch.closing(change, turn)
-    bending, local = np.sum(change * here.amplitudes, axis=(1, 2)), np.sum(here.force * closing, axis=(1, 2))
+    bending, local = change.dot(here.amplitudes), np.sum(here.force * closing, axis=(1, 2))
     work = batch.torque * turn
     return bending - local - work, ROUNDING_SLOPE * (np.abs(bending) + np.abs(local) + np.abs(work))

@@ -24,6 +24,8 @@ def drawn_problem(seed: int) -> tuple[str, ContactProblem]:
     name = str(rng.choice(list(COMPLIANCES)))
     if name == "whole_numbers":
         return name, _whole_numbers(rng, size)
+    if name == "shared":
+        size = int(rng.integers(8, 25))
     compliance = COMPLIANCES[name](rng, size)
     arm, separation = _arms(rng, size), _separations(rng, size)
     if rng.random() < 0.2:  # segments that are the same
@@ -96,6 +98,20 @@ def _structured(rng: Generator, size: int) -> Compliance:
     return local, _modes(rng, size, int(rng.integers(1, 6)))
 
 
+def _shared(rng: Generator, size: int) -> Compliance:
+    """Groups of segments with modes of their own, and modes that all share, stiff or soft beside them."""
+    local = COMPLIANCE * rng.uniform(0.5, 1.5, size)
+    groups = np.array_split(np.arange(size), int(rng.integers(1, 5)))
+    own = np.zeros((size, 2 * len(groups)))
+    for number, rows in enumerate(groups):
+        own[rows, 2 * number : 2 * number + 2] = _modes(rng, rows.size, 2)
+    softness = 10.0 ** rng.uniform(-8.0, 4.0)
+    shared = np.sqrt(softness) * _modes(rng, size, int(rng.integers(1, 4)))
+    if rng.random() < 0.3:  # some groups stand apart
+        shared[groups[-1]] = 0.0
+    return local, np.hstack([own, shared])
+
+
 def _rank_deficient(rng: Generator, size: int) -> Compliance:
     """Some segments without compliance of their own, or all; modes that repeat each other."""
     factor = _modes(rng, size, int(rng.integers(1, 4)))
@@ -133,6 +149,7 @@ COMPLIANCES: dict[str, Callable[[Generator, int], Compliance]] = {
     "dense": _dense,
     "nearly_equal": _nearly_equal,
     "rigid": _rigid,
+    "shared": _shared,
     "whole_numbers": _springs,
 }
 

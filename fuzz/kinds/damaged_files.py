@@ -123,6 +123,25 @@ def load_cases(rng: random.Random, box: Box) -> Input:
     return Input("", words, [pair, name])
 
 
+def deflections(rng: random.Random, box: Box) -> Input:
+    """A mutated table of deflections, for one of the commands that take it."""
+    name = any_mutation(rng, box, "axle.csv", "axle.csv")
+    pair = box.copy("nasa.toml", "case.toml")
+    given = [pair, "-o", "out.nc", "--misalignment", name, "--flank", rng.choice(["drive", "coast"])]
+    duty = box.copy("duty.csv")
+    words = rng.choice(
+        [
+            *[["run", *given, *rng.choice([[], ["--speed", "500"], ["--torque", "40,500"]])]] * 3,
+            ["run", *given, "--load-cases", duty],
+            ["sweep", *given, "--over", "E=0,0.1", "--workers", "1"],
+            ["vh", *given],
+            ["problems", *given],
+            ["wear", *given, "--torque", "40=0.5,100=0.5", "--revolutions", "1e4"],
+        ]
+    )
+    return Input("", words, [pair, name, duty])
+
+
 def batches(rng: random.Random, box: Box) -> Input:
     """Damaged, exchanged, foreign or missing files of a sweep that resumes: the result is the same without them."""
     files = box.bases.batches()

@@ -29,9 +29,8 @@ TORQUE = ("50", "50,150", "1e6", "1e-6", "50;150", "-5", "fifty", "", "nan", "50
           "50 150", "50,50", ",".join(str(n) for n in range(1, 40)), "9" * 500, "inf", "1_0",
           ",".join(["x"] * 20_000))  # fmt: skip
 MISALIGNMENT = ("E=0.1", "E=0.1,P=-0.1", "E=5", "P=3", "Sigma=1", "G=-2", "E=0.1,P=", "=", "e=0.1", "E:0.1",
-    "E=0.1;P=0.2", "sigma=1", "E=1e-300",
-                "E=9.99", "Sigma=-5", "", "E=,", "E==1", "E=0.1mm", "E=nan", "E=1e300", "E=0.1,E=0.2", "Sigma=180",
-                "E=" + "9" * 500)  # fmt: skip
+    "E=0.1;P=0.2", "sigma=1", "E=1e-300", "E=9.99", "Sigma=-5", "", "E=,", "E==1", "E=0.1mm", "E=nan", "E=1e300",
+    "E=0.1,E=0.2", "Sigma=180", "E=" + "9" * 500, "axle.csv", "case.toml", ".", "/dev/zero")  # fmt: skip
 FLANK = ("drive", "coast", "convex", "Drive", "")
 SOLVER = ("native", "auto", "clarabel", "osqp", "Native", "magic", "", "piqp", "quadprog", "os:path", "../x", "\x1b[2J")
 DEVIATION = ("gear=fm-11x41-worn-gear", "pinion=fm-11x41-worn-pinion", "gear=fm-11x41-worn-pinion", "wheel=x",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ class LatticeSize:
     slot
         From the middle of the slot to the middle of the fillet, on either side.
     beside
-        In the pitch beyond the slot, on either side.
+        In the pitch beyond the slot, on either side; zero to let the lattice end in mid slot.
     deep
         From the root to the bottom of the body.
     overhang
@@ -50,7 +50,7 @@ class LatticeSize:
 
     def __post_init__(self) -> None:
         for name, bricks in vars(self).items():
-            whole(name, bricks, 0 if name == "overhang" else 1)
+            whole(name, bricks, 0 if name in ("beside", "overhang") else 1)
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""
@@ -92,6 +92,9 @@ class ToothLattice:
         tip.
     body_bricks
         Number of bricks of the body; they come first.
+    body
+        Nodes (2 (l + 2 o) + 1, c, 2 d + 1) of the body: from toe to heel with the o bricks of the overhang at either
+        end, across it from the loaded side, and up from its bottom.
 
     Examples
     --------
@@ -115,11 +118,17 @@ class ToothLattice:
     through: Array
     upward: Array
     body_bricks: int
+    body: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 0, 0), dtype=np.int64))
 
     @property
     def flank(self) -> NDArray[np.int64]:
         """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
         return self.column[:, 0, self.root_row :]
+
+    @property
+    def sides(self) -> NDArray[np.int64]:
+        """Nodes (2, 2 (l + 2 o) + 1, 2 d + 1) at the sides of the body, the loaded one first."""
+        return np.stack([self.body[:, 0], self.body[:, -1]])
 
 
 def numbered(
@@ -140,7 +149,8 @@ def numbered(
     under = in_body[first:last]
     in_column = np.concatenate([under, above.T], axis=1)
     tooth = np.arange(t.size) * nodes.shape[1]
-    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(4 * size.overhang) * in_body.size, 2)
+    counts = [len(end) for end in ends]
+    toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(sum(counts)) * in_body.size, counts[:1])
     whole = np.concatenate([toe[::-1], tooth, heel])
     in_the_body = layers(whole, in_body)
     cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])
@@ -166,6 +176,7 @@ def numbered(
         through,
         up,
         len(in_the_body),
+        whole[:, None, None] + in_body,
     )
 
 

@@ -12,7 +12,8 @@ between the root and a line at an even depth below it:
     |___|___|_|___|____|_|___|___|   body: straight columns, one pitch to either side of the tooth's slots
 
 Beyond toe and heel the body runs on a little, as blanks do: one that ended flush with the tooth would be much too soft
-there. The neighbouring teeth are left out: they change the deflections by less than 1 %. Every brick has 27 nodes.
+there. The neighbouring teeth are left out: the body that all share is another lattice, of one pitch, from mid slot to
+mid slot (``LatticeSize(beside=0)``). Every brick has 27 nodes.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from ...core.errors import GeometryError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
-from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, body_nodes, overhang, usual_depth
+from .body_lattice import DEPTH_PER_HEIGHT, LatticeSections, Web, body_nodes, overhang, usual_depth
 from .lattice_numbering import LatticeSize, ToothLattice, numbered
 from .lattice_spacing import LatticeSpacing, graded
 from .tooth_flanks import named_member
@@ -39,13 +40,14 @@ __all__ = [
     "SHELL_HINT",
     "LatticeSize",
     "ToothLattice",
+    "Web",
     "tooth_lattice",
     "usual_depth",
 ]
 
 Array = NDArray[Any]
 
-SURFACE_NODES = (25, 25)  # up the fillet and up the flank, from which the lattice's nodes are taken
+SURFACE_NODES = (25, 25)  # up the fillet and up the flank
 # Share of the fillet, from the root land, at which the lattice has its corner: at about 45 degrees to the flank.
 CORNER_SHARE = 0.6
 DEPTH_GROWTH = 1.7  # every brick of the body than the one above
@@ -59,6 +61,8 @@ def tooth_lattice(
     size: LatticeSize | None = None,
     rim_depth: float | None = None,
     spacing: LatticeSpacing | None = None,
+    surface_nodes: tuple[int, int] = SURFACE_NODES,
+    web: Web | None = None,
 ) -> ToothLattice:
     """Lattice of one member's tooth.
 
@@ -75,13 +79,17 @@ def tooth_lattice(
         the member's axis.
     spacing
         Where the bricks of the tooth end; overrides their numbers in ``size``.
+    surface_nodes
+        Nodes up the fillet and up the flank, from which the lattice's nodes are taken.
+    web
+        Web from the toe end of the body, which has an overhang there, to a bore.
 
     Raises
     ------
     GeometryError
         If there is no whole tooth to fill: undercut, pointed, with overlapping fillets or flanks that cross.
     InputError
-        If the member has another name or the depth is not positive.
+        If the member has another name, the depth is not positive, or the web leads to no such bore.
 
     Examples
     --------
@@ -99,7 +107,7 @@ def tooth_lattice(
     t, up, through = spacing.lengthwise, spacing.upward, spacing.through
     size = replace(size, lengthwise=t.size // 2, upward=up.size // 2, through=through.size // 2)
     try:
-        tooth = tooth_surface(pair, member, (t, SURFACE_NODES[1]), SURFACE_NODES[0])
+        tooth = tooth_surface(pair, member, (t, surface_nodes[1]), surface_nodes[0])
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
@@ -110,7 +118,7 @@ def tooth_lattice(
     for on_side, land, sense in zip((tooth.loaded, tooth.opposite), tooth.root_lands, (1.0, -1.0), strict=True):
         floor, side = _side_curves(sections, on_side, land, size.slot, up)
         radius = sections.radial(floor[1, :, :1])[1]
-        away = graded(size.beside, 1.6)[:0:-1] * pitch
+        away = graded(size.beside, 1.6)[:0:-1] * pitch if size.beside else np.empty(0)
         beyond = np.stack([floor[0, :, :1] - sense * radius * away, np.repeat(floor[1, :, :1], away.size, axis=1)])
         floors.append(np.concatenate([beyond, floor], axis=2))
         sides.append(side)
@@ -123,7 +131,7 @@ def tooth_lattice(
     plane = np.concatenate([body.reshape(2, t.size, -1), inside[:, :, 1:].reshape(2, t.size, -1)], axis=2)
     nodes = np.moveaxis(sections.points(plane), 0, -1)
     away = OVERHANG_PER_DEPTH * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
-    ends = [overhang(sections, body, end, away) for end in (0, -1)]
+    ends = [overhang(sections, body, 0, away, web), overhang(sections, body, -1, away)]
 
     normal = _flank_normals(sections, tooth.loaded, up)
     profile = sides[0][1] / sections.depth[:, None]

@@ -44,14 +44,15 @@ def run_load_cases(
     options
         Of the analysis.
     """
-    from ...cases import read_load_cases
+    from ...cases import Deflections, read_load_cases
     from ...cases.analysis_size import AnalysisSize
     from ...core.writing.output_file import check_writable
     from ..load_cases.load_case_analysis import analyze_load_cases
     from ..report.load_case_summary import load_case_summary
     from ..result import write_result
 
-    for name, value in (("--torque", options.pop("torques")), ("--misalignment", options.pop("misalignment"))):
+    constant = None if isinstance(options["misalignment"], Deflections) else options["misalignment"]
+    for name, value in (("--torque", options.pop("torques")), ("--misalignment", constant)):
         if value is not None:
             raise click.UsageError(f"{name}: must not go with --load-cases, which have their own")
     rows = None

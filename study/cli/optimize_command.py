@@ -12,6 +12,7 @@ from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.analysis_options import show_stage
 from .options.shared_options import (
+    DEFLECTION_FILE,
     MISALIGNMENT,
     allow_outside_option,
     echo,
@@ -49,7 +50,8 @@ def _misalignments(ctx: click.Context, param: click.Parameter, texts: tuple[str,
     callback=_misalignments,
     multiple=True,
     metavar=MISALIGNMENT,
-    help="Further assembly in mm, Sigma in degrees, of the same weight as the case's own. May be repeated.",
+    help=f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}. May be "
+    "repeated.",
 )
 @click.option(
     "--objective",

@@ -11,9 +11,9 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .load_case_run import run_load_cases
-from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .options.analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
 from .options.friction_options import chosen_model, friction_options
-from .options.shared_options import echo, next_commands, outside_allowed, refuse_name_of_output
+from .options.shared_options import echo, next_commands, refuse_name_of_output
 from .result_commands import draw
 
 
@@ -45,6 +45,7 @@ def run(
     plots: Path | None,
     marking: float | None,
     load_cases: str | None,
+    supports: str | None,
     speed: Any,
     oil: str | None,
     temperature: Any,
@@ -60,18 +61,20 @@ def run(
     The result holds unloaded and loaded contact, and friction and efficiency if a speed is given. With --load-cases it
     holds that of every load case, a table of the numbers of all, and means over their shares of time.
     """
-    from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
     from ...core.compiled.compiled_use import FEWEST_PROBLEMS, without_compiled_code
     from ...core.writing.output_file import check_folder, check_writable
-    from ..analysis import analyze, case_torques, operation_of
+    from ..analysis.case_analysis import analyze
+    from ..analysis.contact_analysis import case_torques
+    from ..analysis.friction_analysis import operation_of
     from ..report.result_summary import doubts, outcome, uncertified
     from ..result import write_result
 
-    checked = read_case(case, allow_outside=outside_allowed())
+    checked = chosen_case(case, supports)
     table = checked.friction
     oils = [oil] if oil is not None else [table.oil_file] if table is not None else []
-    check_writable(output, case, *options["deviations"].values(), *oils, suffix=".nc")
+    held = [] if supports is None else [supports]
+    check_writable(output, case, *held, *options["deviations"].values(), *oils, suffix=".nc")
     refuse_name_of_output(output, plots=plots)
     if plots is not None:
         check_folder(plots, "pictures")

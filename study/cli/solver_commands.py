@@ -10,13 +10,12 @@ import click
 
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import analysis_options, check_cost, progress_bar, with_defaults
+from .options.analysis_options import analysis_options, check_cost, chosen_case, progress_bar, with_defaults
 from .options.shared_options import (
     echo,
     folder_option,
     next_commands,
     output_option,
-    outside_allowed,
     problem_files,
     problem_format_options,
     solvers,
@@ -36,6 +35,7 @@ def problems(
     form: str | None,
     torques: Any,
     edge_contact: bool | None,
+    supports: str | None,
     solver: str,
     **options: Any,
 ) -> None:
@@ -44,16 +44,16 @@ def problems(
     There is one for each torque and mesh position. Their solutions are written, too, where the format has a place for
     them.
     """
-    from ...cases import read_case
     from ...cases.analysis_size import AnalysisSize
     from ...contact.problem.exchange.problem_set import ProblemSet
     from ...contact.solvers import require_solver
-    from ..analysis import case_torques, contact_analysis
+    from ..analysis.contact_analysis import case_torques, contact_analysis
     from ..case_in_mesh import CaseInMesh
     from ..compare.problem_export import check_problem_output, write_problem_set
 
-    check_problem_output(output, format, form, case, *options["deviations"].values(), count=2)
-    checked = read_case(case, allow_outside=outside_allowed())
+    held = [] if supports is None else [supports]
+    check_problem_output(output, format, form, case, *held, *options["deviations"].values(), count=2)
+    checked = chosen_case(case, supports)
     require_solver(solver)
     size = AnalysisSize.of(checked, len(case_torques(checked, torques)))
     check_cost(checked, size)

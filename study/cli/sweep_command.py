@@ -15,7 +15,7 @@ from ...core.magnitude import time_in_words
 from ...core.processes.child_environment import THREAD_VARIABLES
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
-from .options.analysis_options import TOLD_TIME, analysis_options, with_defaults
+from .options.analysis_options import TOLD_TIME, analysis_options, chosen_case, with_defaults
 from .options.friction_options import chosen_model, friction_options
 from .options.shared_options import echo, next_commands, output_option, outside_allowed, refuse_name_of_output
 from .terminal_bar import terminal_bar
@@ -115,6 +115,7 @@ def sweep(
     case: str,
     over: dict[str, str],
     load_cases: Path | None,
+    supports: str | None,
     samples: int | None,
     seed: int,
     sampler: str,
@@ -137,7 +138,6 @@ def sweep(
     """
     if "numpy" not in sys.modules:  # the processes of the pool have one thread each, too
         os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
-    from ...cases import read_case
     from ...core.errors import EaseoffError
     from ...core.writing.output_file import check_folder, check_writable
     from ..report.sweep_report import outcome, sweep_summary
@@ -145,13 +145,13 @@ def sweep(
     from ..sweep.parameter_sweep import batch_store, run_plan
     from ..sweep.sweep_plan import planned_sweep
 
-    files = [one for one in (load_cases, options["oil"], *options["deviations"].values()) if one is not None]
+    files = [one for one in (load_cases, supports, options["oil"], *options["deviations"].values()) if one is not None]
     check_writable(output, case, *files, suffix=".nc")
     folder = store if store is not None else output.with_name(f"{output.name}.batches")
     refuse_name_of_output(output, store=store, plots=plots)
     if plots is not None:
         check_folder(plots, "pictures")
-    checked = read_case(case, allow_outside=outside_allowed())
+    checked = chosen_case(case, supports)
     options = with_defaults(options)
     if friction_model is not None or film_heating is not None or clamp_temperature is not None:
         options["friction_model"] = chosen_model(checked.friction, friction_model, film_heating, clamp_temperature)

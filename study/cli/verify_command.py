@@ -11,6 +11,7 @@ import click
 from .command import Command
 from .exit_codes import EXIT_UNCERTIFIED
 from .options.shared_options import (
+    DEFLECTION_FILE,
     MISALIGNMENT,
     allow_outside_option,
     echo,
@@ -22,6 +23,7 @@ from .options.shared_options import (
 from .terminal_bar import terminal_bar
 
 if TYPE_CHECKING:
+    from ...cases.deflections import Deflections
     from ...geometry.pair.assembly import Misalignment
 
 
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
     callback=misalignment,
     metavar=MISALIGNMENT,
     show_default="from the case",
-    help="Assembly errors in mm, Sigma in degrees.",
+    help=f"Assembly errors in mm, Sigma in degrees; {DEFLECTION_FILE}.",
 )
 @click.option(
     "--torque",
@@ -56,7 +58,7 @@ if TYPE_CHECKING:
 def verify(
     case: str,
     flank: Any,
-    errors: Misalignment | None,
+    errors: Misalignment | Deflections | None,
     loads: Any,
     without_split: bool,
     output: Path | None,

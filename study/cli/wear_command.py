@@ -97,6 +97,8 @@ def wear(
     echo(f"{history.attrs['stop']}, {float(last['revolutions']):.4g} revolutions in {history.sizes['step'] - 1} steps")
     echo(f"largest depth: {depths}")
     echo("contact on lines alone, without tooth edges")
+    if "deflections" in history.attrs:
+        echo(f"deflections: {history.attrs['deflections']}")
     for torque_value in torque:
         both = [float(history["peak_to_peak"].sel(torque=torque_value)[k]) for k in (0, -1)]
         echo(f"peak to peak at {torque_value:g} N m: {both[0]:.1f} to {both[1]:.1f} urad")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from ...cases.conversion import blank_design, ease_off_target, misalignment
+from ...cases.deflections import misalignment_at
 from ...cases.mistakes import mistakes
 from ...cases.recording import blank_table, flank_settings
 from ...cases.schema.case_schema import Case, MemberTable, PinionTable, TargetsTable
@@ -145,7 +146,7 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
         design.pinion.hand_of_spiral,
         basic_data.shaft_angle,
         basic_data.hypoid_offset,
-        misalignment(design.misalignment),
+        misalignment_at(misalignment(design.misalignment), 0.0, "drive"),
     )
     designed = design_pair(
         basic_data,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.conversion import materials
+from ...cases.deflection_table import MisalignmentSource, misalignment_of
 from ...cases.schema.case_schema import Case
 from ...contact.modification.convex_programme import (
     Goal,
@@ -30,10 +31,10 @@ from ...contact.solvers import require_solver
 from ...core.attributes import labelled
 from ...core.checks import number, positive, whole
 from ...core.errors import GeometryError, InputError
-from ...geometry.pair.assembly import Misalignment
-from ...geometry.pair.gear_pair import FlankName, GearPair
+from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification, basis, terms
-from ..analysis import case_torques, contact_analysis
+from ..analysis.contact_analysis import case_torques, contact_analysis
+from ..analysis.supported_analysis import in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case
 
 Array = NDArray[Any]
@@ -48,7 +49,7 @@ def optimize(
     *,
     flank: FlankName = "drive",
     torques: Sequence[float] | None = None,
-    misalignments: Sequence[Misalignment] = (),
+    misalignments: Sequence[MisalignmentSource] = (),
     objective: str = "peak_load",
     order: int = 3,
     transmission_error: float | None = None,
@@ -74,7 +75,8 @@ def optimize(
         Torques at the pinion [N m]; the case's own if left out. All count in relation to what they have at the start;
         the one that fares worst decides.
     misalignments
-        Further assemblies that count as much as the case's own.
+        Further assemblies that count as much as the case's own, see ``analyze``. One that depends on the torque is
+        at every torque another.
     objective
         ``peak_load``: the greatest line load over the mesh cycle; ``peak_pressure``: the greatest contact pressure;
         ``even_load``: the mean square of the line load.
@@ -136,17 +138,26 @@ def optimize(
     chosen, names = checked_objective(objective), terms(order)
     require_solver(solver)
     load = case_torques(checked, torques)
-    AnalysisSize.of(checked, load.size * (1 + len(misalignments))).require_memory()
-    own = CaseInMesh.of(checked, flank=flank, stage=stage)
+    others = [misalignment_of(one) for one in misalignments]
+    AnalysisSize.of(checked, load.size * (1 + len(others))).require_memory()
+    unloaded = CaseInMesh.of(checked, flank=flank, stage=stage)
+    own = in_assembly_under_load(unloaded, load)
     if stage is not None:
         stage("convex programmes")
-    loaded, _ = own.cycle.loaded(load, edge_contact=False, solver=solver)
-    torque = loaded["torque"].values
-    states = [own, *(own.misaligned(other) for other in misalignments)]
-    contacts = [ModifiedContact(state.cycle, torque, names, solver) for state in states]
+    assemblies = own.assemblies(load)
+    least = np.empty(load.size)
+    for places, at in assemblies:
+        loaded, _ = at.cycle.loaded(load[list(places)], edge_contact=False, solver=solver)
+        least[list(places)] = _least_line_load(loaded, at.cycle.ratio)
+    states = [own, *(in_assembly_under_load(unloaded.misaligned(other), load) for other in others)]
+    contacts = [
+        ([number * load.size + place for place in places], ModifiedContact(at.cycle, load[list(places)], names, solver))
+        for number, state in enumerate(states)
+        for places, at in (assemblies if state is own else state.assemblies(load))
+    ]
 
     def solved(coefficients: Array) -> LoadResponse | None:
-        parts = [contact.loads(coefficients, i * torque.size) for i, contact in enumerate(contacts)]
+        parts = [contact.loads(coefficients, cycles) for cycles, contact in contacts]
         known = [part for part in parts if part is not None]
         return stacked(known) if len(known) == len(parts) else None
 
@@ -157,12 +168,14 @@ def optimize(
             "the case as it is has mesh positions without a certified solution: see 'easeoff run', and choose other "
             "torques or misalignments"
         )
-    goal = _goal(start, chosen, torque.size, names, transmission_error, end_load, largest)
-    held = stacked([contact.held(none, i * torque.size) for i, contact in enumerate(contacts)])
+    goal = _goal(start, chosen, load.size, names, transmission_error, end_load, largest)
+    held = stacked([contact.held(none, cycles) for cycles, contact in contacts])
     found = optimal_modification(solved, start, held, goal, programmes=programmes, progress=progress)
-    best = contacts[0].modification(found.coefficients)
+    best = contacts[0][1].modification(found.coefficients)
     tree = contact_analysis(own.modified(best), torques, edge_contact=False, solver=solver).tree
-    record = _compared(checked, start, found, loaded, [state.pair for state in states])
+    record = _compared(
+        checked, start, found, xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load}), states
+    )
     record.attrs |= {
         "objective": chosen,
         "edge_contact": 0,
@@ -199,36 +212,43 @@ def _goal(
     )
 
 
+def _least_line_load(loaded: xr.Dataset, ratio: float) -> Array:
+    """Line load of every torque (t) [N/mm] if it were even along all contact lines of the worst mesh position.
+
+    No surface could do better.
+    """
+    arms = (loaded["lever_arm"] * loaded["length"]).sum("segment")
+    return np.asarray((1e3 * ratio * loaded["torque"] / arms).max("mesh_position").values)
+
+
 def _compared(
-    case: Case, start: LoadResponse, found: ModificationSearch, before: xr.Dataset, assemblies: Sequence[GearPair]
+    case: Case, start: LoadResponse, found: ModificationSearch, least: xr.Dataset, states: Sequence[CaseInMesh]
 ) -> xr.Dataset:
     """The group ``optimization``."""
-    torque = before["torque"].values
+    torque = least["torque"].values
     stages = (start, found.loads)
-    shape = (len(assemblies), torque.size)
+    shape = (len(states), torque.size)
 
     def both(of: Callable[[LoadResponse], Array]) -> Array:
         return np.stack([of(loads).reshape(shape) for loads in stages])
 
     flexibility = sum(1.0 / material.plane_strain_modulus for material in materials(case))
     grid = ("stage", "assembly", "torque")
-    # Were the load even along all contact lines of the worst mesh position, no surface could do better.
-    arms = (before["lever_arm"] * before["length"]).sum("segment")
-    ratio = case.gear.number_of_teeth / case.pinion.number_of_teeth
     data: dict[str, Any] = {
         "max_line_load": (grid, both(lambda loads: figures(loads, "peak_load"))),
         "max_pressure": (grid, both(lambda loads: figures(loads, "peak_pressure")) / math.sqrt(math.pi * flexibility)),
         "load_norm": (grid, both(lambda loads: figures(loads, "even_load"))),
         "max_end_load": (grid, np.maximum(both(end_loads), 0.0)),
         "peak_to_peak": (grid, both(peak_to_peaks)),
-        "least_line_load": ("torque", (1e3 * ratio * before["torque"] / arms).max("mesh_position").values),
+        "least_line_load": least["least_line_load"].variable,
     }
-    errors = [pair.assembly.misalignment for pair in assemblies]
+    errors = [state.pair.assembly.misalignment for state in states]
     data |= {
         "offset_error": ("assembly", [e.offset for e in errors]),
         "pinion_axial_error": ("assembly", [e.pinion_axial for e in errors]),
         "gear_axial_error": ("assembly", [e.gear_axial for e in errors]),
         "shaft_angle_error": ("assembly", [e.shaft_angle for e in errors]),
+        "depends_on_torque": ("assembly", np.array([one.deflections is not None for one in states], dtype=np.int8)),
     }
     steps = found.steps
     by_step = {
@@ -245,7 +265,7 @@ def _compared(
     data |= {name: ("programme", values) for name, values in by_step.items()}
     coords = {
         "stage": list(STAGES),
-        "assembly": np.arange(len(assemblies)),
+        "assembly": np.arange(len(states)),
         "torque": torque,
         "programme": np.arange(1, 1 + len(steps)),
     }

@@ -16,18 +16,28 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
+from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case
-from ...contact.load_capacity.archard_wear import engagement, integral, on_flank, rolling_splines, touched
+from ...contact.lines.flank_splines import FlankSplines
+from ...contact.load_capacity.archard_wear import (
+    Engagement,
+    engagement,
+    integral,
+    on_flank,
+    rolling_splines,
+    touched,
+)
+from ...contact.mesh_cycle import MeshCycle
 from ...contact.solvers import Status
 from ...core.attributes import labelled
 from ...core.errors import GeometryError
 from ...geometry.deviation.deviation import Deviation, Method
 from ...geometry.deviation.ease_off_update import deviated_ease_off
-from ...geometry.pair.assembly import Misalignment
-from ...geometry.pair.gear_pair import MEMBERS, FlankName, grid
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
 from ...geometry.pair.rolling import rolling
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
-from ..case_in_mesh import CaseInMesh, checked_case, prepared_pair
+from ..analysis.supported_analysis import in_assembly_under_load
+from ..case_in_mesh import CaseInMesh, checked_case, deflection_attributes, prepared_pair
 from ..deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .wear_law import WearLaw, duty_cycle
 
@@ -44,7 +54,7 @@ def wear(
     *,
     torque: float | Mapping[float, float],
     flank: FlankName = "drive",
-    misalignment: Misalignment | None = None,
+    misalignment: MisalignmentSource | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     interpolation: Method = "spline",
     solver: str = "auto",
@@ -65,7 +75,8 @@ def wear(
     torque
         Torque at the pinion [N m]; or several, with the share of the revolutions at each: ``{100.0: 0.7, 300.0: 0.3}``.
     flank, misalignment, deviations, interpolation, solver
-        As in ``analyze``; deviations are those at the start.
+        As in ``analyze``; deviations are those at the start. Where the misalignment depends on the torque, either flank
+        wears in all assemblies of its torques.
     progress
         Called after every step with the pinion's revolutions.
     stage
@@ -106,12 +117,14 @@ def wear(
     AnalysisSize.of(checked, len(shares)).require_memory()
     pair = prepared_pair(checked, flank, misalignment)
     start = flank_deviations(pair, deviations or {}, interpolation)
-    designed = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
+    unloaded = CaseInMesh.of(checked, flank=flank, misalignment=misalignment, stage=stage)
+    designed = in_assembly_under_load(unloaded, list(shares))
     if stage is not None:
         stage("wear")
     begin = time.perf_counter()
     run = _Run(designed, law, shares, solver, start)
-    law.require_few_steps(run.fastest, run.loaded["status"].size, time.perf_counter() - begin)
+    positions = len(shares) * checked.contact.mesh_positions
+    law.require_few_steps(run.fastest, positions, time.perf_counter() - begin)
     history, completed = [run.state()], True
     while run.stop is None:
         if len(history) > law.most_steps:
@@ -139,6 +152,7 @@ def wear(
         "flank": flank,
         "edge_contact": 0,
         **of_pair,
+        **deflection_attributes(designed.misalignment, flank, list(shares)),
         **_attributes(law),
     }
     return labelled(result)
@@ -147,6 +161,12 @@ def wear(
 def _attributes(law: WearLaw) -> dict[str, float]:
     names = {"revolutions": "", "largest_step": "_um", "largest_depth": "_um", "most_steps": ""}
     return {f"{n}{names.get(n, '_mm2_per_N')}": float(v) for n, v in vars(law).items() if v is not None}
+
+
+def _motion(geometry: PairGeometry) -> FlankSplines:
+    """Sliding and speeds of the contact line over the flanks of a pair in one assembly."""
+    motion = {name: value.reshape(geometry.nodes) for name, value in vars(rolling(geometry.exact)).items()}
+    return rolling_splines(geometry.ease_off, motion)
 
 
 class _Run:
@@ -160,11 +180,11 @@ class _Run:
         solver: str,
         start: dict[str, Deviation],
     ) -> None:
-        self.pair, self.designed = designed.pair, designed.cycle
-        self.law, self.shares, self.solver, self.start = law, shares, solver, start
-        geometry = self.designed.geometry
-        motion = {name: value.reshape(geometry.nodes) for name, value in vars(rolling(geometry.exact)).items()}
-        self.motion = rolling_splines(geometry.ease_off, motion)
+        self.pair, self.law, self.shares, self.solver, self.start = designed.pair, law, shares, solver, start
+        self.assemblies = [
+            (places, own.cycle, _motion(own.cycle.geometry)) for places, own in designed.assemblies(list(shares))
+        ]
+        self.peak_to_peak, self.max_pressure = np.empty((2, len(shares)))
         self.t, self.h = grid(WEAR_NODES)
         flanks = {name: named_member(self.pair, name).flank(self.t, self.h) for name in MEMBERS}
         self.positions = {n: np.moveaxis(f.position.reshape(3, *WEAR_NODES), 0, -1) for n, f in flanks.items()}
@@ -186,26 +206,17 @@ class _Run:
     def _solve(self) -> None:
         """The contact of the flanks as they are now, and what an engagement takes off them."""
         now = {name: self._deviation(name) for name in MEMBERS}
-        ease_off = deviated_ease_off(self.designed.geometry, pinion=now["pinion"], gear=now["gear"])
-        cycle = self.designed.with_ease_off(ease_off)
-        lost = cycle.lost_contact
-        if self.revolutions == 0.0:  # what was measured or left from elsewhere, not worn here
-            require_line_contact(lost, now)
-        elif lost > LOST_CONTACT_LIMIT:
-            raise GeometryError(
-                f"{CONTACT_LOST}: at {100 * lost:.1f} % of the points of the contact lines the worn flanks bend over "
-                "too short a way for a line contact"
-            )
-        self.loaded, _ = cycle.loaded(list(self.shares), edge_contact=False, solver=self.solver)
-        bad = int(np.count_nonzero(self.loaded["status"].values != Status.CERTIFIED))
-        if bad and self.revolutions > 0.0:
-            raise GeometryError(
-                f"{NOT_SOLVED}: {bad} of {self.loaded['status'].size} mesh positions of the worn flanks"
-            )
-        known = self.loaded, self.motion, cycle.pinion_pitch, cycle.segments_per_line
-        parts = [(share, engagement(*known, torque)) for torque, share in enumerate(self.shares.values())]
+        parts: list[tuple[float, Engagement]] = []
+        reached: list[Engagement] = []
+        for places, designed, motion in self.assemblies:
+            ease_off = deviated_ease_off(designed.geometry, pinion=now["pinion"], gear=now["gear"])
+            own = self._engaged(designed.with_ease_off(ease_off), places, motion, now)
+            parts += zip([list(self.shares.values())[place] for place in places], own, strict=True)
+            reached.append(own[0])
         if not self.touched:
-            self.touched = {name: touched(parts[0][1], name, self.t, self.h) for name in MEMBERS}
+            self.touched = {
+                name: np.any([touched(once, name, self.t, self.h) for once in reached], axis=0) for name in MEMBERS
+            }
         # A tooth of the gear meets the pinion once in a revolution of the gear.
         per_revolution = {
             "pinion": self.law.pinion_coefficient,
@@ -216,6 +227,28 @@ class _Run:
         for name, k in per_revolution.items():
             self.rate[name] = k * np.sum([s * on_flank(once, name, self.t, self.h) for s, once in parts], axis=0)
             self.volume_rate[name] = k * sum(s * once.work for s, once in parts)
+
+    def _engaged(
+        self, cycle: MeshCycle, places: tuple[int, ...], motion: FlankSplines, now: Mapping[str, Deviation]
+    ) -> list[Engagement]:
+        """Engagements of the flanks as they are now, in one assembly, at the torques of these numbers."""
+        lost = cycle.lost_contact
+        if self.revolutions == 0.0:  # what was measured or left from elsewhere, not worn here
+            require_line_contact(lost, now)
+        elif lost > LOST_CONTACT_LIMIT:
+            raise GeometryError(
+                f"{CONTACT_LOST}: at {100 * lost:.1f} % of the points of the contact lines the worn flanks bend over "
+                "too short a way for a line contact"
+            )
+        torques = np.array(list(self.shares))[list(places)]
+        loaded, _ = cycle.loaded(torques, edge_contact=False, solver=self.solver)
+        bad = int(np.count_nonzero(loaded["status"].values != Status.CERTIFIED))
+        if bad and self.revolutions > 0.0:
+            raise GeometryError(f"{NOT_SOLVED}: {bad} of {loaded['status'].size} mesh positions of the worn flanks")
+        self.peak_to_peak[list(places)] = loaded["peak_to_peak"].values
+        self.max_pressure[list(places)] = loaded["max_pressure"].values
+        known = loaded, motion, cycle.pinion_pitch, cycle.segments_per_line
+        return [engagement(*known, torque) for torque in range(torques.size)]
 
     @property
     def fastest(self) -> float:
@@ -261,8 +294,8 @@ class _Run:
                 "largest_depth": ("member", [1e3 * float(depth[n].max()) for n in MEMBERS]),
                 "removed_volume": ("member", [self.volume[n] for n in MEMBERS]),
                 "depth_integral": ("member", integrals),
-                "peak_to_peak": ("torque", self.loaded["peak_to_peak"].values),
-                "max_pressure": ("torque", self.loaded["max_pressure"].values),
+                "peak_to_peak": ("torque", self.peak_to_peak.copy()),
+                "max_pressure": ("torque", self.max_pressure.copy()),
             },
             coords={"member": list(MEMBERS), "torque": list(self.shares), "lengthwise": self.t, "profile": self.h},
         )

@@ -11,7 +11,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
-from ...cases.load_cases import load_case_misalignment, read_load_cases
+from ...cases.conversion import misalignment as case_misalignment
+from ...cases.deflection_table import MisalignmentSource, misalignment_of
+from ...cases.deflections import Deflections
+from ...cases.load_cases import has_own_misalignment, load_case_misalignment, read_load_cases
 from ...cases.schema.case_schema import Case
 from ...cases.schema.load_case_table import LoadCase, named_load_cases
 from ...contact.evaluation.marking_print import checked_thickness
@@ -24,7 +27,8 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..analysis import RESULT_SCHEMA_VERSION, contact_analysis, operation_of, with_friction
+from ..analysis.contact_analysis import RESULT_SCHEMA_VERSION, contact_analysis
+from ..analysis.friction_analysis import operation_of, with_friction
 from ..case_in_mesh import CaseInMesh, case_attributes, checked_case
 from ..deviation_source import Deviated, Source
 from ..report.key_numbers import key_numbers
@@ -57,6 +61,7 @@ def analyze_load_cases(
     load_cases: Sequence[LoadCase] | str | Path | None = None,
     *,
     flank: FlankName = "drive",
+    misalignment: MisalignmentSource | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
     interpolation: Method = "spline",
@@ -87,6 +92,9 @@ def analyze_load_cases(
         Load cases, or the path of a table of them; those of the case if left out.
     flank
         Of load cases that name none.
+    misalignment
+        As of ``analyze``, of load cases without assembly errors of their own. What a load case gives takes the place of
+        the same error at its torque.
     deviations, deviated, interpolation, modification, edge_contact, marking, solver
         As of ``analyze``.
     temperature, roughness, oil, friction_model, friction_feedback
@@ -126,6 +134,7 @@ def analyze_load_cases(
     """
     case = checked_case(case)
     rows = _named(case, load_cases)
+    given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
     exponents = checked_exponents(damage_exponents)
     require_solver(solver)
     AnalysisSize.of(case, 1).require_memory()
@@ -151,12 +160,14 @@ def analyze_load_cases(
             "stage": stage,
         },
     )
+    errors = {name: load_case_misalignment(row, case, given, sides[name]) for name, row in rows.items()}
     trees: dict[str, xr.DataTree] = {}
     reasons = dict.fromkeys(rows, "")
     failures: list[EaseoffError] = []
     for name, row in rows.items():
         try:
-            state = meshes.at(sides[name], load_case_misalignment(row, case))
+            # Without load a load case with deflections is in the assembly without torque, as in any analysis.
+            state = meshes.at(sides[name], errors[name] if has_own_misalignment(row) else given)
             found = contact_analysis(
                 state,
                 [row.torque],
@@ -178,7 +189,7 @@ def analyze_load_cases(
             failures.append(error)
     if not trees:
         raise failures[0]
-    numbers = _numbers(case, rows, sides, operations, trees, reasons)
+    numbers = _numbers(errors, rows, sides, operations, trees, reasons)
     groups = {"/": xr.Dataset(attrs=_provenance(case, next(iter(trees.values())).attrs)), "/load_cases": numbers}
     if "share" in numbers:
         groups["/duty"] = labelled(duty_means(numbers, exponents))
@@ -194,9 +205,9 @@ class _Meshes:
     def __init__(self, case: Case, given: dict[str, Any]) -> None:
         self.case, self.given = case, given
         self.first: dict[str, CaseInMesh] = {}
-        self.last: dict[str, tuple[Misalignment, CaseInMesh]] = {}
+        self.last: dict[str, tuple[Misalignment | Deflections, CaseInMesh]] = {}
 
-    def at(self, flank: FlankName, misalignment: Misalignment) -> CaseInMesh:
+    def at(self, flank: FlankName, misalignment: Misalignment | Deflections) -> CaseInMesh:
         """The pair in a misalignment; the last one of each flank is kept."""
         kept = self.last.get(flank)
         if kept is None or kept[0] != misalignment:
@@ -242,7 +253,7 @@ def _operation(
 
 
 def _numbers(
-    case: Case,
+    errors: Mapping[str, Misalignment],
     rows: Mapping[str, LoadCase],
     sides: Mapping[str, FlankName],
     operations: Mapping[str, Operation | None],
@@ -261,7 +272,6 @@ def _numbers(
         whole = values.dtype.kind == "f" and pattern.dtype.kind != "f"  # some have no value: no codes any more
         attributes = {} if whole else {key: v for key, v in pattern.attrs.items() if key.startswith("flag_")}
         data[variable] = (("load_case", *pattern.dims), values, attributes)
-    errors = {name: load_case_misalignment(row, case) for name, row in rows.items()}
     data["torque"] = ("load_case", [row.torque for row in rows.values()])
     for key in ("offset", "pinion_axial", "gear_axial", "shaft_angle"):
         data[f"misalignment_{key}"] = ("load_case", [getattr(errors[name], key) for name in rows])

@@ -1,4 +1,4 @@
-"""Plots of a result: ease-off, contact pattern, pressure, transmission error, load sharing, friction, efficiency."""
+"""Plots of a result: ease-off, contact, transmission error, load sharing, friction, efficiency, misalignment."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FRICTION_PICTURES", "PICTURES", "write_pictures"]
+__all__ = ["FRICTION_PICTURES", "MISALIGNMENT_PICTURES", "PICTURES", "write_pictures"]
 
 PICTURES = ("ease_off", "contact_pattern", "pressure", "transmission_error", "load_sharing")
 """Names of the pictures of every result; each is written as ``<name>.png``."""
 
 FRICTION_PICTURES = ("friction_maps", "efficiency")
 """Names of the further pictures of a result with friction."""
+
+MISALIGNMENT_PICTURES = ("misalignment",)
+"""Names of the further pictures of a result whose misalignment depends on the torque."""
 
 
 def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking: float | None = None) -> list[Path]:
@@ -37,7 +40,8 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
     Returns
     -------
     list of Path
-        The files, in the order of ``PICTURES``, and of ``FRICTION_PICTURES`` if the result has friction.
+        The files, in the order of ``PICTURES``, of ``FRICTION_PICTURES`` if the result has friction, and of
+        ``MISALIGNMENT_PICTURES`` if its misalignment depends on the torque.
 
     Raises
     ------
@@ -63,7 +67,8 @@ def write_pictures(tree: xr.DataTree, folder: str | os.PathLike[str], *, marking
 def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Path]:
     # The drawing library is slow to load, and most of what imports this package never draws.
     from ...contact.evaluation.marking_print import checked_thickness
-    from . import contact_pattern_chart, friction_maps
+    from ..report.deflection_report import misalignment_over_torque
+    from . import contact_pattern_chart, friction_maps, misalignment_chart
     from . import ease_off_map as ease_off
     from . import efficiency_chart as efficiency
     from . import load_share_chart as load_sharing
@@ -88,6 +93,9 @@ def _written(tree: xr.DataTree, folder: Path, marking: float | None) -> list[Pat
     if "friction" in tree.children:
         names += FRICTION_PICTURES
         figures += [friction_maps.draw(tree, view), efficiency.draw(tree)]
+    if misalignment_over_torque(tree) is not None:
+        names += MISALIGNMENT_PICTURES
+        figures.append(misalignment_chart.draw(tree))
     written = [save_picture(figure, folder / f"{name}.png", tree) for name, figure in zip(names, figures, strict=True)]
     for stale in pictures_of_results(folder).keys() - set(written):
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction coefficient."""
+"""Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction, heat."""
 
 from __future__ import annotations
 
@@ -43,6 +43,8 @@ COLOUR_MAPS = {
     "equivalent_radius": "Greys",
     "lambda_ratio": "Greens",
     "friction_coefficient": "YlOrRd",
+    "flash_temperature": "Reds",
+    "pressure_velocity": "PuBuGn",
 }
 QUANTITY_NAMES = {
     "rolling_velocity": "rolling velocity [m/s]",
@@ -51,6 +53,8 @@ QUANTITY_NAMES = {
     "equivalent_radius": "equivalent radius [mm]",
     "lambda_ratio": "lambda ratio",
     "friction_coefficient": "friction coefficient",
+    "flash_temperature": "flash temperature [K]",
+    "pressure_velocity": "pressure × velocity [MPa m/s]",
 }
 GRID = (121, 61)
 LEVEL_COUNT = 7
@@ -211,7 +215,7 @@ def draw(tree: xr.DataTree, view: ToothView) -> Figure:
     force = here["force"] if "force" in here else under_load["force"]
     touching = under_load.assign(force=force)
     maps["equivalent_radius"] = loaded_map(touching, under_load["equivalent_radius"])
-    for name in ("lambda_ratio", "friction_coefficient"):
+    for name in ("lambda_ratio", "friction_coefficient", "flash_temperature", "pressure_velocity"):
         if name in here:
             maps[name] = loaded_map(touching, here[name])
     clamped = " (clamped)" if int(friction["temperature_clamped"][index["temperature"]]) else ""

@@ -140,6 +140,8 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
     departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
     # A sweep and load cases say by themselves which errors they have.
+    if "deflections" in attributes:  # what stands in the other attributes is without torque
+        given = f"over the torque: {attributes['deflections']}"
     told = given or ("none" if "flank" in attributes and "swept" not in attributes else "")
     misaligned = f"misalignment {told}" if told else ""
     model = model_name(attributes)

@@ -43,6 +43,12 @@ FRICTION = (
     "min_film_position",
     "min_film_lengthwise",
     "min_film_profile",
+    "max_flash_temperature",
+    "max_flash_position",
+    "max_flash_lengthwise",
+    "max_flash_profile",
+    "max_contact_temperature",
+    "max_pressure_velocity",
 )
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import xarray as xr
 from tabulate import tabulate
 
+from .deflection_report import deflection_notes
+
 ROWS = (
     ("greatest line load [N/mm]", "max_line_load", 0),
     ("greatest pressure [MPa]", "max_pressure", 0),
@@ -48,7 +50,7 @@ def optimization_report(tree: xr.DataTree) -> str:
 
 
 def notes(tree: xr.DataTree) -> list[str]:
-    """Warnings and notes: exceeded limits, a search that did not converge, a modification at its limit."""
+    """Warnings and notes: exceeded limits, a search that did not converge, extrapolated deflections."""
     record = tree["optimization"].to_dataset()
     after = record.sel(stage="after").max("assembly")
     found = []
@@ -70,7 +72,7 @@ def notes(tree: xr.DataTree) -> list[str]:
     greatest = record.attrs["largest_modification_um"]
     if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
         found.append(f"Note: the modification reaches its limit of {greatest:g} um")
-    return found
+    return [*found, *deflection_notes(tree)]
 
 
 def _change(both: np.ndarray, digits: int) -> str:
@@ -81,4 +83,6 @@ def _errors(here: xr.Dataset) -> str:
     names = {"E": "offset_error", "P": "pinion_axial_error", "G": "gear_axial_error"}
     errors = [f"{key} {here[name].item():+g} mm" for key, name in names.items() if here[name].item()]
     sigma = np.degrees(here["shaft_angle_error"].item())
-    return ", ".join([*errors, *([f"Sigma {sigma:+g} deg"] if sigma else [])]) or "none"
+    over_torque = "depends_on_torque" in here and bool(here["depends_on_torque"].item())  # older results lack it
+    errors += [f"Sigma {sigma:+g} deg"] if sigma else []
+    return ", ".join([*errors, *(["deflections over the torque"] if over_torque else [])]) or "none"

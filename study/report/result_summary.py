@@ -12,6 +12,7 @@ from tabulate import tabulate
 from ...contact.solvers import Status
 from ...friction.operation import named_models
 from .contact_tables import WIDTH, aligned, loaded_table, unloaded_table
+from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque
 from .departures import deviations, modification
 from .key_numbers import key_numbers
 from .model_name import model_name
@@ -22,6 +23,8 @@ from .notes.ranges import range_notes
 
 #: Rows of the table of efficiencies; more are counted.
 ROW_COUNT_LIMIT = 40
+#: Heads of the columns that name an operating condition.
+CONDITIONS = ("torque\nN m", "speed\n1/min", "oil\ndegC", "Rq\num")
 #: Torques that the outcome names; of more it names the range.
 TORQUE_COUNT_LIMIT = 8
 
@@ -29,24 +32,18 @@ TORQUE_COUNT_LIMIT = 8
 def efficiencies(friction: xr.Dataset) -> str:
     """Table of power loss and efficiency, a row an operating condition, with the extremes if there are many."""
     names = ("torque", "speed", "temperature", "roughness")
-    films = _films(friction, names)
+    films = _with_place(friction, names, "min_film", "thickness", 3)
     values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
     coefficient = friction["mean_friction_coefficient"].transpose(*names).values
     rows = []
     for at in np.ndindex(coefficient.shape):
         efficiency, loss, rolling = (v[at] for v in values)
-        conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        rough = [friction[f"roughness_{member}"].values[at[3]] for member in ("pinion", "gear")]
-        conditions[2] += "*" if friction["temperature_clamped"].values[at[2]] else ""
-        conditions[3] = f"{rough[0]:g}" if rough[0] == rough[1] else f"{rough[0]:g}/{rough[1]:g}"
+        conditions = _conditions(friction, names, at)
         share = 100.0 * rolling / loss if loss else np.nan
         found = (f"{coefficient[at]:.4f}", f"{loss:.1f}", f"{share:.1f}", f"{100 * efficiency:.2f}")
         rows.append((*conditions, *found, *films.get(at, ())))
     headers = [
-        "torque\nN m",
-        "speed\n1/min",
-        "oil\ndegC",
-        "Rq\num",
+        *CONDITIONS,
         "mean\nmu",
         "power\nloss W",
         "rolling\npart %",
@@ -66,14 +63,44 @@ def efficiencies(friction: xr.Dataset) -> str:
     return table
 
 
-def _films(friction: xr.Dataset, names: tuple[str, ...]) -> dict[tuple[int, ...], tuple[str, str]]:
-    """Least film thickness and its place by operating condition; empty if the result has none."""
-    if "min_film_thickness" not in friction:
+def contact_temperatures(friction: xr.Dataset) -> str:
+    """Table of the greatest flash temperatures, a row an operating condition; empty if the result has none."""
+    names = ("torque", "speed", "temperature", "roughness")
+    flash = _with_place(friction, names, "max_flash", "temperature", 1)
+    if not flash:
+        return ""
+    whole, product = (
+        friction[name].transpose(*names).values for name in ("max_contact_temperature", "max_pressure_velocity")
+    )
+    rows = [
+        (*_conditions(friction, names, at), rise, f"{whole[at]:.1f}", place, f"{product[at]:.0f}")
+        for at, (rise, place) in list(flash.items())[:ROW_COUNT_LIMIT]
+    ]
+    headers = [*CONDITIONS, "flash\nK", "contact\ndegC", "at toe,\nroot %", "greatest p v\nMPa m/s"]
+    table = tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
+    left = len(flash) - len(rows)
+    return table + (f"\n... and {left} more in the group friction" if left else "")
+
+
+def _conditions(friction: xr.Dataset, names: tuple[str, ...], at: tuple[int, ...]) -> list[str]:
+    """Operating condition in words: torque, speed, temperature and roughness."""
+    words = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
+    rough = [friction[f"roughness_{member}"].values[at[3]] for member in ("pinion", "gear")]
+    words[2] += "*" if friction["temperature_clamped"].values[at[2]] else ""
+    words[3] = f"{rough[0]:g}" if rough[0] == rough[1] else f"{rough[0]:g}/{rough[1]:g}"
+    return words
+
+
+def _with_place(
+    friction: xr.Dataset, names: tuple[str, ...], extreme: str, quantity: str, digits: int
+) -> dict[tuple[int, ...], tuple[str, str]]:
+    """An extreme over the mesh cycle and its place by operating condition; empty if the result has none."""
+    variables = [f"{extreme}_{name}" for name in (quantity, "lengthwise", "profile")]
+    if variables[0] not in friction:
         return {}
-    variables = ("min_film_thickness", "min_film_lengthwise", "min_film_profile")
     whole = [friction[n].transpose(*names).values for n in variables]
     return {
-        at: (f"{whole[0][at]:.3f}", f"{100 * whole[1][at]:.0f}, {100 * whole[2][at]:.0f}")
+        at: (f"{whole[0][at]:.{digits}f}", f"{100 * whole[1][at]:.0f}, {100 * whole[2][at]:.0f}")
         for at in np.ndindex(whole[0].shape)
     }
 
@@ -94,10 +121,10 @@ def uncertified(tree: xr.DataTree) -> list[str]:
 
 
 def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on implausible numbers, load on edges, pressures that jump, and ranges of the friction models left."""
+    """Notes on implausible numbers, extrapolation, load on edges, pressures that jump, and friction out of range."""
     ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
     loaded = tree["loaded"].to_dataset()
-    return [*plausibility(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
+    return [*plausibility(tree), *deflection_notes(tree), *edge_notes(loaded), *jump_notes(loaded), *ranges]
 
 
 def outcome(tree: xr.DataTree) -> str:
@@ -139,12 +166,15 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
         ("Sigma", sigma, "deg"),
     ]
     misaligned = ", ".join(f"{name} {value:+g} {unit}" for name, value, unit in errors if value) or "none"
+    if misalignment_over_torque(tree) is not None:
+        misaligned = f"{misaligned} without torque; under load see below"
     pair = f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion"
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     shared = f"{100 * numbers['common_flank'].item():.0f} % of the gear flank"
     head = [
         ("pair", f"{pair}, {attrs['flank']} flanks"),
         ("misalignment", misaligned),
+        ("deflections", str(attrs.get("deflections", ""))),
         ("deviating flanks", deviations(attrs)),
         ("modified ease-off", modification(attrs)),
         ("common flank", f"{shared}, ease-off up to {numbers['max_ease_off'].item():.1f} um"),
@@ -160,8 +190,8 @@ def result_notes(tree: xr.DataTree) -> list[str]:
     # Older results lack the attribute.
     searched = int(tree["loaded"].attrs.get("searched_segments", 0))
     if searched:
-        loaded = tree["loaded"].to_dataset().isel(torque=0)
-        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum())
+        loaded = tree["loaded"].to_dataset()
+        lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
         notes.append(
             f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
             "approach was searched for; forces and pressures there are approximate."
@@ -191,6 +221,8 @@ def result_summary(tree: xr.DataTree) -> str:
     attrs, numbers = tree.attrs, key_numbers(tree)
     title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
     parts = ["\n".join(title), "=" * max(len(line) for line in title), "", aligned(head_rows(tree)), ""]
+    if table := deflection_table(tree):
+        parts += ["Misalignment over the torque", "", table, ""]
     parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
     parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
     if "friction" in tree.children:
@@ -198,5 +230,7 @@ def result_summary(tree: xr.DataTree) -> str:
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
         parts += ["", name, "", efficiencies(friction)]
+        if temperatures := contact_temperatures(friction):
+            parts += ["", "Contact temperature", "", temperatures]
     notes = result_notes(tree)
     return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])

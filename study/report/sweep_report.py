@@ -28,6 +28,7 @@ MAIN_NUMBERS = (
     "max_root_stress",
     "efficiency",
     "min_film_thickness",
+    "max_flash_temperature",
 )
 SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise")
 SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)
@@ -96,6 +97,8 @@ def _coordinates(dataset: xr.Dataset) -> str:
                 values.size > SHOWN_LOADS
             )
         lines.append(f"{name:<13} {printable(said)}")
+    if "deflections" in dataset.attrs:
+        lines.append(f"{'deflections':<13} {printable(str(dataset.attrs['deflections']))}")
     if "seed" in dataset.attrs:
         lines.append(
             f"{'samples':<13} {dataset.attrs.get('sampler', '')}, seed {dataset.attrs['seed']}: "

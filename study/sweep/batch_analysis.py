@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...cases.changes import changed_case
 from ...cases.conversion import misalignment as own_misalignment
+from ...cases.deflections import Deflections
 from ...contact.solvers import Status
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...core.ordered_values import ordered
@@ -23,7 +24,9 @@ from ...core.processes.garbage_collection import without_garbage_collection
 from ...core.stored_status import StoredStatus
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
-from ..analysis import Analysis, contact_analysis, friction_settings, operation_of, with_friction
+from ..analysis.contact_analysis import contact_analysis
+from ..analysis.friction_analysis import friction_settings, operation_of, with_friction
+from ..analysis.joined_analysis import Analysis
 from ..case_in_mesh import CaseInMesh
 from ..report.key_numbers import key_numbers
 from .point_table import assemblies
@@ -232,15 +235,17 @@ def _assembled(setup: SweepSetup, values: Mapping[str, Any]) -> CaseInMesh:
     return state.misaligned(assembly_errors(setup, errors)) if errors else state
 
 
-def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment:
-    """The assembly of a point: that of the setup with some errors in place of its own."""
-    base = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
-    return Misalignment(
+def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignment | Deflections:
+    """The assembly of a point: that of the setup with some errors in place of its constant ones."""
+    given = own_misalignment(setup.case.misalignment) if setup.misalignment is None else setup.misalignment
+    base = given.constant if isinstance(given, Deflections) else given
+    found = Misalignment(
         errors.get("E", base.offset),
         errors.get("P", base.pinion_axial),
         errors.get("G", base.gear_axial),
         math.radians(errors["Sigma"]) if "Sigma" in errors else base.shaft_angle,
     )
+    return given.with_constant(found) if isinstance(given, Deflections) else found
 
 
 @lru_cache(maxsize=KEPT_PAIRS)
@@ -252,7 +257,9 @@ def _pair_in_mesh(setup: SweepSetup, pair: tuple[tuple[str, Any], ...]) -> CaseI
         return error
 
 
-def _made(setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: Misalignment | None) -> CaseInMesh:
+def _made(
+    setup: SweepSetup, pair: tuple[tuple[str, Any], ...], misalignment: Misalignment | Deflections | None
+) -> CaseInMesh:
     """The pair in mesh from its case: settings, flanks and deviations of a point."""
     values = dict(pair)
     flank = values.pop("flank", setup.flank)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...cases.load_case_rows import read_load_case_rows
+from ...cases.table_rows import read_table_rows
 from ...core.checks import shown
 from ...core.errors import InputError
 from ...core.reading.regular_file import leads_outside
@@ -29,7 +29,7 @@ def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axi
     Parameters
     ----------
     path
-        The file, as of ``read_load_case_rows``. Its columns are quantities of ``swept_quantity``, ``share`` and
+        The file, as of ``read_table_rows``. Its columns are quantities of ``swept_quantity``, ``share`` and
         ``name``: those of a table of load cases for ``run``, and more. No cell is empty.
     allow_outside
         Whether the table may name files of oils and deviations outside its folder: it may be anybody's.
@@ -55,7 +55,7 @@ def read_load_case_axis(path: str | Path, *, allow_outside: bool = False) -> Axi
                 _require_inside(path, name, row[name])
         return {name: swept_quantity(name).checked(value) for name, value in row.items()}
 
-    rows = read_load_case_rows(
+    rows = read_table_rows(
         path, lambda column: swept_quantity(column).words, checked, size_limit=TABLE_SIZE_LIMIT, complete=True
     )
     return load_case_axis({name: [row[name] for row in rows] for name in rows[0]})

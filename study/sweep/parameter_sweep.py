@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from ...cases.deflection_table import MisalignmentSource
+from ...cases.deflections import Deflections, misalignment_at
 from ...cases.schema.case_schema import Case
 from ...core.checks import whole
 from ...geometry.deviation.deviation import Method
-from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_in_mesh import case_attributes, prepared_pair
+from ..case_in_mesh import case_attributes, deflection_attributes, prepared_pair
 from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
 from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
 from .batch_store import BatchStore
@@ -65,7 +66,7 @@ def sweep(
     sampler: Sampler = "sobol",
     flank: FlankName = "drive",
     torques: float | Sequence[float] | None = None,
-    misalignment: Misalignment | None = None,
+    misalignment: MisalignmentSource | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
     interpolation: Method = "spline",
@@ -103,7 +104,8 @@ def sweep(
     seed, sampler
         Of the samples: ``sobol`` or ``latin_hypercube``.
     flank, torques, misalignment, deviations, deviated, interpolation, modification, edge_contact, marking, solver
-        As of ``analyze``, for what is not swept.
+        As of ``analyze``, for what is not swept. E, P, G and Sigma that are swept take the place of the constant
+        misalignment's; deflections over the torque are added to them.
     speed, temperature, roughness, oil, friction_model, friction_feedback
         As of ``analyze``, for what is not swept.
     workers
@@ -284,16 +286,21 @@ def _attributes(plan: SweepPlan) -> dict[str, Any]:
     }
 
 
-def _misalignment(plan: SweepPlan) -> dict[str, float]:
-    """Assembly errors of every point that are not swept."""
-    found = assembly_errors(plan.setup, {})
+def _misalignment(plan: SweepPlan) -> dict[str, Any]:
+    """Assembly errors of every point that are not swept, without torque; and the torques of deflections."""
+    given, flank = assembly_errors(plan.setup, {}), plan.setup.flank
+    if isinstance(given, Deflections) and given.flank and "flank" in plan.table.names:
+        return {}
+    found = misalignment_at(given, 0.0, flank)
     errors = {
         "E": ("misalignment_offset_mm", found.offset),
         "P": ("misalignment_pinion_axial_mm", found.pinion_axial),
         "G": ("misalignment_gear_axial_mm", found.gear_axial),
         "Sigma": ("misalignment_shaft_angle_rad", found.shaft_angle),
     }
-    return dict(pair for name, pair in errors.items() if name not in plan.table.names)
+    constant = dict(pair for name, pair in errors.items() if name not in plan.table.names)
+    swept = [axis.columns["torque"].tolist() for axis in plan.axes if "torque" in axis.columns]
+    return constant | deflection_attributes(given, flank, swept[0] if swept else plan.setup.torques or ())
 
 
 def _departures(plan: SweepPlan) -> dict[str, Any]:
@@ -306,6 +313,6 @@ def _departures(plan: SweepPlan) -> dict[str, Any]:
     }
     found: dict[str, Any] = {"modification_um": json.dumps(terms)} if terms else {}
     if sources and "flank" not in swept:
-        pair = prepared_pair(setup.case, setup.flank, None)
+        pair = prepared_pair(setup.case, setup.flank, setup.misalignment)
         found |= deviation_attributes(flank_deviations(pair, sources, setup.interpolation), setup.deviated)
     return found

@@ -18,13 +18,14 @@ ATTRIBUTES: dict[str, str | int] = {
     **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
 }
 OPTIONAL_ATTRIBUTES: dict[str, str | int] = {
-    **dict.fromkeys(("compliance_model", "sampler", "distributions", "deviated"), "text"),
+    **dict.fromkeys(("compliance_model", "sampler", "distributions", "deviated", "deflections"), "text"),
     **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
     "modification_um": "table of numbers",
     **dict.fromkeys(
         (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
         "number",
     ),
+    "deflection_torques_N_m": 2,
     "seed": "number",
 }
 #: Dimensions that a number may have beside those of the points and of the loads.

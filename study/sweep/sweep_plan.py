@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ...cases.analysis_size import AnalysisSize
-from ...cases.conversion import gear_pair
+from ...cases.deflection_table import misalignment_of
 from ...cases.schema.case_schema import Case
 from ...contact.evaluation.marking_print import checked_thickness
 from ...contact.solvers import require_solver
@@ -21,8 +21,9 @@ from ...core.errors import InputError
 from ...core.processes.memory import require_memory
 from ...core.reading.regular_file import require_file
 from ...friction.lubricants.lubricant import lubricant
-from ..analysis import case_torques, friction_settings, operation_of
-from ..case_in_mesh import checked_case
+from ..analysis.contact_analysis import case_torques
+from ..analysis.friction_analysis import friction_settings, operation_of
+from ..case_in_mesh import checked_case, prepared_pair
 from ..deviation_source import flank_deviations, shipped_deviations
 from .axis import Axis, grid_axis, is_distribution
 from .distribution import Distribution, Sampler, sample_values
@@ -165,6 +166,8 @@ def planned_sweep(
     require_solver(solver)
     if options.get("marking") is not None:
         checked_thickness(options["marking"])
+    if options.get("misalignment") is not None:
+        options["misalignment"] = misalignment_of(options["misalignment"])
     axes, sampling = _axes(over or {}, load_cases, samples, seed, sampler, allow_outside=allow_outside)
     single = {"torque": torques, "speed": speed, "temperature": temperature, "roughness": roughness, "oil": oil}
     single |= {f"deviation.{member}": source for member, source in (deviations or {}).items()}
@@ -184,7 +187,7 @@ def planned_sweep(
     )
     _require_files(table)
     if "flank" not in table.names:
-        pair = gear_pair(checked, setup.flank)
+        pair = prepared_pair(checked, setup.flank, setup.misalignment)
         if not any(swept_quantity(name).stage == Stage.PAIR for name in table.names):
             flank_deviations(pair, cast(Any, setup.deviations), setup.interpolation)  # a mistake shows before the work
     return SweepPlan(setup, tuple(axes), sampling)

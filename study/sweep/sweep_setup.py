@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from ...cases.deflections import Deflections
 from ...cases.schema.case_schema import Case
 from ...geometry.deviation.deviation import Deviation, Method
 from ...geometry.pair.assembly import Misalignment
@@ -55,7 +56,7 @@ class SweepSetup:
     torques: tuple[float, ...] | None
     conditions: Mapping[str, Any] = field(default_factory=dict)
     flank: FlankName = "drive"
-    misalignment: Misalignment | None = None
+    misalignment: Misalignment | Deflections | None = None
     deviations: Mapping[str, Source] = field(default_factory=dict)
     deviated: Deviated = "ease_off"
     interpolation: Method = "spline"

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...cases.deflection_table import MisalignmentSource
 from ...cases.schema.case_schema import Case, ComplianceTable
 from ...contact.evaluation.marking_print import checked_thickness
 from ...core.attributes import labelled
@@ -21,7 +22,6 @@ from ...core.checks import number, whole
 from ...core.errors import InputError
 from ...core.writing.output_file import whole_file
 from ...geometry.deviation.deviation import Method
-from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
@@ -44,7 +44,7 @@ def vh_check(
     case: Case | str | Path,
     *,
     flank: FlankName = "drive",
-    misalignment: Misalignment | None = None,
+    misalignment: MisalignmentSource | None = None,
     deviations: Mapping[MemberName, Source] | None = None,
     deviated: Deviated = "ease_off",
     interpolation: Method = "spline",
@@ -62,7 +62,7 @@ def vh_check(
     case, flank, deviations, deviated, interpolation, modification, marking
         As of ``analyze``; no load is applied, and no elastic tooth is built.
     misalignment
-        Assembly errors at V = H = 0; the case's own if left out.
+        Assembly errors at V = H = 0; the case's own if left out. Of deflections, those without torque.
     share
         Place of the pattern's centre at toe and heel: its distance from the end of the tooth, over the face width.
     height

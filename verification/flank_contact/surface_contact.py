@@ -5,7 +5,7 @@ Find pressures p >= 0 and the rotation of the gear such that every gap
     Y = (indentation by p, closed form) + (what both bodies add, finite elements) + S - r theta >= 0,   p Y = 0
 
 and the moments of the pressures balance the torque. No line of contact, no relative radius, no foot of a normal and no
-depth to a middle surface enters. Teeth are coupled through the common rotation alone.
+depth to a middle surface enters. Each tooth has a body of its own.
 """
 
 from __future__ import annotations

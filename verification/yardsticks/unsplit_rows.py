@@ -28,6 +28,8 @@ UNSPLIT_POSITIONS = 4
 class UnsplitContact:
     """Contact without the split, ready to be solved at some mesh positions.
 
+    Each tooth has a body of its own, as in the analysis that it is compared with.
+
     Parameters
     ----------
     pair
@@ -44,6 +46,13 @@ class UnsplitContact:
 
     pair: VerifiedPair
     cells_per_half_width: float = 8.0
+
+    @cached_property
+    def separate(self) -> VerifiedPair:
+        """The pair with every tooth on a body of its own."""
+        table = self.pair.case.compliance
+        coupled = table.model != "shell" and table.neighbours
+        return self.pair.changed("compliance", neighbours=False) if coupled else self.pair
 
     @property
     def places(self) -> list[tuple[int, int]]:
@@ -63,7 +72,7 @@ class UnsplitContact:
 
     def solved(self, torque: int, position: int) -> FlankContact:
         """Contact at one torque and mesh position, by their numbers."""
-        loaded = self.pair.analysis.tree["loaded"].to_dataset().isel(torque=torque)
+        loaded = self.separate.analysis.tree["loaded"].to_dataset().isel(torque=torque)
         # Of the analysis no more is taken than where to lay the cells, and how small they should be.
         return contact_of_flanks(
             self.pair.flanks,
@@ -88,7 +97,7 @@ def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], Flank
     solutions
         Its solutions by numbers of torque and mesh position.
     """
-    loaded = contact.pair.analysis.tree["loaded"].to_dataset()
+    loaded = contact.separate.analysis.tree["loaded"].to_dataset()
     compared = f"contact without the split, {len(solutions)} positions and torques"
     rotation, share, load = [], [], []
     for torque in range(contact.pair.torques.size):

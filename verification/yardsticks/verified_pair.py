@@ -10,10 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...cases.conversion import misalignment as case_misalignment
+from ...cases.deflection_table import MisalignmentSource, misalignment_of
+from ...cases.deflections import misalignment_at
 from ...cases.schema.case_schema import Case
+from ...core.errors import InputError
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import FlankName
-from ...study.analysis import Analysis, case_torques, contact_analysis
+from ...study.analysis.contact_analysis import case_torques, contact_analysis
+from ...study.analysis.joined_analysis import Analysis
+from ...study.analysis.supported_analysis import in_assembly_under_load
 from ...study.case_in_mesh import CaseInMesh
 from ..flank_contact.surface_cells import FlanksInMesh, flanks_of
 
@@ -31,7 +37,7 @@ class VerifiedPair:
     flank
         ``drive`` or ``coast``.
     misalignment
-        Assembly errors; the case's own if ``None``.
+        Assembly errors.
     torques
         Torques at the pinion (t) [N m].
 
@@ -45,7 +51,7 @@ class VerifiedPair:
 
     case: Case
     flank: FlankName
-    misalignment: Misalignment | None
+    misalignment: Misalignment
     torques: Array
 
     @classmethod
@@ -53,11 +59,22 @@ class VerifiedPair:
         cls,
         case: Case,
         flank: FlankName = "drive",
-        misalignment: Misalignment | None = None,
+        misalignment: MisalignmentSource | None = None,
         torques: float | Sequence[float] | None = None,
     ) -> VerifiedPair:
-        """The pair of a case; arguments as of ``verify``."""
-        return cls(case, flank, misalignment, np.sort(case_torques(case, torques)))
+        """The pair of a case; arguments and raises as of ``verify``."""
+        load = np.sort(case_torques(case, torques))
+        given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
+        if case.supports is not None:
+            deflected = in_assembly_under_load(CaseInMesh.of(case, flank=flank, misalignment=given), load)
+            case, given = deflected.case, deflected.misalignment
+        found = {misalignment_at(given, torque, flank) for torque in load.tolist()}
+        if len(found) > 1:
+            raise InputError(
+                f"torques = {', '.join(f'{torque:g}' for torque in load)}: must be one where the misalignment depends "
+                "on the torque: every torque has its own assembly to verify"
+            )
+        return cls(case, flank, found.pop(), load)
 
     @cached_property
     def state(self) -> CaseInMesh:

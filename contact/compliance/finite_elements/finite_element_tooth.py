@@ -20,6 +20,7 @@ from ....geometry.tooth.tooth_lattice import (
     SHELL_HINT,
     LatticeSize,
     ToothLattice,
+    Web,
     tooth_lattice,
     usual_depth,
 )
@@ -27,7 +28,8 @@ from ..material import Material
 from .array_store import Shapes, kept, key_of
 from .bricks import require_right_way_round
 from .elastic_body import elastic_body
-from .flank_compliance import FlankCompliance, flank_loads, foot_displacements, square_root
+from .flank_compliance import FlankCompliance, SharedBody, flank_loads, foot_displacements, square_root
+from .neighbouring_teeth import body_modes, ring_size, with_body
 from .solid_shell import Counts, solid_shell
 from .stress_response import StressResponse, by_station, stress_functionals
 
@@ -88,6 +90,8 @@ def finite_element_tooth(
     *,
     fineness: float = 1.0,
     rim_depth: float | None = None,
+    neighbours: bool = True,
+    web: Web | None = None,
 ) -> FiniteElementTooth:
     """Compliance and root stress of one member's tooth.
 
@@ -105,6 +109,10 @@ def finite_element_tooth(
         Multiplies the number of bricks in every direction.
     rim_depth
         Depth of the elastic body below this member's root [mm]; ``None`` for 1.2 times the tooth's height.
+    neighbours
+        Whether the teeth share their body, or each has a sector of its own.
+    web
+        Web that carries the shared body and is held at its bore; ``None`` for a body that is held at its bottom.
 
     Raises
     ------
@@ -124,7 +132,8 @@ def finite_element_tooth(
     )
     reason = _sharp_root(pair, member)
     root = None if reason else StressResponse(found["stations"], found["stress"])
-    return FiniteElementTooth(_flank(found), root, reason)
+    flank = _on_body(_flank(found), pair, member, material, rim_depth, web, key) if neighbours else _flank(found)
+    return FiniteElementTooth(flank, root, reason)
 
 
 def _sharp_root(pair: GearPair, member: MemberName) -> str:
@@ -156,6 +165,8 @@ def solid_shell_tooth(
     *,
     fineness: float = 1.0,
     rim_depth: float | None = None,
+    neighbours: bool = True,
+    web: Web | None = None,
 ) -> FiniteElementTooth:
     """Compliance of one member's tooth as a solid shell.
 
@@ -163,7 +174,7 @@ def solid_shell_tooth(
 
     Parameters
     ----------
-    pair, member, material, rim_depth
+    pair, member, material, rim_depth, neighbours, web
         As ``finite_element_tooth``, which also says what is raised.
     fineness
         Multiplies the number of functions and of bricks in every direction.
@@ -182,7 +193,8 @@ def solid_shell_tooth(
         _flank_arrays(size),
         lambda: _condensed_shell(tooth_lattice(pair, member, size, rim_depth), material, counts, member, fineness),
     )
-    return FiniteElementTooth(_flank(found), None, 'root stresses need finite elements: model = "fe" in [compliance]')
+    flank = _on_body(_flank(found), pair, member, material, rim_depth, web, key) if neighbours else _flank(found)
+    return FiniteElementTooth(flank, None, 'root stresses need finite elements: model = "fe" in [compliance]')
 
 
 def require_solid_shell(pair: GearPair, member: MemberName) -> None:
@@ -208,6 +220,32 @@ def _flank_arrays(size: LatticeSize) -> Shapes:
 
 def _flank(found: Mapping[str, Array]) -> FlankCompliance:
     return FlankCompliance(found["lengthwise"], found["profile"], found["factor"])
+
+
+def _on_body(
+    flank: FlankCompliance,
+    pair: GearPair,
+    member: MemberName,
+    material: Material,
+    rim_depth: float | None,
+    web: Web | None,
+    key: str,
+) -> FlankCompliance:
+    """The tooth kept under a key on the body it shares with its neighbours."""
+    size = ring_size()
+
+    def make() -> dict[str, Array]:
+        try:
+            whole = with_body(flank, *body_modes(pair, member, material, size, rim_depth, web))
+        except GeometryError as error:
+            raise unfilled(member, error) from error
+        assert whole.body is not None
+        return {"factor": whole.factor, "shapes": whole.body.shapes, "coupling": whole.body.coupling}
+
+    nodes = flank.profile.size
+    shapes = {"factor": (None, nodes), "shapes": (None, nodes), "coupling": (None, None, None)}
+    found = kept(key_of("shared body", key, size, web), shapes, make)
+    return replace(flank, factor=found["factor"], body=SharedBody(found["shapes"], found["coupling"]))
 
 
 def _condensed_shell(

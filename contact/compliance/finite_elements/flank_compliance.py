@@ -30,6 +30,24 @@ EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach t
 
 
 @dataclass(frozen=True)
+class SharedBody:
+    """The body that all teeth (N) of a member share, in modes (q) on the nodes of a flank.
+
+    Parameters
+    ----------
+    shapes
+        Values of the modes at the nodes (q, nt nh).
+    coupling
+        Compliance between the modes of one tooth and those of the tooth k pitches further, from the loaded side
+        through the tooth (N, q, q) [mm/N]; of k = 0 the body's part in the tooth's own. Between any teeth of the
+        member it is positive semidefinite.
+    """
+
+    shapes: Array
+    coupling: Array
+
+
+@dataclass(frozen=True)
 class FlankCompliance:
     """Bending of one tooth between points of its loaded flank.
 
@@ -41,11 +59,15 @@ class FlankCompliance:
         Profile fractions (nt, nh) of the nodes.
     factor
         Z (k, nt nh): the compliance between nodes is Z^T Z [mm/N].
+    body
+        The body shared with the other teeth, whose compliance comes to that of ``factor``; ``None`` if each tooth is on
+        a body of its own.
     """
 
     lengthwise: Array
     profile: Array
     factor: Array
+    body: SharedBody | None = None
 
     def whitened(self, points: Array, weights: Array) -> Array:
         """Whitened unit loads on segments: their inner products are the compliances.
@@ -60,8 +82,12 @@ class FlankCompliance:
         Returns
         -------
         Array
-            (k, n), such that Y^T Y is the compliance between the segments [mm/N].
+            (k, n), such that Y^T Y is the compliance between the segments [mm/N], but for that of the shared body.
         """
+        return self.unit_loads(points, weights)[0].T
+
+    def unit_loads(self, points: Array, weights: Array) -> tuple[Array, Array]:
+        """Unit loads on segments: whitened (n, k), as ``whitened``, and in the modes of the shared body (n, q)."""
         from scipy.sparse import csr_array
 
         nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
@@ -70,11 +96,13 @@ class FlankCompliance:
         starts = np.arange(points.shape[1] + 1) * per_segment
         loads = csr_array((shares.ravel(), nodes.ravel(), starts), shape=(points.shape[1], self.profile.size))
         loads.sum_duplicates()  # the points of a segment share most of their nodes
-        return np.asarray((loads @ self._by_node).T)
+        both = np.asarray(loads @ self._by_node)
+        return both[:, : len(self.factor)], both[:, len(self.factor) :]
 
     @cached_property
     def _by_node(self) -> Array:
-        return np.ascontiguousarray(self.factor.T)
+        parts = [self.factor] if self.body is None else [self.factor, self.body.shapes]
+        return np.ascontiguousarray(np.concatenate(parts).T)
 
 
 def share_of_three(point: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:

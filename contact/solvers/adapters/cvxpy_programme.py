@@ -70,11 +70,13 @@ def compliance_root(problem: ScaledProblem, *, lifted: bool) -> Root:
         rows = np.broadcast_to(basis.index[:, :, np.newaxis], basis.modes.shape)[filled].ravel()
         mode = np.arange(blocks * rank).reshape(blocks, 1, rank)
         columns = np.broadcast_to(mode, basis.modes.shape)[filled].ravel()
+        shared = basis.shared_factor
+        every, wide = np.indices(shared.shape).reshape(2, -1), blocks * rank + shared.shape[1]
         return Root(
-            (size, blocks * rank + size),
-            np.concatenate([rows, local]),
-            np.concatenate([columns, blocks * rank + local]),
-            np.concatenate([basis.modes[filled].ravel(), np.sqrt(problem.modal.diagonal)]),
+            (size, wide + size),
+            np.concatenate([rows, every[0], local]),
+            np.concatenate([columns, blocks * rank + every[1], wide + local]),
+            np.concatenate([basis.modes[filled].ravel(), shared.ravel(), np.sqrt(problem.modal.diagonal)]),
         )
     try:
         root = np.linalg.cholesky(problem.compliance)

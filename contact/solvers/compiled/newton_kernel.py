@@ -7,6 +7,9 @@ segments of each block, see ``mode_columns``, each standing for its neighbours, 
 fewer segments of a block touch than it has modes, its matrix is inverted by Woodbury's identity. As long as the
 touching segments of a block stay the same and the law is linear, its factor is kept.
 
+Shared modes stand behind those of a block as its shared columns; their amplitudes in a block, M_b a, follow from the
+amplitudes a, which stand behind those of all blocks.
+
 All of it is in this one file, see ``compilation``.
 """
 
@@ -293,6 +296,42 @@ def _gram(z: Any, rank: int, low: int, high: int, gram: Any) -> None:
 
 
 @_sums
+def _mixed_gram(y: Any, z: Any, size: int, gram: Any) -> None:
+    """I + Y Z', the lower triangle; its size is a multiple of four."""
+    for a in range(0, size, 4):
+        za, zb, zc, zd = y[a], y[a + 1], y[a + 2], y[a + 3]
+        for b in range(0, a + 1, 4):
+            ze, zf, zg, zh = z[b], z[b + 1], z[b + 2], z[b + 3]
+            s00 = s01 = s02 = s03 = s10 = s11 = s12 = s13 = 0.0
+            s20 = s21 = s22 = s23 = s30 = s31 = s32 = s33 = 0.0
+            for x in range(za.size):
+                p, q, r, s = za[x], zb[x], zc[x], zd[x]
+                t, u, v, w = ze[x], zf[x], zg[x], zh[x]
+                s00 += p * t
+                s01 += p * u
+                s02 += p * v
+                s03 += p * w
+                s10 += q * t
+                s11 += q * u
+                s12 += q * v
+                s13 += q * w
+                s20 += r * t
+                s21 += r * u
+                s22 += r * v
+                s23 += r * w
+                s30 += s * t
+                s31 += s * u
+                s32 += s * v
+                s33 += s * w
+            gram[a, b], gram[a, b + 1], gram[a, b + 2], gram[a, b + 3] = s00, s01, s02, s03
+            gram[a + 1, b], gram[a + 1, b + 1], gram[a + 1, b + 2], gram[a + 1, b + 3] = s10, s11, s12, s13
+            gram[a + 2, b], gram[a + 2, b + 1], gram[a + 2, b + 2], gram[a + 2, b + 3] = s20, s21, s22, s23
+            gram[a + 3, b], gram[a + 3, b + 1], gram[a + 3, b + 2], gram[a + 3, b + 3] = s30, s31, s32, s33
+    for a in range(size):
+        gram[a, a] += 1.0
+
+
+@_sums
 def _factor(matrix: Any, size: int) -> None:
     """Cholesky factor in place, the inverse of its diagonal on the diagonal; the size is a multiple of four."""
     for i in range(0, size, 4):
@@ -384,6 +423,99 @@ def _solve(factor: Any, size: int, right: Any, c0: int) -> None:
 
 
 @_sums
+def _reduce(matrix: Any, size: int, whole: int) -> None:
+    """Rows below a factored block: L^-1 of their part beside it, and the Schur complement behind; lower triangle."""
+    for i in range(size, whole, 4):
+        za, zb, zc, zd = matrix[i], matrix[i + 1], matrix[i + 2], matrix[i + 3]
+        for j in range(0, i + 1, 4):
+            s00, s01, s02, s03 = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
+            s10, s11, s12, s13 = matrix[i + 1, j], matrix[i + 1, j + 1], matrix[i + 1, j + 2], matrix[i + 1, j + 3]
+            s20, s21, s22, s23 = matrix[i + 2, j], matrix[i + 2, j + 1], matrix[i + 2, j + 2], matrix[i + 2, j + 3]
+            s30, s31, s32, s33 = matrix[i + 3, j], matrix[i + 3, j + 1], matrix[i + 3, j + 2], matrix[i + 3, j + 3]
+            ze, zf, zg, zh = matrix[j], matrix[j + 1], matrix[j + 2], matrix[j + 3]
+            for t in range(min(j, size)):
+                p, q, r, s = za[t], zb[t], zc[t], zd[t]
+                k, u, v, w = ze[t], zf[t], zg[t], zh[t]
+                s00 -= p * k
+                s01 -= p * u
+                s02 -= p * v
+                s03 -= p * w
+                s10 -= q * k
+                s11 -= q * u
+                s12 -= q * v
+                s13 -= q * w
+                s20 -= r * k
+                s21 -= r * u
+                s22 -= r * v
+                s23 -= r * w
+                s30 -= s * k
+                s31 -= s * u
+                s32 -= s * v
+                s33 -= s * w
+            if j < size:
+                d0, d1, d2, d3 = matrix[j, j], matrix[j + 1, j + 1], matrix[j + 2, j + 2], matrix[j + 3, j + 3]
+                l10, l20, l30 = matrix[j + 1, j], matrix[j + 2, j], matrix[j + 3, j]
+                l21, l31, l32 = matrix[j + 2, j + 1], matrix[j + 3, j + 1], matrix[j + 3, j + 2]
+                s00, s10, s20, s30 = s00 * d0, s10 * d0, s20 * d0, s30 * d0
+                s01, s11 = (s01 - s00 * l10) * d1, (s11 - s10 * l10) * d1
+                s21, s31 = (s21 - s20 * l10) * d1, (s31 - s30 * l10) * d1
+                s02, s12 = (s02 - s00 * l20 - s01 * l21) * d2, (s12 - s10 * l20 - s11 * l21) * d2
+                s22, s32 = (s22 - s20 * l20 - s21 * l21) * d2, (s32 - s30 * l20 - s31 * l21) * d2
+                s03 = (s03 - s00 * l30 - s01 * l31 - s02 * l32) * d3
+                s13 = (s13 - s10 * l30 - s11 * l31 - s12 * l32) * d3
+                s23 = (s23 - s20 * l30 - s21 * l31 - s22 * l32) * d3
+                s33 = (s33 - s30 * l30 - s31 * l31 - s32 * l32) * d3
+            matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3] = s00, s01, s02, s03
+            matrix[i + 1, j], matrix[i + 1, j + 1] = s10, s11
+            matrix[i + 1, j + 2], matrix[i + 1, j + 3] = s12, s13
+            matrix[i + 2, j], matrix[i + 2, j + 1] = s20, s21
+            matrix[i + 2, j + 2], matrix[i + 2, j + 3] = s22, s23
+            matrix[i + 3, j], matrix[i + 3, j + 1] = s30, s31
+            matrix[i + 3, j + 2], matrix[i + 3, j + 3] = s32, s33
+
+
+@_sums
+def _forward(factor: Any, size: int, right: Any, c0: int) -> None:
+    """Solve with the factor L, in place."""
+    for i in range(0, size, 4):
+        s0, s1, s2, s3 = right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3]
+        for t in range(i):
+            v = right[c0 + t]
+            s0 -= factor[i, t] * v
+            s1 -= factor[i + 1, t] * v
+            s2 -= factor[i + 2, t] * v
+            s3 -= factor[i + 3, t] * v
+        s0 *= factor[i, i]
+        s1 = (s1 - s0 * factor[i + 1, i]) * factor[i + 1, i + 1]
+        s2 = (s2 - s0 * factor[i + 2, i] - s1 * factor[i + 2, i + 1]) * factor[i + 2, i + 2]
+        s3 -= s0 * factor[i + 3, i] + s1 * factor[i + 3, i + 1] + s2 * factor[i + 3, i + 2]
+        s3 *= factor[i + 3, i + 3]
+        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
+
+
+@_sums
+def _backward(factor: Any, size: int, right: Any, c0: int) -> None:
+    """Solve with the transpose of the factor L, in place."""
+    for i in range(size - 4, -1, -4):
+        s3 = right[c0 + i + 3] * factor[i + 3, i + 3]
+        s2 = (right[c0 + i + 2] - s3 * factor[i + 3, i + 2]) * factor[i + 2, i + 2]
+        s1 = (right[c0 + i + 1] - s3 * factor[i + 3, i + 1] - s2 * factor[i + 2, i + 1]) * factor[i + 1, i + 1]
+        s0 = right[c0 + i] - s3 * factor[i + 3, i] - s2 * factor[i + 2, i] - s1 * factor[i + 1, i]
+        s0 *= factor[i, i]
+        right[c0 + i], right[c0 + i + 1], right[c0 + i + 2], right[c0 + i + 3] = s0, s1, s2, s3
+        for t in range(i):
+            right[c0 + t] -= s0 * factor[i, t] + s1 * factor[i + 1, t] + s2 * factor[i + 2, t] + s3 * factor[i + 3, t]
+
+
+@_sums
+def _dot(a: Any, b: Any) -> float:
+    total = 0.0
+    for x in range(a.size):
+        total += a[x] * b[x]
+    return total
+
+
+@_sums
 def _combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0: int) -> None:
     """Z' v of one block of few rows."""
     result[c0 : c0 + rank] = 0.0
@@ -402,6 +534,38 @@ def _add_combination(z: Any, size: int, factor: Any, rank: int, result: Any, c0:
 
 
 @_sums
+def _spread(blocks: Any, width: int, mixing: Any, plain: bool, shared: Any, result: Any) -> None:
+    """Amplitudes of the shared columns in every block, M_b a."""
+    first, count, local = blocks.shape[0] * width, mixing.shape[2], mixing.shape[1]
+    for q in range(blocks.shape[0]):
+        c0 = q * width + blocks[q, 3]
+        if plain:
+            for t in range(count):
+                result[c0 + t] = shared[first + t]
+            continue
+        for k in range(local):
+            result[c0 + k] = _dot(mixing[q, k], shared[first : first + count])
+
+
+@_sums
+def _gather(blocks: Any, width: int, mixing: Any, plain: bool, loads: Any) -> None:
+    """Loads of the shared modes from those of the shared columns in every block, the sum of M_b' x."""
+    first, count, local = blocks.shape[0] * width, mixing.shape[2], mixing.shape[1]
+    own = loads[first : first + count]
+    own[:] = 0.0
+    for q in range(blocks.shape[0]):
+        c0 = q * width + blocks[q, 3]
+        if plain:
+            for t in range(count):
+                own[t] += loads[c0 + t]
+            continue
+        for k in range(local):
+            load, row = loads[c0 + k], mixing[q, k]
+            for t in range(count):
+                own[t] += load * row[t]
+
+
+@_sums
 def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: Any, state: Any, work: Any) -> Any:
     """Gaps, forces and their sums at a point.
 
@@ -411,15 +575,17 @@ def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: An
     separation, arm, stiffness, segment = given
     amplitudes, rotation = at
     gap, root, pull, lever, force, z = state
-    loads, spans = work
-    width = z.shape[0]
+    loads, spans, mixing, plain = work
+    width, shared = z.shape[0], mixing.shape[1]
+    if shared:
+        _spread(blocks, width, mixing, plain, amplitudes, amplitudes)
     moment, pivot, changed = 0.0, 0.0, not linear
     for q in range(blocks.shape[0]):
         x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
         x1 = x0 + count
         for x in range(x0, x1):
             gap[x] = separation[x] - rotation * arm[x]
-        _add_closing(columns, own, count, rank, amplitudes, q * width, gap, x0)
+        _add_closing(columns, own, count, rank + shared, amplitudes, q * width, gap, x0)
         low, high = x1, x0
         different = not linear
         if linear:
@@ -455,7 +621,9 @@ def _point(blocks: Any, columns: Any, law: Any, linear: bool, given: Any, at: An
             moment += pull[x] * lever[x]
             pivot += lever[x] * lever[x]
             pull[x] *= root[x]
-        _loads(columns, own, count, rank, pull, x0, low, high, loads, q * width)
+        _loads(columns, own, count, rank + shared, pull, x0, low, high, loads, q * width)
+    if shared:
+        _gather(blocks, width, mixing, plain, loads)
     return moment, pivot, changed
 
 
@@ -497,8 +665,8 @@ def _direction(
     """
     amplitudes, _ = at
     _, root, _, lever, _, z = state
-    loads, spans = work
-    grams, border, solved, rows, few = factors
+    loads, spans, _, _ = work
+    grams, border, solved, rows, few, _, _, _ = factors
     imbalance, pivot = balance
     width = z.shape[0]
     for q in range(blocks.shape[0]):
@@ -545,12 +713,168 @@ def _direction(
 
 
 @_sums
+def _shared_direction(
+    blocks: Any, columns: Any, imbalance: float, at: Any, state: Any, work: Any, factors: Any, change: Any
+) -> float:
+    """As `_direction`, with shared modes.
+
+    Below the matrix of a block stand its shared columns and the lever arm: their rows become H = [G r]'Z' L^-T, what
+    is behind them the Schur complement, with the rotation last. Of Woodbury's matrix I + Z'Z the rows are those of G
+    and r themselves, and the Schur complement is H H'.
+    """
+    amplitudes, _ = at
+    _, root, _, lever, _, z = state
+    loads, spans, mixing, plain = work
+    grams, held, local, rows, few, whole, mixed, stiff = factors
+    width, count, shared = z.shape[0], mixing.shape[2], mixing.shape[1]
+    first, extended = blocks.shape[0] * width, shared + 1 + (-shared - 1) % 4
+    padded_count = count + (-count) % 4
+    stale = False
+    rest = change[first : first + padded_count]
+    for t in range(count):
+        rest[t] = loads[first + t] - amplitudes[first + t]
+    rest[count:] = 0.0
+    for q in range(blocks.shape[0]):
+        x0, own, stride, rank, c0 = blocks[q, 0], blocks[q, 2], blocks[q, 1], blocks[q, 3], q * width
+        low, high = spans[q, 0], spans[q, 1]
+        padded, size = rank + (-rank) % 4, high - low + (low - high) % 4
+        segments = size < padded
+        matrix, edge = grams[q], size if segments else padded
+        if spans[q, 2] == 1:
+            spans[q, 2], stale = 0, True
+            if high == low:
+                matrix[edge : edge + extended, : edge + extended] = 0.0
+            elif segments:
+                _fill_rows(columns, own, stride, rank, root, x0, low, high, rows[q])
+                _gram(rows[q], size, 0, padded, matrix)
+                _factor(matrix, size)
+                at_shared = own + rank * stride + low - x0
+                for k in range(shared):
+                    row, mode = matrix[edge + k], columns[at_shared + k * stride : at_shared + k * stride + high - low]
+                    for x in range(high - low):
+                        row[x] = mode[x] * root[low + x]
+                matrix[edge + shared, : high - low] = lever[low:high]
+                matrix[edge : edge + extended, high - low : edge + extended] = 0.0
+                matrix[edge + shared + 1 : edge + extended, :edge] = 0.0
+                _reduce(matrix, edge, edge + extended)
+                for k in range(edge, edge + extended):
+                    for t in range(edge, k + 1):
+                        matrix[k, t] = -matrix[k, t]
+            else:
+                _fill(columns, own, stride, rank, root, x0, low, high, z)
+                at_shared = own + rank * stride + low - x0
+                for k in range(shared):
+                    row, mode = z[edge + k], columns[at_shared + k * stride : at_shared + k * stride + high - low]
+                    for x in range(high - low):
+                        row[low + x] = mode[x] * root[low + x]
+                z[edge + shared, low:high] = lever[low:high]
+                z[edge + shared + 1 : edge + extended, low:high] = 0.0
+                _gram(z, edge + extended, low, high, matrix)
+                for k in range(edge, edge + extended):
+                    matrix[k, k] = _dot(z[k, low:high], z[k, low:high])
+                _factor(matrix, edge)
+                _reduce(matrix, edge, edge + extended)
+        for a in range(c0, c0 + padded):
+            change[a] = loads[a] - amplitudes[a] if a < c0 + rank else 0.0
+        y = held[c0 : c0 + edge]
+        if segments:
+            _products(rows[q], size, change[c0 : c0 + padded], 0, padded, held, c0)
+        else:
+            y[:] = change[c0 : c0 + padded]
+        _forward(matrix, edge, held, c0)
+        for k in range(shared + 1):
+            local[c0 + k] = _dot(matrix[edge + k, :edge], y)
+        imbalance += local[c0 + shared]
+        if plain:
+            for t in range(count):
+                rest[t] -= local[c0 + t]
+        else:
+            for k in range(shared):
+                load, row = local[c0 + k], mixing[q, k]
+                for t in range(count):
+                    rest[t] -= load * row[t]
+    end, turning = whole[:padded_count], whole[padded_count]
+    if stale:
+        end[:] = 0.0
+        turning[:] = 0.0
+        whole[padded_count + 1, 0] = 0.0
+        for t in range(padded_count):
+            end[t, t] = 1.0
+        for q in range(blocks.shape[0]):
+            low, high, rank = spans[q, 0], spans[q, 1], blocks[q, 3]
+            if high == low:
+                if not plain:
+                    stiff[:count, q * shared : (q + 1) * shared] = 0.0
+                continue
+            padded, size = rank + (-rank) % 4, high - low + (low - high) % 4
+            matrix, edge = grams[q], min(size, padded)
+            last = matrix[edge + shared]
+            whole[padded_count + 1, 0] += last[edge + shared]
+            if plain:
+                for t in range(count):
+                    turning[t] += last[edge + t]
+                    for k in range(t + 1):
+                        end[t, k] += matrix[edge + t, edge + k]
+                continue
+            for k in range(shared):
+                for m in range(k):
+                    matrix[edge + m, edge + k] = matrix[edge + k, edge + m]
+            for k in range(shared):
+                held_row, moved, row = few[:count], last[edge + k], mixing[q, k]
+                for t in range(count):
+                    turning[t] += moved * row[t]
+                held_row[:] = 0.0
+                for m in range(shared):
+                    factor, row = matrix[edge + k, edge + m], mixing[q, m]
+                    for t in range(count):
+                        held_row[t] += factor * row[t]
+                for t in range(count):
+                    stiff[t, q * shared + k] = held_row[t]
+        if not plain:
+            _mixed_gram(mixed, stiff, padded_count, end)
+        _factor(end, padded_count)
+        _forward(end, padded_count, turning, 0)
+        whole[padded_count + 1, 0] -= _dot(turning[:padded_count], turning[:padded_count])
+    _forward(end, padded_count, rest, 0)
+    turn: float = (imbalance + _dot(turning[:padded_count], rest)) / whole[padded_count + 1, 0]
+    for t in range(padded_count):
+        rest[t] += turn * turning[t]
+    _backward(end, padded_count, rest, 0)
+    _spread(blocks, width, mixing, plain, change, change)
+    for q in range(blocks.shape[0]):
+        rank, c0 = blocks[q, 3], q * width
+        low, high = spans[q, 0], spans[q, 1]
+        if high == low:
+            continue
+        padded, size = rank + (-rank) % 4, high - low + (low - high) % 4
+        segments = size < padded
+        matrix, edge = grams[q], size if segments else padded
+        y = held[c0 : c0 + edge]
+        if segments:
+            for x in range(edge):
+                y[x] = -y[x]
+        for k in range(shared):
+            factor, row = change[c0 + rank + k], matrix[edge + k]
+            for x in range(edge):
+                y[x] -= factor * row[x]
+        row = matrix[edge + shared]
+        for x in range(edge):
+            y[x] += turn * row[x]
+        _backward(matrix, edge, held, c0)
+        if segments:
+            _add_combination(rows[q], size, y, rank, change, c0)
+        else:
+            change[c0 : c0 + rank] = y[:rank]
+    return turn
+
+
+@_sums
 def _stuck(blocks: Any, columns: Any, given: Any, touching: Any, state: Any, work: Any) -> Any:
     """As `_point` at amplitudes and rotation zero, where chosen segments stick together and no others touch."""
     separation, arm, stiffness, _ = given
     _, root, pull, lever, _, z = state
-    loads, spans = work
-    width = z.shape[0]
+    loads, spans, mixing, plain = work
+    width, shared = z.shape[0], mixing.shape[1]
     moment, pivot = 0.0, 0.0
     for q in range(blocks.shape[0]):
         x0, count, own, rank = blocks[q, 0], blocks[q, 1], blocks[q, 2], blocks[q, 3]
@@ -568,12 +892,16 @@ def _stuck(blocks: Any, columns: Any, given: Any, touching: Any, state: Any, wor
         spans[q, 0], spans[q, 1], spans[q, 2] = low, high, 1
         for x in range(low, high):
             pull[x] *= root[x]
-        _loads(columns, own, count, rank, pull, x0, low, high, loads, q * width)
+        _loads(columns, own, count, rank + shared, pull, x0, low, high, loads, q * width)
+    if shared:
+        _gather(blocks, width, mixing, plain, loads)
     return moment, pivot
 
 
 @_sums
-def _slope(blocks: Any, width: int, torque: float, moment: float, loads: Any, amplitudes: Any, step: Any) -> Any:
+def _slope(
+    blocks: Any, width: int, shared: int, torque: float, moment: float, loads: Any, amplitudes: Any, step: Any
+) -> Any:
     """Slope of phi along a step, and what of it is rounding."""
     change, turn = step
     bending, local = 0.0, -turn * moment
@@ -581,6 +909,9 @@ def _slope(blocks: Any, width: int, torque: float, moment: float, loads: Any, am
         for a in range(q * width, q * width + blocks[q, 3]):
             bending += change[a] * amplitudes[a]
             local += change[a] * loads[a]
+    for a in range(blocks.shape[0] * width, blocks.shape[0] * width + shared):
+        bending += change[a] * amplitudes[a]
+        local += change[a] * loads[a]
     work = torque * turn
     return bending - local - work, ROUNDING_SLOPE * (abs(bending) + abs(local) + abs(work))
 
@@ -591,7 +922,7 @@ def _iterate(
     amplitudes: Any, state: Any, work: Any, factors: Any, spare: Any,
 ) -> Any:  # fmt: skip
     """Newton's method from amplitudes and a rotation; returns rotation, steps and whether it ended."""
-    loads, width = work[0], state[5].shape[0]
+    loads, width, shared = work[0], state[5].shape[0], work[2].shape[2]
     change, begin, best = spare
     least, steps, ended, kept, current = np.inf, 0, False, rotation, 0
     moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
@@ -606,6 +937,14 @@ def _iterate(
         if amplitude > 0.0:
             left /= amplitude
         residual = max(residual, left)
+        if shared:
+            left = 0.0
+            for a in range(blocks.shape[0] * width, blocks.shape[0] * width + shared):
+                amplitude = max(amplitude, abs(amplitudes[a]))
+                left = max(left, abs(loads[a] - amplitudes[a]))
+            if amplitude > 0.0:
+                left /= amplitude
+            residual = max(residual, left)
         if coarse and (residual < COARSE_RESIDUAL or (linear and iteration > 0 and not changed)):
             return rotation, iteration, True
         before = least
@@ -617,9 +956,14 @@ def _iterate(
             break
         if not math.isfinite(residual):
             break
-        turn = _direction(
-            blocks, columns, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change
-        )
+        if shared:
+            turn = _shared_direction(
+                blocks, columns, torque - moment, (amplitudes, rotation), state, work, factors, change
+            )
+        else:
+            turn = _direction(
+                blocks, columns, (torque - moment, pivot), (amplitudes, rotation), state, work, factors, change
+            )
         begin[:] = amplitudes
         at_begin = rotation
         for a in range(change.size):
@@ -628,7 +972,7 @@ def _iterate(
         moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
         if coarse:
             continue
-        slope, rounding = _slope(blocks, width, torque, moment, loads, amplitudes, (change, turn))
+        slope, rounding = _slope(blocks, width, shared, torque, moment, loads, amplitudes, (change, turn))
         length = 1.0
         for _ in range(MAX_HALVINGS):
             if not slope > rounding:
@@ -637,7 +981,7 @@ def _iterate(
                 amplitudes[a] = begin[a] + 0.5 * length * change[a]
             rotation = at_begin + 0.5 * length * turn
             moment, pivot, changed = _point(blocks, columns, law, linear, given, (amplitudes, rotation), state, work)
-            half_slope, _ = _slope(blocks, width, torque, moment, loads, amplitudes, (change, turn))
+            half_slope, _ = _slope(blocks, width, shared, torque, moment, loads, amplitudes, (change, turn))
             if not half_slope + slope > 0.0:  # the longer step it is
                 for a in range(change.size):
                     amplitudes[a] = begin[a] + length * change[a]
@@ -749,7 +1093,7 @@ def _relative(error: float, scale: float) -> float:
 
 
 _vector, _table, _whole = readable(numba.f8, 1), readable(numba.f8, 2), readable(numba.i8, 1)
-_modes = numba.types.Tuple((_whole, readable(numba.i8, 3), _whole, _vector, _vector, _vector))
+_modes = numba.types.Tuple((_whole, readable(numba.i8, 3), _whole, _vector, _table, readable(numba.f8, 3)))
 _results = (numba.f8[:, ::1],) * 4
 
 
@@ -783,11 +1127,20 @@ def solve_batch(
     numbers, counts
         For the numbers (b, 9), and steps and whether the method ended (b, 2).
     """
-    places, blocks_of, order, columns, bending, row_sum = modes
+    places, blocks_of, order, columns, sums, mixing = modes
+    bending, row_sum = sums[0], sums[1]
     linear = law.shape[0] == 0
     most, wide, blocks_most = arm.size, 4, blocks_of.shape[1]
     for q in range(blocks_most):
         wide = max(wide, 4 * ((blocks_of[0, q, 3] + 3) // 4))
+    shared, count = mixing.shape[1], mixing.shape[2]
+    padded_count, plain = 4 * ((count + 3) // 4), shared == count
+    if shared:
+        wide += 4 * ((shared + 4) // 4)
+        for q in range(blocks_most):
+            for k in range(shared):
+                for t in range(count):
+                    plain = plain and mixing[q, k, t] == (1.0 if k == t else 0.0)
     vectors = np.empty((10, most))
     shifted, sep, lev, stiff, gap, root, pull, lever, force, local_here = (
         vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6], vectors[7], vectors[8],
@@ -795,17 +1148,26 @@ def solve_batch(
     )  # fmt: skip
     segment, touching = np.empty(most, np.int64), np.empty(most, np.bool_)
     z = np.empty((wide, most))
-    small = np.zeros((7, blocks_most * wide))
+    small = np.zeros((7, blocks_most * wide + padded_count))
     amplitudes, loads, change, begin, best, border, solved = (
         small[0], small[1], small[2], small[3], small[4], small[5], small[6],
     )  # fmt: skip
     spans = np.zeros((blocks_most, 3), np.int64)
     grams, rows = np.empty((blocks_most, wide, wide)), np.empty((blocks_most, wide, wide))
-    few = np.empty(wide)
+    few = np.empty(max(wide, padded_count))
+    whole_matrix = np.empty((padded_count + 2, max(padded_count, 1)))
+    mixed = np.zeros((2 * padded_count, 0 if plain else blocks_most * shared))
+    mixed, stiff_mixed = mixed[:padded_count], mixed[padded_count:]
+    if not plain:
+        for q in range(blocks_most):
+            for k in range(shared):
+                for t in range(count):
+                    mixed[t, q * shared + k] = mixing[q, k, t]
     size = most
     for b in range(torque.size):
         first_contact, remainder, shift_error = _first_contact(separation[b], arm, shifted)
-        factors, spare = (grams, border, solved, rows, few), (change, begin, best)
+        factors = (grams, border, solved, rows, few, whole_matrix, mixed, stiff_mixed)
+        spare = (change, begin, best)
         rotation, steps, ended = 0.0, 0, False
         guess = 0.0
         if not linear:
@@ -835,7 +1197,7 @@ def solve_batch(
                 spans[q, 2] = 1
                 spans[q, 0] = spans[q, 1] = blocks[q, 0]
             given = (sep[:total], lev[:total], stiff, segment)
-            state, work = (gap, root, pull, lever, force, z), (loads, spans)
+            state, work = (gap, root, pull, lever, force, z), (loads, spans, mixing, plain)
             if level == top:
                 any_touches = False
                 if mask.size > 0:
@@ -859,9 +1221,14 @@ def solve_batch(
                         touching[x] = lev[x] > 0.0 and winkler * lev[x] > sep[x]
                 amplitudes[:] = 0.0
                 moment, pivot = _stuck(blocks, columns, given, touching, state, work)
-                rotation = _direction(
-                    blocks, columns, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
-                )
+                if shared:
+                    rotation = _shared_direction(
+                        blocks, columns, torque[b] - moment, (amplitudes, 0.0), state, work, factors, change
+                    )
+                else:
+                    rotation = _direction(
+                        blocks, columns, (torque[b] - moment, pivot), (amplitudes, 0.0), state, work, factors, change
+                    )
                 amplitudes[:] = change
                 if not math.isfinite(rotation):
                     amplitudes[:] = 0.0
@@ -902,8 +1269,12 @@ def solve_batch(
             else:
                 sep[x] = force[x] if gap[x] < 0.0 else 0.0
             gap[x] = 0.0
+        if shared:
+            _spread(blocks, wide, mixing, plain, loads, loads)
         for q in range(blocks.shape[0]):
-            _add_closing(columns, blocks[q, 2], blocks[q, 1], blocks[q, 3], loads, q * wide, gap, blocks[q, 0])
+            rank = blocks[q, 3] + shared
+            _add_closing(columns, blocks[q, 2], blocks[q, 1], rank, loads, q * wide, gap, blocks[q, 0])
+        spread = 1.0
         for x in range(size):
             i = segment[x]
             forces[i] = sep[x]
@@ -914,8 +1285,12 @@ def solve_batch(
                 secant_of[b, i] = own_compliance
             pull[i] = own_compliance * sep[x] + gap[x]
             lever[i] = own_compliance + bending[i]
+            if shared:  # terms that cancel in W leave more rounding than its diagonal tells
+                terms = lever[i] + sums[3, i]
+                lever[i] += sums[2, i]
+                spread = max(spread, terms / lever[i])
         numbers[b, ROTATION], numbers[b, ELASTIC] = first_contact + (remainder + rotation), rotation
         for i in range(size):
             gaps[i] = pull[i] + shifted[i] - rotation * arm[i]
-        known = (size + wide + 10.0, shift_error * abs(first_contact))
+        known = (spread * (size + wide + 10.0 + shared + count), shift_error * abs(first_contact))
         _certificate(forces, pull, gaps, shifted, arm, lever, torque[b], known, numbers[b])

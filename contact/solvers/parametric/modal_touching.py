@@ -6,6 +6,8 @@ segment touches and zero elsewhere, and
     (I + U'w U) z - U'w r theta = U'w g,    r'w r theta - r'w U z = T - r'w g.
 
 A segment that enters or leaves changes the small matrix of its block by one of rank one: O(k^2), and O(n k) a solve.
+Modes that all blocks share, W_i = G_i M_b in block b, have amplitudes y = W'F beside these; what the modes of a block
+leave on G and r is summed over the blocks, see ``modal_newton``.
 """
 
 from __future__ import annotations
@@ -39,10 +41,12 @@ class ModalTouching:
 
     def __init__(self, local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> None:
         self._local, self._arm = local, lever_arm
-        self._index = basis.index
+        self._index, border = basis.index, basis.border
         blocks, longest, rank = basis.modes.shape
-        self._rows = np.zeros((blocks, longest, rank + 1))
-        self._rows[..., :-1] = basis.modes
+        self._rank, self._mixing = rank, border.mixing
+        self._rows = np.zeros((blocks, longest, rank + border.mixing.shape[1] + 1))
+        self._rows[..., :rank] = basis.modes
+        self._rows[..., rank:-1] = np.pad(border.columns, ((0, 1), (0, 0)))[basis.index]
         self._rows[..., -1] = np.append(lever_arm, 0.0)[basis.index]
         self._block, self._place = np.zeros(basis.size, dtype=np.intp), np.zeros(basis.size, dtype=np.intp)
         real = basis.index < basis.size
@@ -70,14 +74,17 @@ class ModalTouching:
         wide = np.zeros((self._arm.size + 1, count))
         wide[:-1] = closing
         there, weight = wide[self._index], self._weight[..., None]
-        rotation = np.zeros(count)
-        amplitudes = np.zeros((self._index.shape[0], self._rows.shape[2] - 1, count))
+        rotation, common = np.zeros(count), np.zeros((self._mixing.shape[2], count))
+        amplitudes = np.zeros((self._index.shape[0], self._rank, count))
         for _ in range(2):
-            force = weight * (there - self._closed(amplitudes, rotation))
+            force = weight * (there - self._closed(amplitudes, common, rotation))
             loads = self._rows.swapaxes(1, 2) @ force
-            change, turn = self._step(loads[:, :-1] - amplitudes, torque - loads[:, -1].sum(axis=0))
-            amplitudes, rotation = amplitudes + change, rotation + turn
-        closed = self._closed(amplitudes, rotation) - there
+            left = self._mixed(loads[:, self._rank : -1]) - common
+            change, moved, turn = self._step(
+                loads[:, : self._rank] - amplitudes, left, torque - loads[:, -1].sum(axis=0)
+            )
+            amplitudes, common, rotation = amplitudes + change, common + moved, rotation + turn
+        closed = self._closed(amplitudes, common, rotation) - there
         force, gap = np.zeros((2, self._arm.size + 1, count))
         force[self._index] = -weight * closed
         gap[self._index] = np.where(weight > 0.0, 0.0, closed)
@@ -85,9 +92,12 @@ class ModalTouching:
 
     def yielding(self) -> Array:
         """See `TouchingSystem`."""
-        modes = self._rows[..., :-1]
+        modes = self._rows[..., : self._rank]
         own = np.zeros(self._arm.size + 1)
         own[self._index] = np.sum((modes @ self._inverse) * modes, axis=2)
+        if self._mixing.shape[2]:
+            shared = (self._rows[..., self._rank : -1] - modes @ self._by_shared) @ self._mixing
+            own[self._index] += np.sum((shared @ np.linalg.inv(self._common)) * shared, axis=2)
         return np.where(self._active, 0.0, self._local + own[:-1])
 
     def columns(self, segments: NDArray[np.intp]) -> Array:
@@ -95,8 +105,12 @@ class ModalTouching:
         wide = np.zeros((self._arm.size + 1, segments.size))
         for number, segment in enumerate(segments):
             block = self._block[segment]
-            own = self._rows[block, :, :-1]
+            own = self._rows[block, :, : self._rank]
             wide[self._index[block], number] = own @ own[self._place[segment]]
+            if self._mixing.shape[2]:
+                amplitudes = self._rows[block, self._place[segment], self._rank : -1] @ self._mixing[block]
+                shared = self._rows[..., self._rank : -1] @ (self._mixing @ amplitudes)[..., None]
+                wide[self._index, number] += shared[..., 0]
             wide[segment, number] += self._local[segment]
         return wide[:-1]
 
@@ -105,16 +119,27 @@ class ModalTouching:
         """Torque that turns the gear by one radian while the touching segments are held [N mm/rad]."""
         return self._pivot
 
-    def _closed(self, amplitudes: Array, rotation: Array) -> Array:
-        """U z - r theta in blocks (p, m, q)."""
+    def _closed(self, amplitudes: Array, common: Array, rotation: Array) -> Array:
+        """U z + W y - r theta in blocks (p, m, q)."""
         turn = np.broadcast_to(-rotation, (amplitudes.shape[0], 1, rotation.size))
-        return np.asarray(self._rows @ np.concatenate([amplitudes, turn], axis=1))
+        local = [self._mixing @ common] if common.shape[0] else []
+        return np.asarray(self._rows @ np.concatenate([amplitudes, *local, turn], axis=1))
 
-    def _step(self, loads: Array, imbalance: Array) -> tuple[Array, Array]:
-        """Changes of amplitudes (p, k, q) and rotations (q) for residuals of the two equations."""
+    def _mixed(self, local: Array) -> Array:
+        """Sum of M'x over the blocks (s, ...), x (p, j, ...) being of the shared columns."""
+        return np.asarray((self._mixing.swapaxes(1, 2) @ local).sum(axis=0))
+
+    def _step(self, loads: Array, shared: Array, imbalance: Array) -> tuple[Array, Array, Array]:
+        """Changes of amplitudes (p, k, q), (s, q) and rotations (q) for residuals of the three equations."""
         held = self._inverse @ loads
-        turn = (imbalance + np.einsum("pk,pkq->q", self._border, held)) / self._pivot
-        return held + turn * self._by_arm[..., None], turn
+        imbalance = imbalance + np.einsum("pk,pkq->q", self._border, held)
+        if not shared.shape[0]:
+            turn = imbalance / self._pivot
+            return held + turn * self._by_arm[..., None], shared, turn
+        rest = shared - self._mixed(self._by_shared.swapaxes(1, 2) @ loads)
+        turn = (imbalance + self._turned @ rest) / self._pivot
+        moved = np.asarray(np.linalg.solve(self._common, rest), dtype=np.float64) + turn * self._turned[:, None]
+        return held + turn * self._by_arm[..., None] - self._by_shared @ (self._mixing @ moved), moved, turn
 
     def _change(self, segment: int, entering: bool) -> bool:
         active = self._active.copy()
@@ -137,16 +162,25 @@ class ModalTouching:
         """Sum the matrices of all blocks anew."""
         self._weight = np.append(np.where(self._active, 1.0 / self._local, 0.0), 0.0)[self._index]
         self._gram = (self._rows * self._weight[..., None]).swapaxes(1, 2) @ self._rows
-        size = self._gram.shape[1] - 1
-        self._inverse = np.empty((self._gram.shape[0], size, size))
-        self._by_arm = np.empty((self._gram.shape[0], size))
+        blocks, rank = self._gram.shape[0], self._rank
+        self._inverse = np.empty((blocks, rank, rank))
+        self._by_arm = np.empty((blocks, rank))
+        self._by_shared = np.empty((blocks, rank, self._mixing.shape[1]))
         self._updates = 0
         self._factorise(slice(None))
 
     def _factorise(self, blocks: slice) -> None:
-        gram = self._gram[blocks]
-        size = gram.shape[1] - 1
-        self._inverse[blocks] = np.linalg.inv(gram[:, :-1, :-1] + np.eye(size))
-        self._by_arm[blocks] = (self._inverse[blocks] @ gram[:, :-1, -1:])[..., 0]
-        self._border = self._gram[:, :-1, -1]
+        gram, rank = self._gram[blocks], self._rank
+        self._inverse[blocks] = np.linalg.inv(gram[:, :rank, :rank] + np.eye(rank))
+        self._by_arm[blocks] = (self._inverse[blocks] @ gram[:, :rank, -1:])[..., 0]
+        self._border = self._gram[:, :rank, -1]
         self._pivot = float(self._gram[:, -1, -1].sum() - np.sum(self._border * self._by_arm))
+        if not self._mixing.shape[2]:
+            return
+        self._by_shared[blocks] = self._inverse[blocks] @ gram[:, :rank, rank:-1]
+        beside = self._gram[:, :rank, rank:-1].swapaxes(1, 2)
+        local = self._gram[:, rank:-1, rank:-1] - beside @ self._by_shared
+        self._common = np.eye(self._mixing.shape[2]) + self._mixed(local @ self._mixing)
+        turned = self._mixed(self._gram[:, rank:-1, -1:] - beside @ self._by_arm[..., None])[:, 0]
+        self._turned = np.linalg.solve(self._common, turned)  # change of the shared amplitudes by that of the rotation
+        self._pivot -= float(turned @ self._turned)

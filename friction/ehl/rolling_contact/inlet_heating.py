@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ....core.checks import one_of
 from ....core.errors import InputError
-from ...thermal_factors import FILM_FACTORS, THERMAL_FACTORS
+from ...oil_film.thermal_factors import FILM_FACTORS, THERMAL_FACTORS
 from .lubricated_contact import LubricatedContact
 
 #: Power of the viscosity in the smallest film (Pan and Hamrock).

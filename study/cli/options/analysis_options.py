@@ -10,7 +10,16 @@ import click
 
 from ....core.magnitude import time_in_words
 from ..terminal_bar import terminal_bar
-from .shared_options import MISALIGNMENT, allow_outside_option, deviation_option, flank_option, misalignment, torques
+from .shared_options import (
+    DEFLECTION_FILE,
+    MISALIGNMENT,
+    allow_outside_option,
+    deviation_option,
+    flank_option,
+    misalignment,
+    outside_allowed,
+    torques,
+)
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
@@ -26,7 +35,7 @@ _PAIR = (
         callback=misalignment,
         metavar=MISALIGNMENT,
         show_default="from the case",
-        help="Assembly errors in mm, Sigma in degrees.",
+        help=f"Assembly errors in mm, Sigma in degrees; {DEFLECTION_FILE}.",
     ),
     deviation_option(
         "Deviation of a member's flank from the designed one: a measured grid (a file, or the name of a shipped one) "
@@ -67,6 +76,12 @@ _ANALYSIS = (
         metavar="T1,T2,...",
         show_default="from the case",
         help="Torques at the pinion in N m.",
+    ),
+    click.option(
+        "--supports",
+        metavar="NAME|FILE",
+        show_default="from the case",
+        help="Shafts, bearings and housing that hold pinion and gear: a file, or the name of shipped ones.",
     ),
     _DEVIATED,
 )
@@ -114,6 +129,18 @@ def with_defaults(options: dict[str, Any]) -> dict[str, Any]:
         if options[name] is not None and not options["deviations"]:
             raise click.UsageError(f"--{name} = {options[name]}: must go with --deviation")
     return options | {name: value for name, value in own.items() if options[name] is None}
+
+
+def chosen_case(case: str, supports: str | None) -> Case:
+    """The case of a name or path, with the supports of ``--supports``."""
+    from ....cases import read_case
+
+    checked = read_case(case, allow_outside=outside_allowed())
+    if supports is None:
+        return checked
+    from ....cases import with_supports
+
+    return with_supports(checked, supports)
 
 
 class Progress(NamedTuple):

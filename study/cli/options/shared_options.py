@@ -15,12 +15,14 @@ from .number_lists import by_member, keyed_numbers, number_list, refuse_decimal_
 
 # Everything heavy is imported where it is needed: ``easeoff --help`` stays quick.
 if TYPE_CHECKING:
+    from ....cases.deflections import Deflections
     from ....geometry.pair.assembly import Misalignment
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
-MISALIGNMENT = "E=..,P=..,G=..,Sigma=.."
+MISALIGNMENT = "E=..,P=..,G=..,Sigma=..|FILE"
+DEFLECTION_FILE = "or a table of deflections over the torque, with the columns torque, E, P, G, Sigma, flank"
 EDGES = ("toe", "heel", "root", "tip")
 ALLOW_OUTSIDE = "easeoff.allow_outside"
 
@@ -151,14 +153,22 @@ def torques(_ctx: click.Context, _param: click.Parameter, text: str | None) -> t
     return tuple(values)
 
 
-def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | None:
-    """Assembly errors [mm, rad], from mm and degrees."""
+def misalignment(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Misalignment | Deflections | None:
+    """Assembly errors [mm, rad], from mm and degrees, or from the file of a table over the torque."""
     if text is None:
         return None
     import math
 
+    if os.path.isfile(text):
+        from ....cases.deflection_table import read_deflections
+
+        return read_deflections(text)
+
     from ....geometry.pair.assembly import Misalignment
 
+    if "=" not in text:
+        wanted = "E=0.15,P=-0.12, or the file of a table of deflections; there is no file of this name"
+        raise click.BadParameter(f"{text!r}: must be KEY=NUMBER, such as {wanted}")
     values = keyed_numbers(text, MISALIGNMENT_KEYS, "E=0.15,P=-0.12")
     for key, value in values.items():
         if not abs(value) < 10.0:

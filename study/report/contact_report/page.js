@@ -101,6 +101,10 @@ function summary() {
     if (several) element("h3", "", box, result.name);
     if (result.title !== data.title) element("p", "", box, result.title);
     table(box, ["", ""], result.head).classList.add("plain");
+    if (result.misalignment.length) {
+      table(box, ["torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]"], result.misalignment, "Misalignment over the torque").classList.add("right");
+      element("p", "small", box, "Variables: misalignment/offset, pinion_axial, gear_axial, shaft_angle.");
+    }
     for (const note of result.notes) element("p", "note", box, note);
     if (!result.notes.length) element("p", "small", box, "No notes: no number is implausible, and no model leaves its range.");
     if (result.torque_count > result.torques.length) element("p", "small", box, `Pictures and charts over the mesh cycle show ${result.torques.length} of ${result.torque_count} torques.`);

@@ -18,7 +18,7 @@ from ....core.printable import printable
 from ....core.writing.output_file import whole_file
 from ....friction.operation import named_models
 from ..result_summary import head_rows, result_notes
-from .report_tables import case_tables, efficiency_rows, loaded_numbers, unloaded_numbers
+from .report_tables import case_tables, efficiency_rows, loaded_numbers, misalignment_rows, unloaded_numbers
 from .stored_case import stored_case
 
 RESULT_COUNT_LIMIT = 6  # in one report
@@ -139,6 +139,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "flank": str(tree.attrs["flank"]),
         "head": [[left, _signed(printable(right))] for left, right in head_rows(tree)],
         "notes": [_signed(printable(note)) for note in result_notes(tree)],
+        "misalignment": misalignment_rows(tree),
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": loaded_numbers(tree),

@@ -13,6 +13,7 @@ from ....cases.recording import with_blanks
 from ....cases.schema.case_schema import Case
 from ....core.ordered_values import ordered
 from ..contact_tables import end_name
+from ..deflection_report import misalignment_over_torque
 from ..key_numbers import key_numbers
 
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
@@ -98,6 +99,16 @@ def loaded_numbers(tree: xr.DataTree) -> dict[str, Any]:
     certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
     rows.append(["certified mesh positions", "", "loaded/status", *certified])
     return {"torques": [f"{torque:g}" for torque in loaded["torque"].values], "rows": rows}
+
+
+def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
+    """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
+    found = misalignment_over_torque(tree)
+    if found is None:
+        return []
+    scale = np.array([1.0, 1.0, 1.0, math.degrees(1.0)])
+    rows = zip(found[0].tolist(), (scale * found[1].mean(axis=1)).tolist(), strict=True)
+    return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
 def _linear(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.compliance.finite_elements.bricks import shape_functions
+from ...contact.compliance.finite_elements.bricks import shape_functions
 
 Array = NDArray[Any]
 

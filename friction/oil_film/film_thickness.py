@@ -14,7 +14,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ..core.checks import one_of
+from ...core.checks import one_of
 
 Array = NDArray[Any]
 

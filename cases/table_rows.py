@@ -1,4 +1,4 @@
-"""Rows of a table of load cases: text in columns, read alike for an analysis over load cases and for a sweep."""
+"""Rows of a table as text in columns, read alike for load cases, of an analysis or a sweep, and for deflections."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .mistakes import LINE_COUNT_LIMIT
 Row = TypeVar("Row")
 
 
-def read_load_case_rows(
+def read_table_rows(
     path: str | os.PathLike[str],
     is_text: Callable[[str], bool],
     checked: Callable[[Mapping[str, Any]], Row],
@@ -25,8 +25,10 @@ def read_load_case_rows(
     count_limit: int | None = None,
     needed: str | None = None,
     complete: bool = False,
+    what: str = "load case",
+    head: str = "torque,E,P,share",
 ) -> tuple[Row, ...]:
-    r"""Rows of a table: a head with the names of the columns, then a load case a line.
+    r"""Rows of a table: a head with the names of the columns, then a row a line.
 
     Columns are separated by commas, semicolons, tabs or blanks; beside commas a decimal has a point. Lines that begin
     with ``#`` are comments.
@@ -47,6 +49,8 @@ def read_load_case_rows(
         A column that must be there.
     complete
         Whether no cell may be empty.
+    what, head
+        What a row is, and a head for an example; for messages.
 
     Raises
     ------
@@ -60,7 +64,7 @@ def read_load_case_rows(
     >>> with TemporaryDirectory() as folder:
     ...     table = Path(folder, "duty.csv")
     ...     _ = table.write_text("name;torque;E\ncruise;100,5\n;300;0,05\n")
-    ...     read_load_case_rows(table, lambda column: column == "name", dict, size_limit=1000)
+    ...     read_table_rows(table, lambda column: column == "name", dict, size_limit=1000)
     ({'name': 'cruise', 'torque': 100.5}, {'torque': 300.0, 'E': 0.05})
     """
     source = named(path)
@@ -71,13 +75,13 @@ def read_load_case_rows(
         if line.strip(' \t;,"') and comment(line) is None
     ]
     if not lines:
-        raise InputError(f"{source} has no load cases: give a head such as torque,E,P,share and a load case a line")
+        raise InputError(f"{source} has no {what}s: give a head such as {head} and a {what} a line")
     if count_limit is not None and len(lines) - 1 > count_limit:
-        raise InputError(f"{source} has {len(lines) - 1} load cases: must have at most {count_limit}")
+        raise InputError(f"{source} has {len(lines) - 1} {what}s: must have at most {count_limit}")
     mark = separator(lines[0][1])
     texts = _columns(lines[0], mark, source, is_text, needed)
     if len(lines) == 1:
-        raise InputError(f"{source} has a head but no load cases: give a load case a line")
+        raise InputError(f"{source} has a head but no {what}s: give a {what} a line")
     found, wrong = [], []
     for at, line in lines[1:]:
         try:

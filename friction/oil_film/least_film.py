@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ..core.attributes import labelled
+from ...core.attributes import labelled
 
 
 def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:

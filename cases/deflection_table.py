@@ -1,0 +1,108 @@
+"""Tables of deflections as text in columns, and what else may say how a pair is misaligned."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..core.errors import InputError
+from ..core.printable import printable, shortened
+from ..core.reading.regular_file import named
+from ..core.reading.text_file import TOML_SIZE_LIMIT
+from ..core.suggestion import suggestion
+from ..geometry.pair.assembly import Misalignment
+from .deflections import Deflections
+from .mistakes import mistakes
+from .schema.misalignment_table import DEFLECTION_ROW_COUNT_LIMIT, DeflectionRow, deflections_of
+from .table_rows import read_table_rows
+
+COLUMNS = tuple(DeflectionRow.model_fields)
+
+#: Misalignment as a user may give it: constant, over the torque, or the path of a table of deflections.
+MisalignmentSource = Misalignment | Deflections | str | Path
+
+
+def read_deflections(path: str | os.PathLike[str]) -> Deflections:
+    r"""Deflections of a table: a head with the names of the columns, then a row a torque.
+
+    Columns are ``torque`` and those of ``E``, ``P``, ``G``, ``Sigma`` [mm, degrees] and ``flank`` that are needed, in
+    any order. They are separated by commas, semicolons, tabs or blanks; beside commas a decimal has a point. No cell
+    is empty; lines that begin with ``#`` are comments.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as such; naming line, column, value and what is allowed.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     table = Path(folder, "axle.csv")
+    ...     _ = table.write_text("torque,E,P\n0,0,0\n100,0.02,-0.01\n300,0.05,-0.03\n")
+    ...     read_deflections(table).at(300.0).pinion_axial
+    -0.03
+    """
+    rows = read_table_rows(
+        path,
+        _is_text,
+        _row,
+        size_limit=TOML_SIZE_LIMIT,
+        count_limit=DEFLECTION_ROW_COUNT_LIMIT,
+        needed="torque",
+        complete=True,
+        what="row",
+        head="torque,E,P,G,Sigma",
+    )
+    try:
+        return deflections_of(rows)
+    except ValueError as error:
+        raise InputError(f"{named(path)}: {error}") from error
+
+
+def misalignment_of(source: MisalignmentSource) -> Misalignment | Deflections:
+    """Misalignment from what a user gave.
+
+    Raises
+    ------
+    InputError
+        If it is nothing of the kind, or a file that is no table of deflections.
+
+    Examples
+    --------
+    >>> misalignment_of(Misalignment(offset=0.1)).offset
+    0.1
+    """
+    if isinstance(source, Misalignment | Deflections):
+        return source
+    if isinstance(source, str | os.PathLike):
+        return read_deflections(source)
+    raise InputError(
+        f"misalignment: {type(source).__name__}: must be a Misalignment, Deflections, or the path of a table of them"
+    )
+
+
+def _is_text(column: str) -> bool:
+    """Whether a column holds texts."""
+    if column not in COLUMNS:
+        shown = shortened(printable(repr(column)))
+        raise ValueError(f"{shown} is no column; known are: {', '.join(COLUMNS)}{suggestion(column, COLUMNS)}")
+    return column == "flank"
+
+
+def _row(row: Mapping[str, Any]) -> DeflectionRow:
+    """A checked row."""
+    try:
+        return DeflectionRow.model_validate(row)
+    except ValidationError as error:
+        raise ValueError(mistakes(DeflectionRow, error)) from error

@@ -1,0 +1,332 @@
+"""Rounds in which the assembly found under load becomes that of the geometry, until it changes no more.
+
+The contact problem of a round has the ease-off of its assembly, and what the members move beyond it to first order.
+What is left to the next round is that the forces turn and move with the flanks: about a hundredth of the change before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.checks import one_of, positive, whole
+from ...core.errors import GeometryError
+from ...core.stored_status import StoredStatus
+from ...geometry.pair.assembly import Assembly, Misalignment
+from ...geometry.pair.gear_pair import PairGeometry
+from ..lines.mesh_lines import MeshLines
+from ..loaded_cases import LoadedCase
+from ..segments import CycleSegments, Segments
+from .held_members import HeldMembers
+from .mesh_wrench import MeshWrenches
+from .relative_motion import RelativeMotion, moved
+from .support import LoadedSupports, Supports
+from .support_modes import SupportModes
+
+Array = NDArray[np.float64]
+Update = Literal["none", "mean", "position"]
+UPDATES: tuple[Update, ...] = ("none", "mean", "position")
+#: Parts of the relative motion that a geometry can be made with: E, P, G, Sigma, and the rotation of the pinion.
+MISALIGNMENT_PARTS, MOVED_PARTS = slice(0, 4), slice(0, 5)
+
+
+class RoundsStatus(StoredStatus):
+    """How the rounds ended.
+
+    Examples
+    --------
+    >>> RoundsStatus(1).name
+    'ROUND_LIMIT'
+    """
+
+    ENDED = 0
+    ROUND_LIMIT = 1
+    NO_GEOMETRY = 2
+    NOT_CERTIFIED = 3
+
+
+@dataclass(frozen=True)
+class AssemblyRounds:
+    """How far the assembly found under load is followed.
+
+    Parameters
+    ----------
+    update
+        ``mean``: at every torque the ease-off is that of the mean assembly over the mesh cycle, and what the assembly
+        varies about it counts to first order. ``position``: it is that of the assembly at every mesh position, the
+        pinion turned as its support turns it. ``none``: all counts to first order.
+    limit
+        Change of the gap, anywhere on the flank, by what the assembly or the supports still change between two rounds,
+        below which the rounds end [um].
+    most
+        Greatest number of rounds.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range.
+
+    Examples
+    --------
+    >>> AssemblyRounds(update="position").most
+    10
+    """
+
+    update: Update = "mean"
+    limit: float = 1e-2
+    most: int = 10
+
+    def __post_init__(self) -> None:
+        one_of("update", self.update, UPDATES)
+        positive("limit", self.limit, "um")
+        whole("most", self.most, 1)
+
+
+class CycleInAssembly(Protocol):
+    """A mesh cycle in some assembly, see ``MeshCycle``."""
+
+    @property
+    def geometry(self) -> PairGeometry:
+        """Flanks, ease-off and teeth."""
+
+    @property
+    def segments(self) -> CycleSegments:
+        """Potential contact segments."""
+
+    @property
+    def lines(self) -> MeshLines:
+        """Contact lines."""
+
+    def at_rotations(self, rotations: Array) -> CycleInAssembly:
+        """The same pair at other pinion rotations [rad]."""
+
+
+#: Makes the pair in another assembly.
+Assembled = Callable[[Misalignment], CycleInAssembly]
+#: Solves the contact of segments on held members at torques (t) [N m].
+Solve = Callable[[CycleSegments, Array, HeldMembers], tuple[list[Segments | None], list[LoadedCase]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """Contact on supports at torques (t) and mesh positions (k), as one round solved it.
+
+    Parameters
+    ----------
+    cycle
+        The pair in the assembly of the geometry; the mean one where every mesh position has its own.
+    segments, cases
+        As of ``loaded.cycle_cases``.
+    wrench
+        Wrench of the gear on the pinion about the origin (t, k, 6); NaN where nothing is certified.
+    parts
+        The motion under load, see ``relative_motion.PARTS`` (t, k, 6).
+    rotation
+        Rotation of the gear against the drive sense (t, k) [rad], from first contact of the pair without load.
+    first_contact
+        What of it is first contact in the mean assembly (t) [rad].
+    supports
+        Supports at every mesh position (k).
+    """
+
+    cycle: CycleInAssembly
+    segments: list[Segments | None]
+    cases: list[LoadedCase]
+    wrench: Array
+    parts: Array
+    rotation: Array
+    first_contact: Array
+    supports: tuple[Supports, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class FoundRound:
+    """The last round at torques (t), and how the rounds ended.
+
+    Parameters
+    ----------
+    torques
+        Numbers of the torques (t).
+    found
+        The last round.
+    count, change
+        Number of rounds, and what the assembly still changed after the last [um].
+    status, reason
+        How they ended.
+    """
+
+    torques: tuple[int, ...]
+    found: Round
+    count: int
+    change: float
+    status: RoundsStatus
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class SupportedPair:
+    """A pair on supports, without load in the assembly of a mesh cycle.
+
+    Parameters
+    ----------
+    cycle
+        The pair in mesh.
+    supports
+        Supports of its members.
+    assembled
+        The pair in another assembly.
+    solve
+        Contact solution.
+    """
+
+    cycle: CycleInAssembly
+    supports: LoadedSupports
+    assembled: Assembled
+    solve: Solve
+
+    @property
+    def assembly(self) -> Assembly:
+        """The assembly without load."""
+        return self.cycle.geometry.pair.assembly
+
+    def motion(self, cycle: CycleInAssembly) -> RelativeMotion:
+        """The parts of a relative motion in the assembly of a cycle."""
+        motion = cycle.geometry.exact.motion
+        return RelativeMotion(motion.assembly, motion.pinion_sense)
+
+    def solved(self, torques: Array, rounds: AssemblyRounds) -> list[FoundRound]:
+        """The last rounds at torques (t) [N m]: of all together where nothing is updated, else of each alone."""
+        constant = isinstance(self.supports, Supports)
+        if rounds.update == "none" and constant:
+            return [self._ended(tuple(range(torques.size)), torques, rounds)]
+        return [self._ended((number,), torques[number : number + 1], rounds) for number in range(torques.size)]
+
+    def _ended(self, numbers: tuple[int, ...], torques: Array, rounds: AssemblyRounds) -> FoundRound:
+        """The last round at torques (t)."""
+        positions = self.cycle.lines.rotations.size
+        absorbed, held = np.zeros((positions, 6)), self._first(torques, positions)
+        found = self._round(torques, absorbed, held, rounds.update)
+        for count in range(1, rounds.most + 1):
+            now, following = self._next(found, absorbed, rounds.update)
+            change = self._change(found, now - absorbed, following) if rounds.update != "none" or following else 0.0
+            ended = FoundRound(numbers, found, count, change, RoundsStatus.ENDED, "")
+            if not np.isfinite(change):
+                reason = "no mesh position has a certified solution"
+                return replace(ended, status=RoundsStatus.NOT_CERTIFIED, reason=reason)
+            if change <= rounds.limit:
+                return ended
+            if count == rounds.most:
+                break
+            try:
+                found = self._round(torques, now, following or held, rounds.update)
+            except GeometryError as error:
+                reason = f"the flanks have no contact in the assembly found: {error}"
+                return replace(ended, status=RoundsStatus.NO_GEOMETRY, reason=reason)
+            absorbed, held = now, following or held
+        reason = f"after {rounds.most} rounds the assembly still changes gaps by {change:.3g} um"
+        return replace(ended, status=RoundsStatus.ROUND_LIMIT, reason=reason)
+
+    def _first(self, torques: Array, positions: int) -> tuple[Supports, ...]:
+        """The supports at the first round: where they depend on the load, under that of the pair on rigid ones."""
+        if isinstance(self.supports, Supports):
+            return (self.supports,) * positions
+        rigid = (Supports.rigid(),) * positions
+        wrench = self._round(torques, np.zeros((positions, 6)), rigid, "none").wrench
+        mean = np.nan_to_num(np.nanmean(wrench[0], axis=0)) if np.isfinite(wrench).any() else np.zeros(6)
+        return (self.supports.at(mean, -mean),) * positions
+
+    def _next(self, found: Round, absorbed: Array, update: Update) -> tuple[Array, tuple[Supports, ...]]:
+        """What the geometry of the next round absorbs (k, 6), and its supports; none if they stay."""
+        known = np.isfinite(found.wrench[0]).all(axis=1)
+        if not known.any():
+            return np.full_like(absorbed, np.nan), ()
+        mean, wrench = found.parts[0, known].mean(axis=0), found.wrench[0, known].mean(axis=0)
+        following, each = np.zeros_like(absorbed), np.where(known[:, None], found.wrench[0], wrench)
+        if update == "mean":
+            following[:, MISALIGNMENT_PARTS] = mean[MISALIGNMENT_PARTS]
+        elif update == "position":
+            every = np.where(known[:, None], found.parts[0], mean)
+            following[:, MOVED_PARTS] = every[:, MOVED_PARTS]
+        if isinstance(self.supports, Supports):
+            return following, ()
+        if update == "position":
+            return following, tuple(self.supports.at(one, -one) for one in each)
+        return following, (self.supports.at(wrench, -wrench),) * known.size
+
+    def _change(self, found: Round, parts: Array, following: tuple[Supports, ...]) -> float:
+        """Greatest change of a gap [um] by parts (k, 6) of the motion, and by other supports under the same load."""
+        twist = self.motion(found.cycle).twist(parts)
+        for number, (supports, wrench) in enumerate(zip(following, found.wrench[0], strict=False)):
+            changed = supports.relative(self.assembly) - found.supports[number].relative(self.assembly)
+            twist[number] += np.nan_to_num(changed @ wrench)
+        return 1e3 * float(np.abs(MeshWrenches.of(found.cycle.geometry).flank @ twist.T).max())
+
+    def _round(self, torques: Array, absorbed: Array, supports: tuple[Supports, ...], update: Update) -> Round:
+        """One round: the contact in the assembly that has absorbed parts (k, 6) of the motion."""
+        compliances = {one: one.relative(self.assembly) for one in set(supports)}
+        positions, misalignment = len(supports), self.assembly.misalignment
+        mean = self._in_assembly(moved(misalignment, absorbed.mean(axis=0)), bool(absorbed.any()))
+        shape = (torques.size, positions)
+        wrench, parts, rotation = np.full((*shape, 6), np.nan), np.full((*shape, 6), np.nan), np.full(shape, np.nan)
+        if update == "position":
+            each = [self._at(number, absorbed[number]) for number in range(positions)]
+            groups = [([number], cycle) for number, cycle in enumerate(each)]
+        else:
+            groups = [(list(range(positions)), mean)]
+        segments: list[Segments | None] = []
+        cases: list[LoadedCase] = []
+        for own, cycle in groups:
+            motion, wrenches = self.motion(cycle), MeshWrenches.of(cycle.geometry)
+            modes = [SupportModes(compliances[supports[k]], motion.twist(absorbed[k])) for k in own]
+            there, solved = self.solve(
+                replace(cycle.segments, wrenches=wrenches), torques, HeldMembers(modes, wrenches)
+            )
+            segments += there
+            apart = self._first_contact_change(cycle)
+            for case in solved:
+                k = own[case.mesh_position]
+                cases.append(replace(case, mesh_position=k))
+                if case.solution.certified:
+                    here, place = case.segments, (case.torque, k)
+                    wrench[place] = here.mesh_wrench(case.solution.force)
+                    parts[place] = motion.parts(modes[case.mesh_position].twist(wrench[place]))
+                    rotation[place] = case.solution.rotation + apart - absorbed[k, 4] / self.assembly.ratio
+        beyond = np.nan_to_num(_mean(parts)) - absorbed.mean(axis=0)
+        beyond[:, MISALIGNMENT_PARTS.stop :] = 0.0
+        found = MeshWrenches.of(mean.geometry)
+        first_contact = np.array([found.first_contact_change(one) for one in self.motion(mean).twist(beyond)])
+        return Round(
+            mean, segments, cases, wrench, parts, rotation, first_contact + self._first_contact_change(mean), supports
+        )
+
+    def _in_assembly(self, misalignment: Misalignment, changed: bool) -> CycleInAssembly:
+        return self.assembled(misalignment) if changed else self.cycle
+
+    def _at(self, number: int, absorbed: Array) -> CycleInAssembly:
+        """The pair at one mesh position, in the assembly with parts (6) of the motion, the pinion turned with it."""
+        cycle = self._in_assembly(moved(self.assembly.misalignment, absorbed), bool(absorbed.any()))
+        middle = cycle.geometry.exact.motion.center - self.cycle.geometry.exact.motion.center
+        rotation = self.cycle.lines.rotations[number] + absorbed[4] - _nearest_zero(middle)
+        return cycle.at_rotations(np.array([rotation]))
+
+    def _first_contact_change(self, cycle: CycleInAssembly) -> float:
+        """First contact in the assembly of a cycle [rad], counted from that without load."""
+        there, here = (one.geometry.ease_off.attrs["first_contact_rad"] for one in (cycle, self.cycle))
+        return _nearest_zero(there - here)
+
+
+def _nearest_zero(angle: float) -> float:
+    """An angle [rad] without whole turns."""
+    return float(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def _mean(values: Array) -> Array:
+    """Means (t, c) over mesh positions of values (t, k, c) that may be NaN; NaN where all are."""
+    known = np.isfinite(values)
+    count = known.sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.where(known, values, 0.0).sum(axis=1) / count)

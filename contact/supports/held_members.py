@@ -1,0 +1,58 @@
+"""Members of a pair on their supports over a mesh cycle, for the contact problems of its segments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..segments import Segments
+from .mesh_wrench import MeshWrenches
+from .support_modes import SupportModes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class HeldMembers:
+    """Supports at every mesh position.
+
+    Parameters
+    ----------
+    modes
+        Of every mesh position (k).
+    wrenches
+        Wrenches of the normal forces.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> wrenches = MeshWrenches.of(pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)))
+    >>> rigid = SupportModes(np.zeros((6, 6)), np.zeros(6))
+    >>> HeldMembers([rigid], wrenches).holding([None])
+    [None]
+    """
+
+    modes: Sequence[SupportModes]
+    wrenches: MeshWrenches
+
+    def holding(self, segments: Sequence[Segments | None]) -> list[Segments | None]:
+        """The segments of every mesh position with its supports."""
+        both = zip(segments, self.modes, strict=True)
+        return [None if here is None else replace(here, held=modes) for here, modes in both]
+
+    def closing(self, segments: Segments, force: Array) -> float:
+        """How much farther than the gear turns some gap on the flank closes by the motion of the members [rad].
+
+        Parameters
+        ----------
+        segments
+            Of a mesh position, with its supports.
+        force
+            Normal forces (n) [N].
+        """
+        wrenches = self.wrenches
+        return -float(np.min(wrenches.flank @ segments.moved(force) / wrenches.lever_arm))

@@ -1,0 +1,99 @@
+"""Wrenches of the normal forces at the contact segments of a mesh cycle.
+
+The force acts along the pinion's normal where it makes conjugate contact, and works on the rotation of the gear with
+the lever arm of the contact problem: so scaled, a motion of the members changes the separation of the contact problem
+by its product with the wrench, exactly so to first order, and the moments about both axes are those of the torques.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.ordered_values import ordered
+from ...geometry.pair.datasets import first_contact
+from ...geometry.pair.gear_pair import PairGeometry
+from ..lines.flank_splines import FlankSplines, fit
+from .wrench import unit_wrenches
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class MeshWrenches:
+    """Wrench about the origin of the global frame of a unit normal force on the pinion, over the gear flank.
+
+    Parameters
+    ----------
+    fields
+        Splines of the wrench in conjugate contact, and of the roll angle.
+    gear_turn
+        Rotation of the gear about z for a rotation of the pinion in the drive sense.
+    flank
+        The wrench at the points of the grid that lie on both flanks (m, 6).
+    lever_arm
+        Arm of the normal force about the gear axis at these points (m) [mm].
+    ease_off_angle, inside
+        Ease-off as a gear rotation [rad], and whether they lie on both flanks, of all points of the grid (nt, nh).
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import pair_geometry
+    >>> wrenches = MeshWrenches.of(pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7)))
+    >>> wrenches.on_lines(np.array([0.5, 0.5])).shape
+    (6,)
+    """
+
+    fields: FlankSplines
+    gear_turn: float
+    flank: Array
+    lever_arm: Array
+    ease_off_angle: Array
+    inside: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, geometry: PairGeometry) -> MeshWrenches:
+        """The wrenches of a pair."""
+        data, grid = geometry.ease_off, ("lengthwise", "profile")
+        position, normal = (
+            np.moveaxis(ordered(data, name, *grid, "space"), -1, 0) for name in ("action_position", "action_normal")
+        )
+        shape = position.shape[1:]
+        wrench = -unit_wrenches(position.reshape(3, -1), normal.reshape(3, -1)).T.reshape(6, *shape)
+        wrench *= ordered(data, "lever_arm", *grid) / np.abs(wrench[5])
+        fields = {"wrench": np.moveaxis(wrench, 0, -1), "roll_angle": ordered(data, "roll_angle", *grid)}
+        turn = geometry.exact.motion.gear_axis[2] / geometry.pair.assembly.ratio
+        inside = ordered(data, "inside", *grid) == 1
+        splines = fit(data["lengthwise"].values, data["profile"].values, fields)
+        lever_arm, angle = (ordered(data, name, *grid) for name in ("lever_arm", "ease_off_angle"))
+        return cls(splines, turn, wrench[:, inside].T, lever_arm[inside], angle, inside)
+
+    def first_contact_change(self, twist: Array) -> float:
+        """Change of the gear rotation to first contact [rad] by a twist (6) of the pinion to the gear, to first order.
+
+        First order of the gap at every point: where the first contact is may change.
+        """
+        angle = self.ease_off_angle.copy()
+        angle[self.inside] += self.flank @ twist / self.lever_arm
+        return first_contact(angle, self.inside) - first_contact(self.ease_off_angle, self.inside)
+
+    def on_lines(self, points: Array) -> Array:
+        """Wrenches (6, ...) at points (2, ...) of contact lines."""
+        return self.fields("wrench", points)
+
+    def beside_lines(self, points: Array, rotation: Array) -> Array:
+        """Wrenches (6, n) at points (2, n) that touch at pinion rotations (n) other than their roll angle [rad]."""
+        found = self.fields.evaluate(["wrench", "roll_angle"], points)
+        force, moment = np.split(found["wrench"], 2)
+        angle = self.gear_turn * (rotation - found["roll_angle"])
+        cosine, sine = np.cos(angle), np.sin(angle)
+
+        def turned(vector: Array) -> Array:
+            x, y, z = vector
+            return np.stack([cosine * x - sine * y, sine * x + cosine * y, z])
+
+        return np.concatenate([turned(force), turned(moment)])

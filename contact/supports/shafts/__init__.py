@@ -1,0 +1,1 @@
+"""Shafts on bearings: simple systems of beams that hold a member."""

@@ -1,0 +1,125 @@
+"""Supports on the command line, and what of them an analysis takes from the case."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from easeoff import analyze, read_result
+from easeoff.cases import Case, parse_case, read_case, read_supports, with_supports, write_case
+from easeoff.contact import read_problems
+from easeoff.contact.supports.assembly_rounds import AssemblyRounds
+from easeoff.geometry import Misalignment
+from easeoff.study.cli import main
+
+AXLE = "axle-fm-11x41"
+
+
+@pytest.fixture(scope="module")
+def coarse() -> Case:
+    case = read_case("fm-11x41")
+    size = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    return case.model_copy(
+        update={
+            "contact": case.contact.model_copy(update={**size, "torques": (250.0,)}),
+            "misalignment": type(case.misalignment)(),
+            "compliance": case.compliance.model_copy(update={"model": "shell"}),
+        }
+    )
+
+
+def run(*arguments: object, code: int = 0) -> str:
+    outcome = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    assert outcome.exit_code == code, outcome.output
+    return outcome.output
+
+
+def test_supports_by_name_are_those_of_a_case_that_has_them(coarse: Case, tmp_path: Path) -> None:
+    plain, own, found = tmp_path / "plain.toml", tmp_path / "own.toml", tmp_path / "found.nc"
+    write_case(coarse, plain)
+    write_case(with_supports(coarse, AXLE), own)
+    run("run", plain, "--supports", AXLE, "-o", found)
+    named = read_result(found)
+    assert parse_case(named.attrs["case"]).supports == read_supports(AXLE)
+    tree = analyze(own)
+    for group in ("misalignment", "supports", "loaded"):
+        assert group in named.children
+    there, force = (np.asarray(one["loaded/force"], dtype=float) for one in (named, tree))
+    # Not the same to the bit: few problems are solved without compiled code
+    np.testing.assert_allclose(there, force, rtol=0, atol=1e-9 * np.nanmax(force))
+    assert "supports" not in analyze(plain).children
+
+
+@pytest.mark.thorough
+def test_problems_and_sweeps_take_supports(coarse: Case, tmp_path: Path) -> None:
+    plain = tmp_path / "plain.toml"
+    write_case(coarse, plain)
+    run("problems", plain, "-o", tmp_path / "rigid.nc")
+    run("problems", plain, "--supports", AXLE, "-o", tmp_path / "held.nc")
+    rigid, held = (read_problems(tmp_path / f"{name}.nc")[0] for name in ("rigid", "held"))
+    softest = [
+        float(np.max(diagonal + (factor**2).sum(axis=1))) for diagonal, factor in (rigid.compliance, held.compliance)
+    ]
+    assert softest[1] > 1.1 * softest[0]
+    greatest = []
+    for name, supports in (("rigid", []), ("held", ["--supports", AXLE])):
+        out = tmp_path / f"{name}-sweep.nc"
+        run("sweep", plain, *supports, "--over", "torque=100,250", "--workers", 1, "-o", out)
+        with xr.open_dataset(out, engine="netcdf4") as found:
+            assert not found["status"].any()
+            greatest.append(found["max_pressure"].values)
+    assert np.all(np.abs(greatest[1] / greatest[0] - 1.0) > 1e-3)
+
+
+def test_a_mistake_in_supports_is_one_message(coarse: Case, tmp_path: Path) -> None:
+    plain, mine = tmp_path / "plain.toml", tmp_path / "mine.toml"
+    write_case(coarse, plain)
+    out = tmp_path / "out.nc"
+    assert "the shipped supports are: axle-fm-11x41" in run("run", plain, "--supports", "nothing", "-o", out, code=2)
+    mine.write_text('easeoff_support = 1\ntitle = "x"\n[supports.pinion]\nreference = [0, 0, 0]\n')
+    message = run("run", plain, "--supports", mine, "-o", out, code=2)
+    assert "supports.pinion: none given: give one of stiffness, compliance, or a shaft with bearings" in message
+    assert not out.exists()
+
+
+@pytest.mark.thorough
+def test_rounds_are_those_of_the_case_unless_given(coarse: Case) -> None:
+    table = read_supports(AXLE).model_copy(update={"rounds": "none"})
+    first_order = analyze(with_supports(coarse, table))
+    given = analyze(with_supports(coarse, AXLE), rounds=AssemblyRounds("none"))
+    usual = analyze(with_supports(coarse, table), rounds=AssemblyRounds("mean"))
+    np.testing.assert_array_equal(first_order["loaded/force"], given["loaded/force"])
+    np.testing.assert_array_equal(usual["loaded/force"], analyze(with_supports(coarse, AXLE))["loaded/force"])
+    assert int(first_order["supports/rounds"].max()) < int(usual["supports/rounds"].max())
+
+
+@pytest.mark.thorough
+def test_bearings_that_stiffen_lie_between_their_least_and_greatest_stiffness(coarse: Case) -> None:
+    """Of a pinion whose bearings follow a line contact, under a torque within the curves."""
+    table = read_supports(AXLE)
+    assert table.pinion is not None
+
+    def held(scale: float | None) -> Misalignment:
+        bearings = []
+        for bearing in table.pinion.bearings:  # type: ignore[union-attr]
+            curve = tuple((load, 4e5 * (load / 100.0) ** 0.1) for load in (100.0, 1e3, 1e4, 1e5))
+            radial = curve if scale is None else scale
+            bearings.append(bearing.model_copy(update={"radial_stiffness": radial}))
+        pinion = table.pinion.model_copy(update={"bearings": tuple(bearings)})  # type: ignore[union-attr]
+        tree = analyze(with_supports(coarse, table.model_copy(update={"pinion": pinion})))
+        return Misalignment(offset=float(tree["misalignment/offset"].mean()))
+
+    soft, between, stiff = (held(scale).offset for scale in (4e5, None, 4e5 * 1000.0**0.1))
+    assert soft < between < stiff < 0.0
+
+
+@pytest.mark.thorough
+def test_the_shipped_axle_moves_as_the_page_says() -> None:
+    tree = analyze("fm-11x41", supports=AXLE, misalignment=Misalignment(), torques=250.0)
+    moved = {name: float(tree[f"misalignment/{name}"].mean()) for name in ("offset", "pinion_axial", "gear_axial")}
+    assert moved == pytest.approx({"offset": -0.1054, "pinion_axial": 0.043, "gear_axial": -0.037}, abs=5e-4)
+    assert float(np.degrees(tree["misalignment/shaft_angle"]).mean()) == pytest.approx(0.025, abs=5e-4)
